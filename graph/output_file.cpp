@@ -1,0 +1,57 @@
+#include "graph/output_file.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <set>
+#include <unistd.h>
+
+namespace fluidcarve {
+namespace {
+
+std::mutex unfinished_mutex;
+std::set<std::string> unfinished;
+
+}  // namespace
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+    static std::atomic<unsigned> serial{0};
+    const std::filesystem::path target(path_);
+    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw Failure(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+    if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
+    if (access(folder.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: the folder {} is not writable", path_, folder.string()));
+    aside_ = (folder / fmt::format(".{}.{}.{}.part{}", target.stem().string(), getpid(), serial++, target.extension().string())).string();
+    const std::lock_guard lock(unfinished_mutex);
+    unfinished.insert(aside_);
+}
+
+OutputFile::~OutputFile() {
+    const std::lock_guard lock(unfinished_mutex);
+    if (unfinished.erase(aside_) == 0) return;
+    std::error_code ignored;
+    std::filesystem::remove(aside_, ignored);
+}
+
+void OutputFile::commit() {
+    const std::lock_guard lock(unfinished_mutex);
+    std::error_code error;
+    std::filesystem::rename(aside_, path_, error);
+    if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
+    unfinished.erase(aside_);
+}
+
+void OutputFile::remove_unfinished() {
+    const std::lock_guard lock(unfinished_mutex);
+    std::error_code ignored;
+    for (const auto& path : unfinished) std::filesystem::remove(path, ignored);
+    unfinished.clear();
+}
+
+}  // namespace fluidcarve

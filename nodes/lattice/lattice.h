@@ -1,0 +1,39 @@
+#pragma once
+
+#include <openvdb/math/Vec3.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Which dimension of a lattice is carved.
+enum class Axis { u = 0, v = 1 };
+
+/// Vertices `(i, j, k)` along a rig of planes, `I x J x K` of them: the uniform space in which seams are found
+/// and carved (paper 3.1). `i` runs along `u`, `j` along `v`, `k` from plane to plane. A dimension may be 1.
+struct Lattice {
+    struct Plane {
+        openvdb::Vec3d origin;   ///< world position of vertex (0, 0, k)
+        openvdb::Vec3d u, v, w;  ///< unit directions
+    };
+
+    std::array<int, 3> shape{};  ///< I, J, K
+    double spacing = 0;          ///< distance of neighbouring vertices, world units
+    bool closed = false;         ///< plane K-1 is followed by plane 0
+    std::vector<Plane> planes;   ///< K of them
+    std::string description;     ///< what it was made from, for people
+    std::string hash;            ///< of all of the above but the description: seams belong to one lattice
+
+    /// Whether all planes share their directions and stand at equal distances along w: a straight box.
+    bool is_box() const;
+    /// World position of a vertex or of a point between; paper eq. 2. For a box, affine.
+    /// @param at  lattice index coordinates (u, v, w), in vertices
+    openvdb::Vec3d position(const openvdb::Vec3d& at) const;
+};
+
+/// A straight lattice. @param axes  which world axes (0, 1, 2) are u, v and w
+Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape, double spacing, const std::array<int, 3>& axes);
+
+}  // namespace fluidcarve

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "nodes/lattice/lattice.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Seams through one lattice over a sequence, in the order in which they were found.
+/// For the carved axis a seam holds one entry per column; a column is `(lateral, k, t)`, lateral = j for u, i for v.
+struct Seams {
+    enum class Kind { remove, insert };
+    struct Seam {
+        /// `remove`: index in the space as it is when this seam is carved; `insert`: the original index that is doubled.
+        /// Size columns_per_frame() * frames, lateral fastest, then k, then t.
+        std::vector<std::uint16_t> at;
+        double energy = 0;  ///< sum over all columns, in the units of the energy
+    };
+
+    Axis axis = Axis::u;
+    Kind kind = Kind::remove;
+    std::array<int, 3> shape{};        ///< I, J, K before these seams
+    std::vector<int> frames;           ///< frame numbers; a frame's `t` is its place here
+    std::string lattice;               ///< description of the lattice
+    std::string lattice_hash;
+    std::vector<Seam> seams;
+
+    int carved() const { return shape[static_cast<std::size_t>(axis)]; }    ///< vertices along the carved axis
+    int lateral() const { return shape[axis == Axis::u ? 1 : 0]; }
+    std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
+    /// The shape that these seams leave.
+    std::array<int, 3> shape_after(std::size_t count) const;
+};
+
+}  // namespace fluidcarve
