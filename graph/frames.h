@@ -37,9 +37,9 @@ public:
     bool per_frame() const { return per_frame_; }
     /// The path for one frame, below the folder if relative. Without a token: the path itself.
     std::string at(int frame) const;
-    /// Whether any file fits the pattern now.
+    /// Whether any file fits the pattern now, whatever its frame.
     bool exists() const;
-    /// Something that looks like a token but is none (`<fram>`, `$F99`, `%d` with a wrong width), or empty.
+    /// The first thing that looks like a token but is none (`<fram>`, `$F99`, `%4d`, `@@@@`, `$JOB`), or empty.
     const std::string& bad_token() const { return bad_token_; }
 
 private:

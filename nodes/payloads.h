@@ -9,6 +9,8 @@
 
 namespace fluidcarve {
 
+class Registry;
+
 using FloatGrid = openvdb::FloatGrid;
 using VectorGrid = openvdb::Vec3SGrid;
 
@@ -28,5 +30,8 @@ struct Volume {
     /// "density, velocity", for messages.
     std::string names() const;
 };
+
+/// Registers `float`, `vector`, `grid` and `volume`, and what converts to what: any grid to a volume of one.
+void add_payloads(Registry& registry);
 
 }  // namespace fluidcarve

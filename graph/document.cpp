@@ -1,0 +1,357 @@
+#include "graph/document.h"
+
+#include "graph/param.h"
+#include "graph/yaml_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_extends = 16;
+const std::vector<std::string> top_fields{"fluidcarve", "params", "env", "extends", "frames", "nodes"};
+const std::vector<std::string> param_fields{"type", "default", "min", "max", "doc"};
+
+void add(Problems& problems, const Mark& at, std::string message) { problems.push_back({at, std::move(message), {}, {}}); }
+
+std::vector<std::string> names(const Value& map) {
+    std::vector<std::string> out;
+    for (const auto& field : map.fields) out.push_back(field.name);
+    return out;
+}
+
+/// `later` over `earlier`, down to `levels` of maps. A field without a value takes the earlier one away.
+void merge(Value& earlier, const Value& later, int levels) {
+    if (levels == 0 || earlier.kind != Value::Kind::map || later.kind != Value::Kind::map) {
+        earlier = later;
+        return;
+    }
+    for (const auto& field : later.fields) {
+        auto* const found = earlier.find(field.name);
+        if (!found) {
+            earlier.fields.push_back(field);
+        } else if (field.value.kind == Value::Kind::null) {
+            std::erase_if(earlier.fields, [&](const Value::Field& each) { return each.name == field.name; });
+        } else {
+            found->mark = field.mark;
+            merge(found->value, field.value, levels - 1);
+        }
+    }
+    earlier.mark = later.mark;
+}
+
+class Reader {
+public:
+    explicit Reader(Problems& problems) : problems_(problems) {}
+
+    /// The file with all that it extends merged below it; a map even if it could not be read.
+    Value load(const std::string& path, const Mark& from) {
+        Value nothing;
+        nothing.kind = Value::Kind::map;
+        const auto file = fs::weakly_canonical(path).string();
+        if (std::find(loading_.begin(), loading_.end(), file) != loading_.end())
+            return add(problems_, from, fmt::format("{} extends itself, directly or through others", path)), nothing;
+        if (loading_.size() >= most_extends) return add(problems_, from, fmt::format("more than {} files extend each other", most_extends)), nothing;
+
+        const auto source = open(path, from);
+        if (!source) return nothing;
+        const auto before = problems_.size();
+        Value root = read_yaml(source, problems_);
+        nothing.mark = {source, 0, 0};
+        if (problems_.size() > before && root.kind == Value::Kind::null) return nothing;
+        if (root.kind == Value::Kind::null) return add(problems_, {source, 0, 0}, "the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'"), nothing;
+        if (root.kind != Value::Kind::map) return add(problems_, root.mark, "a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not " + root.describe()), nothing;
+        root.mark = {source, 0, 0};
+        check_top(root);
+
+        const auto* const extends = root.find("extends");
+        if (!extends) return root;
+        if (extends->value.kind != Value::Kind::scalar)
+            return add(problems_, extends->value.mark, "'extends' wants the path of a pipeline file, not " + extends->value.describe()), root;
+        loading_.push_back(file);
+        auto base_path = fs::path(extends->value.text);
+        if (base_path.is_relative()) base_path = fs::path(source->folder) / base_path;
+        Value merged = load(base_path.lexically_normal().string(), extends->value.mark);
+        loading_.pop_back();
+        merge(merged, root, 3);
+        return merged;
+    }
+
+private:
+    std::shared_ptr<const Source> open(const std::string& path, const Mark& from) {
+        std::error_code error;
+        std::ifstream in(path, std::ios::binary);
+        if (!in || fs::is_directory(path, error)) {
+            const auto why = fs::is_directory(path, error) ? "it is a folder" : fs::exists(path, error) ? "it is not readable" : "it does not exist";
+            add(problems_, from, fmt::format("cannot read {}: {}", path, why));
+            return nullptr;
+        }
+        auto source = std::make_shared<Source>();
+        source->name = path;
+        source->folder = fs::path(path).parent_path().string();
+        // One byte past the limit is enough to see that it is passed.
+        source->text.resize((1 << 20) + 1);
+        in.read(source->text.data(), static_cast<std::streamsize>(source->text.size()));
+        source->text.resize(static_cast<std::size_t>(in.gcount()));
+        return source;
+    }
+
+    void check_top(const Value& root) {
+        for (const auto& field : root.fields)
+            if (std::find(top_fields.begin(), top_fields.end(), field.name) == top_fields.end())
+                add(problems_, field.mark, fmt::format("a pipeline has no field '{}'{}", field.name, did_you_mean(field.name, top_fields)));
+        const auto* const version = root.find("fluidcarve");
+        if (!version) add(problems_, root.mark, "the format version is missing: the file must state 'fluidcarve: 1'");
+        else if (version->value.kind != Value::Kind::scalar || version->value.text != "1")
+            add(problems_, version->value.mark, fmt::format("format version {} is unknown; this program reads version 1", version->value.describe()));
+        for (const auto* name : {"params", "nodes"})
+            if (const auto* field = root.find(name); field && field->value.kind != Value::Kind::map)
+                add(problems_, field->value.mark, fmt::format("'{}' wants a map, not {}", name, field->value.describe()));
+    }
+
+    Problems& problems_;
+    std::vector<std::string> loading_;
+};
+
+/// Everything that `${name}` may mean, and its replacement in values.
+class Names {
+public:
+    explicit Names(Problems& problems) : problems_(problems) {}
+
+    void declare_environment(const Value& list) {
+        if (list.kind == Value::Kind::null) return;
+        if (list.kind != Value::Kind::list) return add(problems_, list.mark, "'env' wants a list of environment variables, not " + list.describe());
+        for (const auto& item : list.items)
+            if (item.kind == Value::Kind::scalar) environment_.emplace(item.text, item.mark);
+            else add(problems_, item.mark, "'env' wants names, not " + item.describe());
+    }
+
+    void declare_params(const Value& params, const std::map<std::string, Value>& settings) {
+        for (const auto& field : params.fields) declare_param(field, settings);
+    }
+
+    /// Replaces `${name}` all through a value.
+    void replace(Value& value) {
+        if (value.kind == Value::Kind::scalar) replace_scalar(value, values_);
+        for (auto& item : value.items) replace(item);
+        for (auto& field : value.fields) replace(field.value);
+    }
+
+private:
+    void declare_param(const Value::Field& field, const std::map<std::string, Value>& settings) {
+        const auto& [name, mark, param] = field;
+        values_.emplace(name, Value{});  // known, whatever else is wrong with it
+        if (param.kind != Value::Kind::map)
+            return add(problems_, param.mark, fmt::format("param '{}' wants {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
+        for (const auto& each : param.fields)
+            if (std::find(param_fields.begin(), param_fields.end(), each.name) == param_fields.end())
+                add(problems_, each.mark, fmt::format("a param has no field '{}'{}", each.name, did_you_mean(each.name, param_fields)));
+        const auto* const type = param.find("type");
+        if (!type) return add(problems_, mark, fmt::format("param '{}' needs a type: bool, int, float, vector, string, path or count", name));
+
+        Range range;
+        for (const auto& [bound, into] : {std::pair{"min", &range.min}, std::pair{"max", &range.max}})
+            if (const auto* stated = param.find(bound)) {
+                ValueReader reader(problems_, fmt::format("param '{}' field '{}'", name, bound), any_number());
+                *into = reader.number(stated->value, false).value_or(*into);
+            }
+
+        const Value* value = nullptr;
+        Value from_environment;
+        if (const auto* fallback = param.find("default")) value = &fallback->value;
+        if (environment_.contains(name) && std::getenv(name.c_str())) value = &(from_environment = environment_value(name));
+        if (const auto set = settings.find(name); set != settings.end()) value = &set->second;
+        if (!value || value->kind == Value::Kind::null) return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
+
+        Value replaced = *value;
+        replace_environment(replaced);
+        if (fits(*type, replaced, name, range)) values_[name] = std::move(replaced);
+    }
+
+    bool fits(const Value::Field& type, const Value& value, const std::string& name, Range range) {
+        ValueReader reader(problems_, fmt::format("param '{}'", name), range);
+        const auto is = [&](const char* wanted) { return type.value.kind == Value::Kind::scalar && type.value.text == wanted; };
+        if (is("bool")) return ParamTraits<bool>::parse(value, reader).has_value();
+        if (is("int")) return ParamTraits<int>::parse(value, reader).has_value();
+        if (is("float")) return ParamTraits<double>::parse(value, reader).has_value();
+        if (is("vector")) return ParamTraits<Vec3>::parse(value, reader).has_value();
+        if (is("string")) return ParamTraits<std::string>::parse(value, reader).has_value();
+        if (is("path")) return ParamTraits<OutputPath>::parse(value, reader).has_value();
+        if (is("count")) {
+            const auto count = ParamTraits<Count>::parse(value, reader);
+            return count && (count->percent || reader.number(value, true));
+        }
+        add(problems_, type.value.mark,
+            fmt::format("param '{}' has no type {}{}", name, type.value.describe(),
+                        did_you_mean(type.value.text, {"bool", "int", "float", "vector", "string", "path", "count"})));
+        return false;
+    }
+
+    static Value environment_value(const std::string& name) {
+        auto source = std::make_shared<Source>();
+        source->name = "environment variable " + name;
+        source->text = std::getenv(name.c_str());
+        Value out;
+        out.kind = Value::Kind::scalar;
+        out.text = source->text;
+        out.mark = {source, 1, 1};
+        return out;
+    }
+
+    /// Params may build on the environment, but not on each other: no order to get wrong.
+    void replace_environment(Value& value) {
+        static const std::map<std::string, Value> no_params;
+        if (value.kind == Value::Kind::scalar) replace_scalar(value, no_params);
+        for (auto& item : value.items) replace_environment(item);
+    }
+
+    void replace_scalar(Value& value, const std::map<std::string, Value>& params) {
+        if (value.text.find("${") == std::string::npos) return;
+        std::string out;
+        for (std::size_t at = 0; at < value.text.size();) {
+            const auto begin = value.text.find("${", at);
+            out += value.text.substr(at, begin - at);
+            if (begin == std::string::npos) break;
+            const auto end = value.text.find('}', begin);
+            if (end == std::string::npos) return add(problems_, value.mark, "'${' has no '}'");
+            const auto name = value.text.substr(begin + 2, end - begin - 2);
+            const auto* const found = look_up(name, value.mark, params);
+            if (!found) return;
+            if (begin == 0 && end + 1 == value.text.size()) {
+                const Value whole = *found;
+                value = whole;
+                return;
+            }
+            if (found->kind != Value::Kind::scalar) {
+                if (found->kind != Value::Kind::null) add(problems_, value.mark, fmt::format("${{{}}} is {} and can't be put inside a text", name, found->describe()));
+                return;
+            }
+            out += found->text;
+            at = end + 1;
+        }
+        value.text = std::move(out);
+    }
+
+    const Value* look_up(const std::string& name, const Mark& at, const std::map<std::string, Value>& params) {
+        if (const auto found = params.find(name); found != params.end()) return &found->second;
+        if (environment_.contains(name)) {
+            if (!std::getenv(name.c_str())) return add(problems_, at, fmt::format("the environment variable {} is not set", name)), nullptr;
+            return &(from_environment_[name] = environment_value(name));
+        }
+        std::vector<std::string> known;
+        for (const auto& [param, value] : params) known.push_back(param);
+        for (const auto& [variable, mark] : environment_) known.push_back(variable);
+        add(problems_, at,
+            fmt::format("${{{}}} is neither a param nor declared under 'env'{}", name, known.empty() ? std::string() : did_you_mean(name, known)));
+        return nullptr;
+    }
+
+    Problems& problems_;
+    std::map<std::string, Mark> environment_;
+    std::map<std::string, Value> values_;
+    std::map<std::string, Value> from_environment_;
+};
+
+/// A command line's `--set`, split at its sign, the value with places inside the text as typed.
+struct Setting {
+    Value::Field target;
+    Value value;
+};
+
+void point_to(Value& value, const std::shared_ptr<const Source>& source) {
+    value.mark.source = source;
+    for (auto& item : value.items) point_to(item, source);
+    for (auto& field : value.fields) {
+        field.mark.source = source;
+        point_to(field.value, source);
+    }
+}
+
+std::optional<Setting> read_setting(const std::string& text, Problems& problems) {
+    auto source = std::make_shared<Source>();
+    source->name = "--set";
+    source->text = text;
+    const auto sign = text.find('=');
+    if (sign == std::string::npos || sign == 0) return add(problems, {source, 1, 1}, "wants NODE.FIELD=VALUE or PARAM=VALUE"), std::nullopt;
+    Setting out;
+    out.target = {text.substr(0, sign), {source, 1, 1}, {}};
+    const auto value = text.substr(sign + 1);
+    if (value.starts_with('[') || value.starts_with('{')) {
+        auto padded = std::make_shared<Source>(*source);
+        padded->text = std::string(sign + 1, ' ') + value;
+        const auto before = problems.size();
+        out.value = read_yaml(padded, problems);
+        for (auto n = before; n < problems.size(); ++n) problems[n].at.source = source;
+        point_to(out.value, source);
+        return problems.size() == before ? std::optional(out) : std::nullopt;
+    }
+    out.value.kind = Value::Kind::scalar;
+    out.value.text = value;
+    out.value.mark = {source, 1, static_cast<int>(sign) + 2};
+    return out;
+}
+
+/// Puts `node.field` settings into the nodes; returns those of params.
+std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value& nodes, const Value& params, Problems& problems) {
+    std::map<std::string, Value> of_params;
+    for (const auto& text : texts) {
+        const auto setting = read_setting(text, problems);
+        if (!setting) continue;
+        const auto& [name, mark, unused] = setting->target;
+        const auto dot = name.find('.');
+        if (dot == std::string::npos) {
+            if (params.find(name)) of_params[name] = setting->value;
+            else add(problems, mark, fmt::format("there is no param '{}'{}", name, did_you_mean(name, names(params))));
+            continue;
+        }
+        auto* const node = nodes.find(name.substr(0, dot));
+        if (!node) {
+            add(problems, mark, fmt::format("there is no node '{}'{}", name.substr(0, dot), did_you_mean(name.substr(0, dot), names(nodes))));
+        } else if (node->value.kind == Value::Kind::map) {
+            const Mark field_mark{mark.source, 1, static_cast<int>(dot) + 2};
+            const auto field = name.substr(dot + 1);
+            if (auto* const stated = node->value.find(field)) *stated = {field, field_mark, setting->value};
+            else node->value.fields.push_back({field, field_mark, setting->value});
+        }
+    }
+    return of_params;
+}
+
+}  // namespace
+
+Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
+    Value root = Reader(problems).load(path, {});
+    const auto part = [&](const char* name, Value::Kind kind) {
+        const auto* const field = root.find(name);
+        if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
+        Value out;
+        out.kind = kind;
+        out.mark = root.mark;
+        return out;
+    };
+    Document out;
+    out.name = path;
+    out.mark = root.mark;
+    out.frames = part("frames", Value::Kind::null);
+    out.nodes = part("nodes", Value::Kind::map);
+    if (out.nodes.fields.empty() && problems.empty()) add(problems, root.mark, "the pipeline has no nodes");
+
+    const auto params = part("params", Value::Kind::map);
+    Names known(problems);
+    known.declare_environment(part("env", Value::Kind::null));
+    known.declare_params(params, apply(settings, out.nodes, params, problems));
+    known.replace(out.frames);
+    known.replace(out.nodes);
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "graph/value.h"
+
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// A pipeline's text after everything that stands above types: `extends` merged, `--set` applied, `${name}` replaced.
+struct Document {
+    std::string name;  ///< the file, as given
+    Mark mark;         ///< of the file
+    Value frames;      ///< null: one frame, 1
+    Value nodes;       ///< a map of maps
+};
+
+/// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
+/// @param settings  the command line's `--set` texts: `node.field=value` or `param=value`
+/// @param problems  everything that is wrong is added, all at once
+Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems);
+
+}  // namespace fluidcarve

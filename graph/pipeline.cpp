@@ -1,0 +1,365 @@
+#include "graph/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace fluidcarve {
+namespace {
+
+void add(Problems& problems, const Mark& at, std::string message, Mark also_at = {}, std::string also = {}) {
+    problems.push_back({at, std::move(message), std::move(also_at), std::move(also)});
+}
+
+/// One connection as written: `node` or `node.port`.
+struct Reference {
+    Mark mark;
+    std::string node;
+    std::string port;  ///< empty: the main output
+};
+
+/// A node while it is being checked.
+struct Draft {
+    Node node;
+    const Value* value = nullptr;  ///< its map
+    std::vector<std::vector<Reference>> references;  ///< per input
+};
+
+class NodeCheckOf : public NodeCheck {
+public:
+    NodeCheckOf(const Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
+    bool stated(std::string_view field) const override { return draft_.value->find(field) != nullptr; }
+    std::size_t connections(std::string_view input) const override {
+        for (std::size_t n = 0; n < draft_.references.size(); ++n)
+            if (draft_.node.type->inputs[n].name == input) return draft_.references[n].size();
+        return 0;
+    }
+    void fault(std::string_view field, const std::string& message) override {
+        const auto* const found = draft_.value->find(field);
+        add(problems_, found ? found->value.mark : draft_.node.mark, fmt::format("{} {}", draft_.node.type->name, message));
+    }
+
+private:
+    const Draft& draft_;
+    Problems& problems_;
+};
+
+class Builder {
+public:
+    Builder(const Document& document, const Registry& registry, Problems& problems) : document_(document), registry_(registry), problems_(problems) {}
+
+    Pipeline build() {
+        Pipeline out;
+        out.name = document_.name;
+        out.frames = read_frames();
+        drafts_.reserve(document_.nodes.fields.size());
+        for (const auto& field : document_.nodes.fields) read_node(field);
+        for (auto& draft : drafts_) connect(draft);
+        if (!order()) return out;
+        infer_rates();
+        check_paths(out.frames);
+        for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
+        return out;
+    }
+
+private:
+    FrameSet read_frames() {
+        if (document_.frames.kind == Value::Kind::null) return FrameSet({1});
+        std::string fault = "wants a frame set such as 1001-1084, not " + document_.frames.describe();
+        if (document_.frames.kind == Value::Kind::scalar)
+            if (auto frames = FrameSet::parse(document_.frames.text, fault)) return *frames;
+        add(problems_, document_.frames.mark, "frames: " + fault);
+        return FrameSet({1});
+    }
+
+    void read_node(const Value::Field& field) {
+        const auto& [name, mark, value] = field;
+        const auto letter = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+        if (name.empty() || !std::all_of(name.begin(), name.end(), letter))
+            return add(problems_, mark, fmt::format("'{}' can't name a node; use letters, digits, _ and -", name));
+        known_.insert(name);
+        if (value.kind != Value::Kind::map) return add(problems_, value.mark, fmt::format("node '{}' wants {{type: ..., ...}}, not {}", name, value.describe()));
+        const auto* const type = value.find("type");
+        if (!type) return add(problems_, mark, fmt::format("node '{}' has no type", name));
+        const auto* const node_type = registry_.node(type->value.text);
+        if (!node_type)
+            return add(problems_, type->value.mark, fmt::format("there is no node type {}{}", type->value.describe(), near_type(type->value.text)));
+
+        Draft draft;
+        draft.value = &value;
+        draft.node.name = name;
+        draft.node.mark = mark;
+        draft.node.type = node_type;
+        draft.references.resize(node_type->inputs.size());
+        draft.node.inputs.resize(node_type->inputs.size());
+        draft.node.input_names.resize(node_type->inputs.size());
+        for (const auto& each : value.fields) {
+            if (each.name == "type") continue;
+            if (!node_type->input(each.name) && !node_type->param(each.name)) {
+                const auto fields = node_type->field_names();
+                add(problems_, each.mark, fmt::format("{} has no parameter '{}'{}", node_type->name, each.name, did_you_mean(each.name, fields)));
+            } else if (each.value.kind == Value::Kind::null) {
+                add(problems_, each.mark, fmt::format("{} field '{}' has no value", node_type->name, each.name));
+            }
+        }
+        read_params(draft);
+        for (std::size_t n = 0; n < node_type->inputs.size(); ++n) read_references(draft, n);
+        if (node_type->check && draft.node.params) {
+            NodeCheckOf check(draft, problems_);
+            node_type->check(draft.node.params.get(), check);
+        }
+        index_[name] = drafts_.size();
+        drafts_.push_back(std::move(draft));
+    }
+
+    /// The nearest type, else the family's, else where to find them all: the whole list would drown the place.
+    std::string near_type(const std::string& name) const {
+        const auto all = registry_.node_names();
+        if (const auto best = nearest(name, all); !best.empty()) return fmt::format("; did you mean '{}'?", best);
+        std::vector<std::string> family;
+        for (const auto& each : all)
+            if (each.starts_with(name.substr(0, name.find('.')) + ".")) family.push_back(each);
+        return family.empty() ? std::string("; `fluidcarve nodes` lists them") : fmt::format("; known: {}", fmt::join(family, ", "));
+    }
+
+    void read_params(Draft& draft) {
+        const auto& type = *draft.node.type;
+        const auto params = type.make_params();
+        bool good = true;
+        for (const auto& spec : type.params) {
+            const auto* const field = draft.value->find(spec.name);
+            if (!field && spec.required) {
+                add(problems_, draft.node.mark, fmt::format("{} needs '{}': {}", type.name, spec.name, to_text(spec.shape)));
+                good = false;
+            }
+            if (!field || field->value.kind == Value::Kind::null) continue;
+            ValueReader reader(problems_, fmt::format("{} parameter '{}'", type.name, spec.name), spec.range);
+            good = spec.parse(params.get(), field->value, reader) && good;
+        }
+        draft.node.outputs = type.outputs;
+        if (!good) return;
+        draft.node.params = params;
+        if (type.named_outputs)
+            for (auto& output : type.named_outputs(params.get())) draft.node.outputs.push_back(std::move(output));
+    }
+
+    void read_references(Draft& draft, std::size_t n) {
+        const auto& spec = draft.node.type->inputs[n];
+        const auto* const field = draft.value->find(spec.name);
+        if (!field) {
+            if (spec.arity != InputSpec::Arity::optional)
+                add(problems_, draft.node.mark, fmt::format("{} needs its input '{}' ({})", draft.node.type->name, spec.name, registry_.accepted_names(spec.type)));
+            return;
+        }
+        const auto take = [&](const Value& value, const std::string& name) {
+            if (value.kind != Value::Kind::scalar)
+                return add(problems_, value.mark, fmt::format("{} input '{}' wants a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
+            const auto dot = value.text.find('.');
+            draft.references[n].push_back({value.mark, value.text.substr(0, dot), dot == std::string::npos ? std::string() : value.text.substr(dot + 1)});
+            draft.node.input_names[n].push_back(name);
+        };
+        const auto& value = field->value;
+        if (value.kind == Value::Kind::null) return;
+        if (spec.arity == InputSpec::Arity::list && value.kind == Value::Kind::list) {
+            if (value.items.empty()) add(problems_, value.mark, fmt::format("{} input '{}' is an empty list", draft.node.type->name, spec.name));
+            for (const auto& item : value.items) take(item, {});
+        } else if (spec.arity == InputSpec::Arity::named) {
+            if (value.kind != Value::Kind::map)
+                add(problems_, value.mark, fmt::format("{} input '{}' wants {{name: node.output, ...}}, not {}", draft.node.type->name, spec.name, value.describe()));
+            for (const auto& each : value.fields) take(each.value, each.name);
+        } else {
+            take(value, {});
+        }
+    }
+
+    void connect(Draft& draft) {
+        for (std::size_t n = 0; n < draft.references.size(); ++n)
+            for (const auto& reference : draft.references[n])
+                if (const auto link = resolve(reference, draft, n)) draft.node.inputs[n].push_back(*link);
+    }
+
+    std::optional<Link> resolve(const Reference& reference, const Draft& draft, std::size_t input) {
+        const auto source = index_.find(reference.node);
+        if (source == index_.end()) {
+            if (!known_.contains(reference.node))
+                add(problems_, reference.mark,
+                    fmt::format("there is no node '{}'{}", reference.node, did_you_mean(reference.node, {known_.begin(), known_.end()})));
+            return std::nullopt;
+        }
+        const auto& from = drafts_[source->second].node;
+        std::vector<std::string> ports;
+        for (const auto& output : from.outputs) ports.push_back(output.name);
+        if (ports.empty()) return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it stands here"), std::nullopt;
+        const auto found = reference.port.empty() ? ports.begin() : std::find(ports.begin(), ports.end(), reference.port);
+        if (found == ports.end()) {
+            if (from.params || from.type->outputs_param.empty())
+                add(problems_, reference.mark, fmt::format("'{}' ({}) has no output '{}'{}", from.name, from.type->name, reference.port, did_you_mean(reference.port, ports)),
+                    from.mark, "it stands here");
+            return std::nullopt;
+        }
+        const Link link{source->second, static_cast<std::size_t>(found - ports.begin())};
+        const auto& output = from.outputs[link.output];
+        const auto& spec = draft.node.type->inputs[input];
+        if (!registry_.accepts(spec.type, output.type)) {
+            add(problems_, reference.mark,
+                fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name, spec.name, registry_.accepted_names(spec.type), from.name, output.name,
+                            registry_.payload(output.type).name),
+                from.mark, fmt::format("'{}' ({}) stands here", from.name, from.type->name));
+            return std::nullopt;
+        }
+        return link;
+    }
+
+    /// Sorts the drafts so that each comes after its inputs; false, and a problem, if there is a cycle.
+    bool order() {
+        enum class State { fresh, open, done };
+        std::vector<State> state(drafts_.size(), State::fresh);
+        std::vector<std::size_t> path;
+        std::vector<std::size_t> sorted;
+        bool acyclic = true;
+        const auto visit = [&](auto&& self, std::size_t n) -> void {
+            state[n] = State::open;
+            path.push_back(n);
+            for (const auto& links : drafts_[n].node.inputs)
+                for (const auto& link : links) {
+                    if (state[link.node] == State::fresh) self(self, link.node);
+                    else if (state[link.node] == State::open) {
+                        acyclic = false;
+                        report_cycle({std::find(path.begin(), path.end(), link.node), path.end()});
+                    }
+                }
+            path.pop_back();
+            state[n] = State::done;
+            sorted.push_back(n);
+        };
+        for (std::size_t n = 0; n < drafts_.size(); ++n)
+            if (state[n] == State::fresh) visit(visit, n);
+        if (!acyclic) return false;
+
+        std::vector<std::size_t> now_at(drafts_.size());
+        for (std::size_t n = 0; n < sorted.size(); ++n) now_at[sorted[n]] = n;
+        std::vector<Draft> reordered;
+        for (const auto n : sorted) reordered.push_back(std::move(drafts_[n]));
+        for (auto& draft : reordered)
+            for (auto& links : draft.node.inputs)
+                for (auto& link : links) link.node = now_at[link.node];
+        drafts_ = std::move(reordered);
+        return true;
+    }
+
+    /// @param nodes  each takes an output of the next, the last of the first
+    void report_cycle(std::vector<std::size_t> nodes) {
+        std::reverse(nodes.begin(), nodes.end());
+        const auto first = std::min_element(nodes.begin(), nodes.end());
+        std::rotate(nodes.begin(), first, nodes.end());
+        std::string text;
+        for (const auto n : nodes) text += drafts_[n].node.name + " -> ";
+        add(problems_, drafts_[nodes.front()].node.mark, fmt::format("these nodes feed each other in a cycle: {}{}", text, drafts_[nodes.front()].node.name));
+    }
+
+    void infer_rates() {
+        for (auto& [node, value, references] : drafts_) {
+            auto inputs = Rate::fixed;
+            for (const auto& links : node.inputs)
+                for (const auto& link : links) {
+                    const auto rate = drafts_[link.node].node.rate;
+                    node.per_frame_input = node.per_frame_input || rate == Rate::frame;
+                    inputs = std::max(inputs, rate);
+                }
+            bool reads_frames = false;
+            if (node.params)
+                for (const auto& spec : node.type->params)
+                    reads_frames = reads_frames || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
+            node.gathers = node.params && node.type->gathers(node.params.get());
+            if (reads_frames) node.rate = Rate::frame;
+            else if (node.per_frame_input && !node.type->per_frame_outputs) node.rate = Rate::sequence;
+            else node.rate = inputs;
+        }
+    }
+
+    /// Writers: a token where they run per frame and none where not; no file is written twice or over an input.
+    void check_paths(const FrameSet& frames) {
+        std::map<std::string, std::pair<Mark, std::string>> used;
+        const auto each_path = [&](Shape::Kind kind, const auto& visit) {
+            for (const auto& [node, value, references] : drafts_)
+                for (const auto& spec : node.type->params)
+                    if (node.params && spec.shape.kind == kind)
+                        if (const auto& path = spec.path(node.params.get()); !path.text().empty()) {
+                            const auto* const field = value->find(spec.name);
+                            visit(node, spec, path, field ? field->value.mark : node.mark);
+                        }
+        };
+        const auto file = [&](const PathPattern& path) {
+            std::error_code error;
+            return std::filesystem::weakly_canonical(std::filesystem::absolute(path.at(frames.frames().front()), error), error).string();
+        };
+        each_path(Shape::Kind::input_path, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
+            used.emplace(file(path), std::pair(mark, fmt::format("'{}' reads it here", node.name)));
+        });
+        each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
+            if (node.rate == Rate::frame && !path.per_frame())
+                add(problems_, mark, fmt::format("{} writes a file for every frame: '{}' needs a frame token such as ####", node.type->name, spec.name));
+            if (node.rate != Rate::frame && path.per_frame())
+                add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
+            const auto [first, fresh] = used.emplace(file(path), std::pair(mark, fmt::format("'{}' writes it here", node.name)));
+            if (!fresh) add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
+        });
+    }
+
+    const Document& document_;
+    const Registry& registry_;
+    Problems& problems_;
+    std::vector<Draft> drafts_;
+    std::map<std::string, std::size_t> index_;  ///< of the drafts, by name
+    std::set<std::string> known_;               ///< all node names as written, of unknown types too
+};
+
+}  // namespace
+
+std::string to_text(Rate rate) {
+    switch (rate) {
+        case Rate::fixed: return "static";
+        case Rate::sequence: return "sequence";
+        case Rate::frame: break;
+    }
+    return "frame";
+}
+
+const Node* Pipeline::find(std::string_view name) const {
+    const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const Node& node) { return node.name == name; });
+    return found == nodes.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> Pipeline::node_names() const {
+    std::vector<std::string> out;
+    for (const auto& node : nodes) out.push_back(node.name);
+    return out;
+}
+
+std::vector<std::size_t> Pipeline::leaves() const {
+    std::vector<bool> read(nodes.size(), false);
+    for (const auto& node : nodes)
+        for (const auto& links : node.inputs)
+            for (const auto& link : links) read[link.node] = true;
+    std::vector<std::size_t> out;
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        if (!read[n]) out.push_back(n);
+    return out;
+}
+
+std::vector<bool> Pipeline::upstream_of(const std::vector<std::size_t>& targets) const {
+    std::vector<bool> needed(nodes.size(), false);
+    for (const auto n : targets) needed[n] = true;
+    for (std::size_t n = nodes.size(); n-- > 0;)
+        if (needed[n])
+            for (const auto& links : nodes[n].inputs)
+                for (const auto& link : links) needed[link.node] = true;
+    return needed;
+}
+
+Pipeline build_pipeline(const Document& document, const Registry& registry, Problems& problems) { return Builder(document, registry, problems).build(); }
+
+}  // namespace fluidcarve

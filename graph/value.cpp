@@ -1,0 +1,27 @@
+#include "graph/value.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace fluidcarve {
+
+const Value::Field* Value::find(std::string_view name) const {
+    const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& field) { return field.name == name; });
+    return found == fields.end() ? nullptr : &*found;
+}
+
+Value::Field* Value::find(std::string_view name) { return const_cast<Field*>(std::as_const(*this).find(name)); }
+
+std::string Value::describe() const {
+    switch (kind) {
+        case Kind::null: return "nothing";
+        case Kind::scalar: return fmt::format("'{}'", text);
+        case Kind::list: return items.size() == 1 ? "a list of one" : fmt::format("a list of {}", items.size());
+        case Kind::map: break;
+    }
+    return "a map";
+}
+
+}  // namespace fluidcarve

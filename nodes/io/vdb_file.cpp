@@ -1,0 +1,271 @@
+#include "nodes/io/vdb_file.h"
+
+#include "graph/output_file.h"
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
+#include <openvdb/points/AttributeArray.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::io::GridDescriptor;
+
+[[noreturn]] void refuse(const std::string& message) { throw Failure(message, Failure::Kind::input); }
+
+void initialize() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        openvdb::initialize();
+        // Blender's liquid caches in half precision hold it, and the library leaves it out.
+        using HalfInt = openvdb::points::TypedAttributeArray<std::int32_t, openvdb::points::TruncateCodec>;
+        if (!HalfInt::isRegistered()) HalfInt::registerType();
+    });
+}
+
+/// An open file whose header was walked. The walk is our own: the library's allocates what a length in the file
+/// says, stops at a grid type that it doesn't know, and sorts the grids by name.
+class OpenVdb : private openvdb::io::Archive {
+public:
+    explicit OpenVdb(const std::string& path) : path_(path) {
+        initialize();
+        open();
+        try {
+            walk();
+        } catch (const std::ios_base::failure&) {
+            refuse(fmt::format("{} is cut off: it ends within its header, at byte {}; copy or write it again", path_, size_));
+        } catch (const openvdb::Exception& error) {
+            refuse(fmt::format("{} is not a VDB file: {}", path_, error.what()));
+        }
+    }
+
+    const std::vector<GridDescriptor>& grids() const { return grids_; }
+    const openvdb::MetaMap& metadata() const { return metadata_; }
+    std::uint32_t codecs_seen() const { return codecs_seen_; }
+
+    /// Without the tree of its parent, if it is an instance.
+    openvdb::GridBase::Ptr read(const GridDescriptor& from) {
+        if (!openvdb::GridBase::isRegistered(from.gridType()))
+            refuse(fmt::format("{}: grid '{}' is of type {}, which OpenVDB {} does not know; leave it out when writing the file", path_, shown(from), from.gridType(),
+                               openvdb::getLibraryVersionString()));
+        const auto grid = openvdb::GridBase::createGrid(from.gridType());
+        try {
+            grid->setSaveFloatAsHalf(from.saveFloatAsHalf());
+            from.seekToGrid(stream_);
+            readGrid(grid, from, stream_);
+        } catch (const std::exception& error) {
+            refuse(fmt::format("{}: cannot read grid '{}': {}", path_, shown(from), error.what()));
+        }
+        codecs_seen_ |= openvdb::io::getDataCompression(stream_);
+        // Metadata that was read may lack what the type's name says.
+        if (from.saveFloatAsHalf() && !grid->saveFloatAsHalf()) grid->setSaveFloatAsHalf(true);
+        return grid;
+    }
+
+    const GridDescriptor& parent_of(const GridDescriptor& grid) const {
+        const auto found = std::find_if(grids_.begin(), grids_.end(), [&](const auto& each) { return each.uniqueName() == grid.instanceParentName(); });
+        if (found == grids_.end() || found->isInstance())
+            refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid), GridDescriptor::nameAsString(grid.instanceParentName())));
+        return *found;
+    }
+
+    static std::string shown(const GridDescriptor& grid) { return GridDescriptor::nameAsString(grid.uniqueName()); }
+
+private:
+    void open() {
+        std::error_code error;
+        const auto status = std::filesystem::status(path_, error);
+        if (!std::filesystem::exists(status)) refuse(fmt::format("{} does not exist", path_));
+        if (!std::filesystem::is_regular_file(status)) refuse(fmt::format("{} is not a file", path_));
+        size_ = std::filesystem::file_size(path_, error);
+        stream_.open(path_, std::ios_base::binary);
+        if (error || !stream_) refuse(fmt::format("cannot open {}: {}", path_, error ? error.message() : std::strerror(errno)));
+        // The library never looks whether a read came up short.
+        stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
+    }
+
+    void walk() {
+        readHeader(stream_);
+        if (fileVersion() > openvdb::OPENVDB_FILE_VERSION)
+            refuse(fmt::format("{} has file version {}; OpenVDB {} reads up to {}", path_, fileVersion(), openvdb::getLibraryVersionString(),
+                               static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
+        if (!inputHasGridOffsets()) refuse(fmt::format("{} was written as a stream and does not say where its grids are; write it with openvdb::io::File", path_));
+        tags_->setSeekable(true);
+        openvdb::io::setStreamMetadataPtr(stream_, tags_, false);
+        setFormatVersion(stream_);
+        setLibraryVersion(stream_);
+        setDataCompression(stream_);
+        read_metadata();
+        const auto count = number<std::int32_t>();
+        for (std::int32_t n = 0; n < count; ++n) {
+            grids_.push_back(descriptor());
+            stream_.seekg(grids_.back().getEndPos());
+        }
+    }
+
+    /// Twice over the same bytes: first for the lengths, so that the library allocates no more than the file holds.
+    void read_metadata() {
+        const auto begin = stream_.tellg();
+        const auto count = number<std::uint32_t>();
+        for (std::uint32_t n = 0; n < count; ++n) {
+            text();
+            text();
+            text();
+        }
+        stream_.seekg(begin);
+        metadata_.readMeta(stream_);
+    }
+
+    GridDescriptor descriptor() {
+        constexpr std::string_view half_suffix = "_HalfFloat";
+        const auto name = text();
+        auto type = text();
+        const bool half = type.ends_with(half_suffix);
+        if (half) type.resize(type.size() - half_suffix.size());
+        GridDescriptor out(name, type, half);
+        if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) out.setInstanceParentName(text());
+        out.setGridPos(number<std::int64_t>());
+        out.setBlockPos(number<std::int64_t>());
+        out.setEndPos(number<std::int64_t>());
+        // A writer fills these in when the grid is complete.
+        if (out.getGridPos() < stream_.tellg() || out.getBlockPos() < out.getGridPos() || out.getEndPos() < out.getBlockPos())
+            refuse(fmt::format("{} is unfinished or damaged: it does not say where grid '{}' ends; wait for its writer, or write it again", path_, shown(out)));
+        if (static_cast<std::uint64_t>(out.getEndPos()) > size_)
+            refuse(fmt::format("{} is cut off: grid '{}' ends at byte {}, the file at {}; copy or write it again", path_, shown(out), out.getEndPos(), size_));
+        return out;
+    }
+
+    template <class T>
+    T number() {
+        T out{};
+        stream_.read(reinterpret_cast<char*>(&out), sizeof out);
+        return out;
+    }
+
+    std::string text() {
+        const auto length = number<std::uint32_t>();
+        if (length > size_ - static_cast<std::uint64_t>(stream_.tellg())) throw std::ios_base::failure("length");
+        std::string out(length, '\0');
+        stream_.read(out.data(), length);
+        return out;
+    }
+
+    std::string path_;
+    std::uint64_t size_ = 0;
+    std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream keeps its address
+    std::ifstream stream_;
+    std::vector<GridDescriptor> grids_;
+    openvdb::MetaMap metadata_;
+    std::uint32_t codecs_seen_ = 0;
+};
+
+VdbHeader header_of(const OpenVdb& file) {
+    VdbHeader out;
+    for (const auto& grid : file.grids()) {
+        const auto end = static_cast<std::uint64_t>(grid.getEndPos());
+        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end});
+        out.end = std::max(out.end, end);
+    }
+    return out;
+}
+
+std::uint32_t flags(const std::string& codec) {
+    using namespace openvdb::io;
+    if (codec == "none") return COMPRESS_ACTIVE_MASK;
+    if (codec == "zip") return COMPRESS_ACTIVE_MASK | COMPRESS_ZIP;
+    return COMPRESS_ACTIVE_MASK | COMPRESS_BLOSC;
+}
+
+std::string name(Codec codec, const Volume& volume) {
+    switch (codec) {
+        case Codec::as_read: break;
+        case Codec::blosc: return "blosc";
+        case Codec::zip: return "zip";
+        case Codec::none: return "none";
+    }
+    return volume.codec.empty() ? "blosc" : volume.codec;
+}
+
+}  // namespace
+
+std::optional<std::size_t> VdbHeader::find(const std::string& name) const {
+    for (const auto key : {&Entry::name, &Entry::unique_name})
+        for (std::size_t n = 0; n < grids.size(); ++n)
+            if (grids[n].*key == name) return n;
+    return std::nullopt;
+}
+
+std::vector<std::string> VdbHeader::names() const {
+    std::vector<std::string> out;
+    for (const auto& grid : grids) out.push_back(grid.unique_name);
+    return out;
+}
+
+VdbHeader read_vdb_header(const std::string& path) { return header_of(OpenVdb(path)); }
+
+Volume read_vdb(const std::string& path) {
+    OpenVdb file(path);
+    std::vector<openvdb::GridBase::Ptr> grids;
+    for (const auto& grid : file.grids()) grids.push_back(file.read(grid));
+    for (std::size_t n = 0; n < grids.size(); ++n)
+        if (const auto& grid = file.grids()[n]; grid.isInstance())
+            grids[n]->setTree(grids[static_cast<std::size_t>(&file.parent_of(grid) - file.grids().data())]->baseTreePtr());
+    Volume out;
+    out.grids.assign(grids.begin(), grids.end());
+    out.metadata = file.metadata();
+    out.codec = file.codecs_seen() & openvdb::io::COMPRESS_BLOSC ? "blosc" : file.codecs_seen() & openvdb::io::COMPRESS_ZIP ? "zip" : "none";
+    return out;
+}
+
+openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name) {
+    OpenVdb file(path);
+    const auto header = header_of(file);
+    const auto found = header.find(name);
+    if (!found) {
+        const auto best = nearest(name, header.names());
+        refuse(fmt::format("{} has no grid '{}'; it has {}{}", path, name, header.grids.empty() ? "none" : fmt::format("{}", fmt::join(header.names(), ", ")),
+                           best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
+    }
+    const auto& from = file.grids()[*found];
+    auto grid = file.read(from);
+    if (from.isInstance()) grid->setTree(file.read(file.parent_of(from))->baseTreePtr());
+    return grid;
+}
+
+void write_vdb(const std::string& path, const Volume& volume, Codec codec) {
+    initialize();
+    OutputFile output(path);
+    const auto codec_name = name(codec, volume);
+    if (codec_name == "blosc" && !openvdb::io::Archive::hasBloscCompression())
+        throw Failure(fmt::format("cannot write {}: this OpenVDB was built without blosc; set 'compression: zip'", path));
+    try {
+        openvdb::io::File file(output.aside());
+        file.setCompression(flags(codec_name));
+        file.write(volume.grids, volume.metadata);
+    } catch (const openvdb::Exception& error) {
+        throw Failure(fmt::format("cannot write {}: {}", path, error.what()));
+    }
+    VdbHeader header;
+    try {
+        header = read_vdb_header(output.aside());
+    } catch (const Failure&) {
+        throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
+    }
+    const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) { return written.name == grid->getName() && written.type == grid->type(); };
+    if (!std::equal(header.grids.begin(), header.grids.end(), volume.grids.begin(), volume.grids.end(), same))
+        throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path, fmt::join(header.names(), ", "), volume.names()));
+    output.commit();
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "nodes/payloads.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What a .vdb file says of its grids before one of them is read.
+struct VdbHeader {
+    struct Entry {
+        std::string unique_name;  ///< with the number that tells grids of one name apart: "density[1]"
+        std::string name;         ///< without it
+        std::string type;         ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
+        std::uint64_t end = 0;    ///< first byte behind the grid
+    };
+    std::vector<Entry> grids;  ///< in file order
+    std::uint64_t end = 0;     ///< first byte behind the last grid: the least size of a whole file
+
+    /// The first grid of this name or, if there is none, of this unique name.
+    std::optional<std::size_t> find(const std::string& name) const;
+    /// Unique names, in file order.
+    std::vector<std::string> names() const;
+};
+
+/// Walks the header. OpenVDB reads a truncated file without an error, so this is the check that the file is whole.
+/// @throws Failure (input) if the file is missing, unreadable, no VDB, truncated, or too new for the library
+VdbHeader read_vdb_header(const std::string& path);
+
+/// All grids, in the order of VdbHeader::grids, loaded at once (nothing is left to load later, from many threads).
+/// Shared trees stay shared; half floats are widened and the grid's half flag is set.
+/// @throws Failure (input) as read_vdb_header, or naming the grid that can't be read
+Volume read_vdb(const std::string& path);
+
+/// One grid, found as VdbHeader::find does; no other is read.
+/// @throws Failure (input) as read_vdb, or listing the grids if there is none of this name
+openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name);
+
+/// How the bytes of a file are compressed. None of these loses anything.
+enum class Codec {
+    as_read,  ///< as the volume's file was; blosc if it came from none
+    blosc,
+    zip,  ///< OpenVDB leaves level sets and fog volumes unzipped
+    none,
+};
+
+/// Writes aside, reads the header back (OpenVDB does not notice a full disk), then renames: the file appears whole or not at all.
+/// Everything but the writer's own statistics (metadata `file_*`) reads back as it was.
+/// @throws Failure if the file can't be written or did not come out whole
+void write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read);
+
+}  // namespace fluidcarve

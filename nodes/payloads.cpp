@@ -1,0 +1,52 @@
+#include "nodes/payloads.h"
+
+#include "graph/registry.h"
+
+#include <algorithm>
+#include <set>
+
+namespace fluidcarve {
+namespace {
+
+std::shared_ptr<Volume> volume_of(openvdb::GridBase::ConstPtr grid) {
+    auto out = std::make_shared<Volume>();
+    out->grids.push_back(std::move(grid));
+    return out;
+}
+
+/// Grids of one file may share a tree.
+std::uint64_t bytes_of(const Volume& volume) {
+    std::set<const openvdb::TreeBase*> trees;
+    std::uint64_t out = 0;
+    for (const auto& grid : volume.grids)
+        if (trees.insert(&grid->constBaseTree()).second) out += grid->memUsage();
+    return out;
+}
+
+}  // namespace
+
+openvdb::GridBase::ConstPtr Volume::find(const std::string& name) const {
+    const auto found = std::find_if(grids.begin(), grids.end(), [&](const auto& grid) { return grid->getName() == name; });
+    return found == grids.end() ? nullptr : *found;
+}
+
+std::string Volume::names() const {
+    std::string out;
+    for (const auto& grid : grids) out += (out.empty() ? "" : ", ") + grid->getName();
+    return out;
+}
+
+void add_payloads(Registry& registry) {
+    registry.add(payload_type<FloatGrid>("float", "A grid of numbers.", [](const FloatGrid& grid) { return grid.memUsage(); }));
+    registry.add(payload_type<VectorGrid>("vector", "A grid of vectors of three.", [](const VectorGrid& grid) { return grid.memUsage(); }));
+    registry.add(payload_type<AnyGrid>("grid", "Any one grid, points included.", [](const AnyGrid& any) { return any.grid->memUsage(); }));
+    registry.add(payload_type<Volume>("volume", "All grids of one frame, in the order of their file.", &bytes_of));
+
+    registry.add(conversion<FloatGrid, AnyGrid>([](const Ref<FloatGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
+    registry.add(conversion<VectorGrid, AnyGrid>([](const Ref<VectorGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
+    registry.add(conversion<FloatGrid, Volume>([](const Ref<FloatGrid>& grid) { return volume_of(grid); }));
+    registry.add(conversion<VectorGrid, Volume>([](const Ref<VectorGrid>& grid) { return volume_of(grid); }));
+    registry.add(conversion<AnyGrid, Volume>([](const Ref<AnyGrid>& any) { return volume_of(any->grid); }));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,175 @@
+#include "graph/frames.h"
+
+#include <catch2/catch.hpp>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+using namespace fluidcarve;
+
+namespace {
+
+std::vector<int> frames_of(std::string_view text) {
+    std::string fault;
+    const auto set = FrameSet::parse(text, fault);
+    INFO(text << ": " << fault);
+    REQUIRE(set);
+    return set->frames();
+}
+
+std::string fault_of(std::string_view text) {
+    std::string fault;
+    REQUIRE_FALSE(FrameSet::parse(text, fault));
+    return fault;
+}
+
+std::string shortest(std::string_view text) { return FrameSet(frames_of(text)).text(); }
+
+using Frames = std::vector<int>;
+
+/// A folder that goes away with the test.
+struct Folder {
+    std::filesystem::path path = std::filesystem::temp_directory_path() / ("fluidcarve_frames_" + std::to_string(getpid()));
+    Folder() { std::filesystem::create_directories(path); }
+    ~Folder() { std::filesystem::remove_all(path); }
+    void touch(const std::string& name) const { std::ofstream(path / name); }
+};
+
+}  // namespace
+
+TEST_CASE("frame sets are ranges, steps and lists of them") {
+    CHECK(frames_of("7") == Frames{7});
+    CHECK(frames_of("1001-1004") == Frames{1001, 1002, 1003, 1004});
+    CHECK(frames_of("1-3,20-21") == Frames{1, 2, 3, 20, 21});
+    CHECK(frames_of(" 1-3 ,  9 ") == Frames{1, 2, 3, 9});
+    CHECK(frames_of("1-10x3") == Frames{1, 4, 7, 10});
+    CHECK(frames_of("1-9x3") == Frames{1, 4, 7});
+    CHECK(frames_of("1-10y3") == Frames{2, 3, 5, 6, 8, 9});
+    CHECK(frames_of("1-10:3") == frames_of("1-10"));
+}
+
+TEST_CASE("frames may be negative") {
+    CHECK(frames_of("-5") == Frames{-5});
+    CHECK(frames_of("-5--3") == Frames{-5, -4, -3});
+    CHECK(frames_of("-2-1") == Frames{-2, -1, 0, 1});
+}
+
+TEST_CASE("a frame set is ordered, each frame once, whatever the text's order") {
+    CHECK(frames_of("5,1-3,2,5") == Frames{1, 2, 3, 5});
+    CHECK(frames_of("4-1") == Frames{1, 2, 3, 4});
+    CHECK(frames_of("10-1x4") == Frames{2, 6, 10});
+    CHECK(frames_of("10-1x-4") == Frames{2, 6, 10});
+}
+
+TEST_CASE("what is no frame set is told in words") {
+    const std::string form = "is no frame or range; write 1001, 1001-1084 or 1001-1084x2";
+    CHECK(fault_of("") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
+    CHECK(fault_of("  ") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
+    CHECK(fault_of("1-10x0") == "'1-10x0' has a step of 0; the least is 1");
+    CHECK(fault_of("1-10x-2") == "'1-10x-2' has a negative step, but does not descend");
+    CHECK(fault_of("1-10y1") == "'1-10y1' leaves no frame");
+    CHECK(fault_of("1-1000001") == "more than 1000000 frames");
+    CHECK(fault_of("-2147483648-2147483647y1000000000") == "more than 1000000 frames");
+    for (const std::string bad : {"a", "1-", "1-a", "1 - 3", "1-10x", "1-10z2", "1-10x2x2", "5x2", "1.5", "0x10", "99999999999", "1-10x2 3", "+1"})
+        CHECK(fault_of(bad) == "'" + bad + "' " + form);
+    CHECK(fault_of("1,,2") == "'' " + form);
+    CHECK(fault_of("1,") == "'' " + form);
+    CHECK(fault_of("1-600000,1-600000") == "more than 1000000 frames");
+    CHECK(frames_of("1-1000000").size() == 1000000);
+    CHECK(frames_of("-2147483648-2147483647x1000000000").size() == 5);
+}
+
+TEST_CASE("a frame set's text is short and reads back") {
+    CHECK(shortest("1001-1084") == "1001-1084");
+    CHECK(shortest("1-9x2") == "1-9x2");
+    CHECK(shortest("1,2") == "1,2");
+    CHECK(shortest("3") == "3");
+    CHECK(shortest("-5--1") == "-5--1");
+    CHECK(shortest("1,3,5,6,7,8") == "1,3,5-8");
+    CHECK(shortest("1-10y3") == "2,3,5,6,8,9");
+    CHECK(FrameSet().text().empty());
+    std::mt19937 random(1);
+    for (int trial = 0; trial < 300; ++trial) {
+        Frames frames;
+        const auto share = 1 + random() % 9;
+        for (int frame = -12; frame < 30; ++frame)
+            if (random() % 10 < share) frames.push_back(frame);
+        if (!frames.empty()) CHECK(frames_of(FrameSet(frames).text()) == frames);
+    }
+}
+
+TEST_CASE("a frame's place counts from the first of its set") {
+    const FrameSet set({4, 2, 8});
+    CHECK(set.place(2) == 0);
+    CHECK(set.place(8) == 2);
+    CHECK_FALSE(set.place(5));
+    CHECK(set.contains(4));
+    CHECK_FALSE(set.contains(3));
+}
+
+TEST_CASE("every form of frame token takes the frame's number") {
+    CHECK(PathPattern("a.####.vdb").at(45) == "a.0045.vdb");
+    CHECK(PathPattern("a.##.vdb").at(1045) == "a.1045.vdb");
+    CHECK(PathPattern("a.%04d.vdb").at(45) == "a.0045.vdb");
+    CHECK(PathPattern("a.%d.vdb").at(45) == "a.45.vdb");
+    CHECK(PathPattern("a.$F4.vdb").at(45) == "a.0045.vdb");
+    CHECK(PathPattern("a.$F.vdb").at(45) == "a.45.vdb");
+    CHECK(PathPattern("a.<frame>.vdb").at(45) == "a.45.vdb");
+    CHECK(PathPattern("a.<frame04>.vdb").at(45) == "a.0045.vdb");
+    CHECK(PathPattern("v####/a.$F6.vdb").at(7) == "v0007/a.000007.vdb");
+    CHECK(PathPattern("a.####.vdb").per_frame());
+}
+
+TEST_CASE("negative frames are padded as in fileseq") { CHECK(PathPattern("a.####.vdb").at(-5) == "a.-005.vdb"); }
+
+TEST_CASE("a path without a token is the same for every frame") {
+    const PathPattern path("50% of a$/<1>@b.vdb");
+    CHECK_FALSE(path.per_frame());
+    CHECK(path.bad_token().empty());
+    CHECK(path.at(3) == path.text());
+}
+
+TEST_CASE("a relative path starts at its folder, an absolute one does not") {
+    CHECK(PathPattern("a.#.vdb", "shots/x").at(3) == "shots/x/a.3.vdb");
+    CHECK(PathPattern("a.vdb", "shots/").at(3) == "shots/a.vdb");
+    CHECK(PathPattern("/a.#.vdb", "shots/x").at(3) == "/a.3.vdb");
+}
+
+TEST_CASE("what only looks like a frame token is found") {
+    const auto bad = [](const char* text) { return PathPattern(text).bad_token(); };
+    CHECK(bad("a.%4d.vdb") == "%4d");
+    CHECK(bad("a.%04x.vdb") == "%04x");
+    CHECK(bad("a.%099d.vdb") == "%099d");
+    CHECK(bad("a.$F99.vdb") == "$F99");
+    CHECK(bad("a.$f4.vdb") == "$f4");
+    CHECK(bad("a.$FF.vdb") == "$FF");
+    CHECK(bad("$JOB/a.$F4.vdb") == "$JOB");
+    CHECK(bad("a.${F4}.vdb") == "${");
+    CHECK(bad("a.<fram>.vdb") == "<fram>");
+    CHECK(bad("a.<frame4x>.vdb") == "<frame4x>");
+    CHECK(bad("a.<frame4>.vdb") == "<frame4>");
+    CHECK(bad("a.<frame.vdb") == "<frame");
+    CHECK(bad("a.@@@@.vdb") == "@@@@");
+    CHECK(bad("a.####.vdb").empty());
+}
+
+TEST_CASE("a pattern exists where a file fits it") {
+    const Folder folder;
+    folder.touch("a[1].0045.vdb");
+    folder.touch("b.final.vdb");
+    folder.touch("c.-005.vdb");
+    folder.touch("d.10450.vdb");
+    const auto exists = [&](const char* text) { return PathPattern(text, folder.path.string()).exists(); };
+    CHECK(exists("a[1].####.vdb"));
+    CHECK(exists("a[1].0045.vdb"));
+    CHECK_FALSE(exists("a1.####.vdb"));
+    CHECK_FALSE(exists("b.####.vdb"));
+    CHECK(exists("b.final.vdb"));
+    CHECK(exists("c.####.vdb"));
+    CHECK(exists("d.####.vdb"));
+    CHECK_FALSE(exists("d.######.vdb"));
+    CHECK_FALSE(PathPattern("x.####.vdb", "/nowhere").exists());
+}
