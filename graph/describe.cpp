@@ -145,26 +145,6 @@ std::string rule(std::size_t cells) {
     return out + "\n";
 }
 
-std::string markdown_of(const Registry& registry, const NodeType& type) {
-    std::string out = fmt::format("### {}\n\n{}\n", type.name, type.doc);
-    if (!type.inputs.empty()) {
-        out += "\n" + row({"input", "takes", ""}) + rule(3);
-        for (const auto& input : type.inputs) out += row({"`" + input.name + "`", takes_text(registry, input), input.doc});
-    }
-    if (!type.params.empty()) {
-        out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);
-        for (const auto& param : type.params)
-            out += row({"`" + param.name + "`", join({to_text(param.shape), range_text(param.range)}, ", "), to_text(param.unit),
-                        param.required ? "required" : param.fallback.empty() ? "" : "`" + param.fallback + "`", param.doc});
-    }
-    if (!type.outputs.empty()) {
-        out += "\n" + row({"output", "gives", ""}) + rule(3);
-        for (const auto& output : type.outputs) out += row({"`" + output.name + "`", gives_text(registry, type, output), output.doc});
-    }
-    if (!type.outputs_param.empty()) out += "\n" + more_outputs_text(type) + "\n";
-    return out + "\n```yaml\n" + example(registry, type, 0) + "```\n";
-}
-
 Json json_of(const Registry& registry, const NodeType& type) {
     Json out{{"name", type.name}, {"doc", type.doc}, {"inputs", Json::array()}, {"params", Json::array()}, {"outputs", Json::array()}};
     for (const auto& input : type.inputs) {
@@ -227,6 +207,26 @@ std::string describe(const Registry& registry, const NodeType& type) {
     return out + "\nexample\n" + example(registry, type, 2);
 }
 
+std::string to_markdown(const Registry& registry, const NodeType& type) {
+    std::string out = fmt::format("### {}\n\n{}\n", type.name, type.doc);
+    if (!type.inputs.empty()) {
+        out += "\n" + row({"input", "takes", ""}) + rule(3);
+        for (const auto& input : type.inputs) out += row({"`" + input.name + "`", takes_text(registry, input), input.doc});
+    }
+    if (!type.params.empty()) {
+        out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);
+        for (const auto& param : type.params)
+            out += row({"`" + param.name + "`", join({to_text(param.shape), range_text(param.range)}, ", "), to_text(param.unit),
+                        param.required ? "required" : param.fallback.empty() ? "" : "`" + param.fallback + "`", param.doc});
+    }
+    if (!type.outputs.empty()) {
+        out += "\n" + row({"output", "gives", ""}) + rule(3);
+        for (const auto& output : type.outputs) out += row({"`" + output.name + "`", gives_text(registry, type, output), output.doc});
+    }
+    if (!type.outputs_param.empty()) out += "\n" + more_outputs_text(type) + "\n";
+    return out + "\n```yaml\n" + example(registry, type, 0) + "```\n";
+}
+
 std::string to_markdown(const Registry& registry) {
     std::string contents;
     std::string body;
@@ -241,7 +241,7 @@ std::string to_markdown(const Registry& registry) {
         std::string anchor = name;
         std::erase(anchor, '.');
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));
-        body += "\n" + markdown_of(registry, type);
+        body += "\n" + to_markdown(registry, type);
     }
     std::string out =
         "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`.\n\n" + contents + "\n" + body +
@@ -249,6 +249,8 @@ std::string to_markdown(const Registry& registry) {
     for (const auto& payload : registry.payloads()) out += row({payload.name, payload.doc});
     return out;
 }
+
+std::string to_json(const Registry& registry, const NodeType& type) { return json_of(registry, type).dump(2) + "\n"; }
 
 std::string to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};

@@ -149,7 +149,7 @@ public:
 private:
     void declare_param(const Value::Field& field, const std::map<std::string, Value>& settings) {
         const auto& [name, mark, param] = field;
-        values_.emplace(name, Value{});  // known, whatever else is wrong with it
+        values_[name].kind = Value::Kind::unresolved;  // known, whatever else is wrong with it
         if (param.kind != Value::Kind::map)
             return add(problems_, param.mark, fmt::format("param '{}' wants {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
         for (const auto& each : param.fields)
@@ -216,25 +216,24 @@ private:
 
     void replace_scalar(Value& value, const std::map<std::string, Value>& params) {
         if (value.text.find("${") == std::string::npos) return;
+        const auto give_up = [&] { value.kind = Value::Kind::unresolved; };
         std::string out;
         for (std::size_t at = 0; at < value.text.size();) {
             const auto begin = value.text.find("${", at);
             out += value.text.substr(at, begin - at);
             if (begin == std::string::npos) break;
             const auto end = value.text.find('}', begin);
-            if (end == std::string::npos) return add(problems_, value.mark, "'${' has no '}'");
+            if (end == std::string::npos) return add(problems_, value.mark, "'${' has no '}'"), give_up();
             const auto name = value.text.substr(begin + 2, end - begin - 2);
             const auto* const found = look_up(name, value.mark, params);
-            if (!found) return;
+            if (!found || found->kind == Value::Kind::unresolved) return give_up();
             if (begin == 0 && end + 1 == value.text.size()) {
                 const Value whole = *found;
                 value = whole;
                 return;
             }
-            if (found->kind != Value::Kind::scalar) {
-                if (found->kind != Value::Kind::null) add(problems_, value.mark, fmt::format("${{{}}} is {} and can't be put inside a text", name, found->describe()));
-                return;
-            }
+            if (found->kind != Value::Kind::scalar)
+                return add(problems_, value.mark, fmt::format("${{{}}} is {} and can't be put inside a text", name, found->describe())), give_up();
             out += found->text;
             at = end + 1;
         }
@@ -251,7 +250,7 @@ private:
         for (const auto& [param, value] : params) known.push_back(param);
         for (const auto& [variable, mark] : environment_) known.push_back(variable);
         add(problems_, at,
-            fmt::format("${{{}}} is neither a param nor declared under 'env'{}", name, known.empty() ? std::string() : did_you_mean(name, known)));
+            fmt::format("${{{}}} is neither a param nor declared under 'env'{}", name, did_you_mean(name, known)));
         return nullptr;
     }
 

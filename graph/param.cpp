@@ -81,7 +81,9 @@ std::string to_text(const Shape& shape) {
 
 void ValueReader::unwanted(const Value& value, const std::string& wanted) { fault(value, fmt::format("wants {}, not {}", wanted, value.describe())); }
 
-void ValueReader::fault(const Value& value, const std::string& message) { problems_.push_back({value.mark, what_ + " " + message, {}, {}}); }
+void ValueReader::fault(const Value& value, const std::string& message) {
+    if (value.kind != Value::Kind::unresolved) problems_.push_back({value.mark, what_ + " " + message, {}, {}});
+}
 
 std::optional<double> ValueReader::number(const Value& value, bool whole) {
     const char* const wanted = whole ? "a whole number" : "a number";

@@ -67,7 +67,7 @@ public:
 
 private:
     FrameSet read_frames() {
-        if (document_.frames.kind == Value::Kind::null) return FrameSet({1});
+        if (document_.frames.kind == Value::Kind::null || document_.frames.kind == Value::Kind::unresolved) return FrameSet({1});
         std::string fault = "wants a frame set such as 1001-1084, not " + document_.frames.describe();
         if (document_.frames.kind == Value::Kind::scalar)
             if (auto frames = FrameSet::parse(document_.frames.text, fault)) return *frames;
@@ -155,6 +155,7 @@ private:
             return;
         }
         const auto take = [&](const Value& value, const std::string& name) {
+            if (value.kind == Value::Kind::unresolved) return;
             if (value.kind != Value::Kind::scalar)
                 return add(problems_, value.mark, fmt::format("{} input '{}' wants a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
             const auto dot = value.text.find('.');

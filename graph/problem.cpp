@@ -82,16 +82,18 @@ std::string to_json(const Problems& problems) {
 }
 
 std::string nearest(std::string_view name, const std::vector<std::string>& candidates) {
+    // Two letters swapped count as one slip.
     const auto distance = [](std::string_view a, std::string_view b) {
-        std::vector<std::size_t> row(b.size() + 1);
+        std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
         std::iota(row.begin(), row.end(), std::size_t{0});
         for (std::size_t i = 0; i < a.size(); ++i) {
-            auto diagonal = std::exchange(row[0], i + 1);
+            next[0] = i + 1;
             for (std::size_t j = 0; j < b.size(); ++j) {
-                const auto above = row[j + 1];
-                row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)});
-                diagonal = above;
+                next[j + 1] = std::min({row[j + 1] + 1, next[j] + 1, row[j] + (a[i] == b[j] ? 0 : 1)});
+                if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) next[j + 1] = std::min(next[j + 1], before[j - 1] + 1);
             }
+            std::swap(before, row);
+            std::swap(row, next);
         }
         return row[b.size()];
     };

@@ -19,6 +19,7 @@ std::string Value::describe() const {
         case Kind::null: return "nothing";
         case Kind::scalar: return fmt::format("'{}'", text);
         case Kind::list: return items.size() == 1 ? "a list of one" : fmt::format("a list of {}", items.size());
+        case Kind::unresolved: return "something unresolved";
         case Kind::map: break;
     }
     return "a map";

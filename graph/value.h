@@ -11,7 +11,13 @@ namespace fluidcarve {
 /// One value of a pipeline file as written, with its place. What a scalar means is decided by the declaration
 /// that it meets (a parameter's type), never by its looks or its quotes.
 struct Value {
-    enum class Kind { null, scalar, list, map };
+    enum class Kind {
+        null,
+        scalar,
+        list,
+        map,
+        unresolved,  ///< stood for something that is wrong and has been reported
+    };
     struct Field;
 
     Kind kind = Kind::null;

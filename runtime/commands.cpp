@@ -2,6 +2,7 @@
 
 #include "graph/describe.h"
 #include "graph/drawing.h"
+#include "graph/schema.h"
 #include "runtime/interrupt.h"
 #include "runtime/run.h"
 

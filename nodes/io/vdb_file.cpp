@@ -50,6 +50,7 @@ public:
         }
     }
 
+    const std::string& path() const { return path_; }
     const std::vector<GridDescriptor>& grids() const { return grids_; }
     const openvdb::MetaMap& metadata() const { return metadata_; }
     std::uint32_t codecs_seen() const { return codecs_seen_; }
@@ -108,6 +109,7 @@ private:
         setDataCompression(stream_);
         read_metadata();
         const auto count = number<std::int32_t>();
+        if (count < 0) refuse(fmt::format("{} is damaged: it counts {} grids", path_, count));
         for (std::int32_t n = 0; n < count; ++n) {
             grids_.push_back(descriptor());
             stream_.seekg(grids_.back().getEndPos());
@@ -172,6 +174,7 @@ private:
 
 VdbHeader header_of(const OpenVdb& file) {
     VdbHeader out;
+    out.path = file.path();
     for (const auto& grid : file.grids()) {
         const auto end = static_cast<std::uint64_t>(grid.getEndPos());
         out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end});
@@ -199,11 +202,14 @@ std::string name(Codec codec, const Volume& volume) {
 
 }  // namespace
 
-std::optional<std::size_t> VdbHeader::find(const std::string& name) const {
+std::size_t VdbHeader::place(const std::string& name) const {
     for (const auto key : {&Entry::name, &Entry::unique_name})
         for (std::size_t n = 0; n < grids.size(); ++n)
             if (grids[n].*key == name) return n;
-    return std::nullopt;
+    const auto known = names();
+    const auto best = nearest(name, known);
+    refuse(fmt::format("{} has no grid '{}'; it has {}{}", path, name, known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
+                       best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
 }
 
 std::vector<std::string> VdbHeader::names() const {
@@ -230,14 +236,7 @@ Volume read_vdb(const std::string& path) {
 
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name) {
     OpenVdb file(path);
-    const auto header = header_of(file);
-    const auto found = header.find(name);
-    if (!found) {
-        const auto best = nearest(name, header.names());
-        refuse(fmt::format("{} has no grid '{}'; it has {}{}", path, name, header.grids.empty() ? "none" : fmt::format("{}", fmt::join(header.names(), ", ")),
-                           best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
-    }
-    const auto& from = file.grids()[*found];
+    const auto& from = file.grids()[header_of(file).place(name)];
     auto grid = file.read(from);
     if (from.isInstance()) grid->setTree(file.read(file.parent_of(from))->baseTreePtr());
     return grid;

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,11 +17,13 @@ struct VdbHeader {
         std::string type;         ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
         std::uint64_t end = 0;    ///< first byte behind the grid
     };
+    std::string path;
     std::vector<Entry> grids;  ///< in file order
     std::uint64_t end = 0;     ///< first byte behind the last grid: the least size of a whole file
 
-    /// The first grid of this name or, if there is none, of this unique name.
-    std::optional<std::size_t> find(const std::string& name) const;
+    /// Where in `grids` the first of this name is or, if there is none, that of this unique name.
+    /// @throws Failure (input) listing the grids
+    std::size_t place(const std::string& name) const;
     /// Unique names, in file order.
     std::vector<std::string> names() const;
 };
@@ -36,8 +37,8 @@ VdbHeader read_vdb_header(const std::string& path);
 /// @throws Failure (input) as read_vdb_header, or naming the grid that can't be read
 Volume read_vdb(const std::string& path);
 
-/// One grid, found as VdbHeader::find does; no other is read.
-/// @throws Failure (input) as read_vdb, or listing the grids if there is none of this name
+/// One grid, found as VdbHeader::place does; no other is read.
+/// @throws Failure (input) as those two
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name);
 
 /// How the bytes of a file are compressed. None of these loses anything.

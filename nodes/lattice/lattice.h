@@ -1,6 +1,6 @@
 #pragma once
 
-#include <openvdb/math/Vec3.h>
+#include <openvdb/Types.h>
 
 #include <array>
 #include <string>
@@ -24,16 +24,24 @@ struct Lattice {
     bool closed = false;         ///< plane K-1 is followed by plane 0
     std::vector<Plane> planes;   ///< K of them
     std::string description;     ///< what it was made from, for people
-    std::string hash;            ///< of all of the above but the description: seams belong to one lattice
+    std::string hash;            ///< lattice_hash: seams belong to one lattice
 
-    /// Whether all planes share their directions and stand at equal distances along w: a straight box.
+    /// Whether all planes share their orthogonal directions and stand `spacing` apart along w: a straight box.
     bool is_box() const;
-    /// World position of a vertex or of a point between; paper eq. 2. For a box, affine.
+    /// World position of a vertex (paper eq. 2) or of a point between: trilinear in its cell's vertices. Goes on
+    /// straight beyond the rims and the ends.
     /// @param at  lattice index coordinates (u, v, w), in vertices
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
 };
 
-/// A straight lattice. @param axes  which world axes (0, 1, 2) are u, v and w
+/// Sixteen hex digits over all fields of a lattice but its description, at full precision.
+std::string lattice_hash(const Lattice& lattice);
+
+/// A straight lattice, described and hashed.
+/// @param first    world position of vertex (0, 0, 0)
+/// @param shape    I, J, K, each at least 1
+/// @param spacing  world units, above 0
+/// @param axes     which world axes (0, 1, 2) are u, v and w
 Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape, double spacing, const std::array<int, 3>& axes);
 
 }  // namespace fluidcarve

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,18 @@ struct Seams {
     int carved() const { return shape[static_cast<std::size_t>(axis)]; }    ///< vertices along the carved axis
     int lateral() const { return shape[axis == Axis::u ? 1 : 0]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
-    /// The shape that these seams leave.
+    /// The shape that the first `count` of these seams leave.
     std::array<int, 3> shape_after(std::size_t count) const;
 };
+
+/// "u" or "v".
+std::string to_text(Axis axis);
+/// "remove" or "insert".
+std::string to_text(Seams::Kind kind);
+
+/// Turns one column's removals, each an index in the space that its predecessors leave, into original indices.
+/// @param entries   in the order of the seams; becomes their original indices, in the same order
+/// @param scratch   becomes the original indices in rising order
+void to_original(std::span<std::uint16_t> entries, std::vector<std::uint16_t>& scratch);
 
 }  // namespace fluidcarve

@@ -160,6 +160,7 @@ TEST_CASE("the Markdown reference has every node, port, parameter and travelling
                              "| `count` | a whole number of seams or a percentage such as -10% | seams | required | How many. |", "| `wall` | stone; once for the whole sequence | The wall. |",
                              "| stone | Hard. |", "```yaml\nwell:\n  type: source.well\n"})
         CHECK_THAT(text, Catch::Contains(part));
+    CHECK_THAT(text, Catch::Contains(to_markdown(toys(), *toys().node("water.dam"))));
 }
 
 TEST_CASE("the JSON reference has every field") {
@@ -174,6 +175,7 @@ TEST_CASE("the JSON reference has every field") {
     CHECK(mix["params"][2]["choices"] == Json::parse(R"(["soft", "hard"])"));
     CHECK(all["nodes"][1]["outputs"][0]["once"] == true);
     CHECK(all["nodes"][0]["outputs_from"] == "path");
+    CHECK(Json::parse(to_json(toys(), *toys().node("water.mix"))) == mix);
     CHECK(all["types"][0] == Json::parse(R"({"name": "water", "doc": "Wet."})"));
 }
 

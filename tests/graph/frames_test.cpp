@@ -1,11 +1,8 @@
 #include "graph/frames.h"
+#include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 using namespace fluidcarve;
@@ -29,14 +26,6 @@ std::string fault_of(std::string_view text) {
 std::string shortest(std::string_view text) { return FrameSet(frames_of(text)).text(); }
 
 using Frames = std::vector<int>;
-
-/// A folder that goes away with the test.
-struct Folder {
-    std::filesystem::path path = std::filesystem::temp_directory_path() / ("fluidcarve_frames_" + std::to_string(getpid()));
-    Folder() { std::filesystem::create_directories(path); }
-    ~Folder() { std::filesystem::remove_all(path); }
-    void touch(const std::string& name) const { std::ofstream(path / name); }
-};
 
 }  // namespace
 
@@ -157,12 +146,12 @@ TEST_CASE("what only looks like a frame token is found") {
 }
 
 TEST_CASE("a pattern exists where a file fits it") {
-    const Folder folder;
-    folder.touch("a[1].0045.vdb");
-    folder.touch("b.final.vdb");
-    folder.touch("c.-005.vdb");
-    folder.touch("d.10450.vdb");
-    const auto exists = [&](const char* text) { return PathPattern(text, folder.path.string()).exists(); };
+    const Scratch folder;
+    folder.write("a[1].0045.vdb", "");
+    folder.write("b.final.vdb", "");
+    folder.write("c.-005.vdb", "");
+    folder.write("d.10450.vdb", "");
+    const auto exists = [&](const char* text) { return PathPattern(text, folder.path()).exists(); };
     CHECK(exists("a[1].####.vdb"));
     CHECK(exists("a[1].0045.vdb"));
     CHECK_FALSE(exists("a1.####.vdb"));

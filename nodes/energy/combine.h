@@ -1,0 +1,29 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/payloads.h"
+
+#include <vector>
+
+namespace fluidcarve {
+
+/// Smallest and largest active value; low > high if there is none.
+/// @throws Failure naming the grid and voxel if an active value is not finite
+Interval active_range(const FloatGrid& grid);
+
+/// One energy to be added to others: `weight * clamp((energy - low) / (high - low), 0, 1)`; 0 throughout if low >= high.
+struct EnergyTerm {
+    Ref<FloatGrid> energy;
+    float weight = 1;
+    Interval range;
+};
+
+/// The weighted sum of energies, each remapped to [0, 1] (paper 5.1, eq. 9-11).
+/// @param terms  at least one, all of one transform; where one is not active, the value that it holds counts (0, in energies)
+/// @return energy from 0 to the sum of the weights, no unit, on the voxels that are active in any term; background 0
+/// @throws Failure naming two terms whose transforms differ, or a grid and voxel whose value is not finite
+FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms);
+
+NodeType energy_combine();
+
+}  // namespace fluidcarve

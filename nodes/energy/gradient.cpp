@@ -1,0 +1,40 @@
+#include "nodes/energy/gradient.h"
+
+#include "nodes/field/stencil.h"
+
+namespace fluidcarve {
+namespace {
+
+struct Gradient {
+    struct Params {
+        float gain = 1.0f;
+    };
+    struct Ports {
+        Ref<FloatGrid> field;
+        Ref<FloatGrid> energy;
+    };
+    static void run(const Params& params, Ports& io, Context&) { io.energy = gradient_energy(*io.field, params.gain); }
+};
+
+}  // namespace
+
+FloatGrid::Ptr gradient_energy(const FloatGrid& field, float gain) {
+    const auto scale = static_cast<float>(gain / (2 * cubic_voxel_size(field)));
+    const auto out = map_stencil<FloatGrid>(field, 0.0f, [scale](auto& s, const openvdb::Coord& at) {
+        const openvdb::Vec3s change(s.getValue(at.offsetBy(1, 0, 0)) - s.getValue(at.offsetBy(-1, 0, 0)),
+                                    s.getValue(at.offsetBy(0, 1, 0)) - s.getValue(at.offsetBy(0, -1, 0)),
+                                    s.getValue(at.offsetBy(0, 0, 1)) - s.getValue(at.offsetBy(0, 0, -1)));
+        return scale * change.length();
+    });
+    out->setName("gradient of " + field.getName());
+    return out;
+}
+
+NodeType energy_gradient() {
+    return Declare<Gradient>("energy.gradient", "High where a field changes, so that seams avoid its edges and details.")
+        .input("field", &Gradient::Ports::field, "Density, temperature or any other field.")
+        .param("gain", &Gradient::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
+        .output("energy", &Gradient::Ports::energy, "|grad field|, units of `field` per world unit, on its active voxels.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// Energy that is high where a field changes: gain |grad s|, by central differences (paper eq. 11, third term).
+/// @param field  any unit, in cubic voxels along the world's axes. Beyond its active voxels the values that it holds count
+/// @return energy >= 0, units of `field` per world unit, on the active voxels of `field`
+/// @throws Failure naming the grid if its voxels are no cubes or a value is not finite
+FloatGrid::Ptr gradient_energy(const FloatGrid& field, float gain);
+
+NodeType energy_gradient();
+
+}  // namespace fluidcarve

@@ -1,0 +1,40 @@
+#include "nodes/field/stencil.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+namespace fluidcarve {
+namespace {
+
+template <class Grid>
+[[noreturn]] void refuse(const Grid& grid, const openvdb::Coord& beside) {
+    std::optional<openvdb::Coord> lowest;
+    for (auto value = grid.cbeginValueOn(); value; ++value)
+        if (!openvdb::math::isFinite(*value) && (!lowest || value.getCoord() < *lowest)) lowest = value.getCoord();
+    const auto at = lowest.value_or(beside);
+    throw Failure(fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}, {}, {}]; repair it where it comes from", grid.getName(),
+                              lowest ? "at" : "beside", at.x(), at.y(), at.z()));
+}
+
+}  // namespace
+
+double cubic_voxel_size(const openvdb::GridBase& grid) {
+    const auto& transform = grid.constTransform();
+    const auto remedy = "derivatives need cubes along the world's axes: resample the grid first";
+    if (!transform.isLinear()) throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); {}", grid.getName(), transform.mapType(), remedy));
+    const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
+    const double size = matrix[0][0];
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            if (size <= 0 || std::abs(matrix[row][column] - (row == column ? size : 0)) > 1e-6 * std::abs(size)) {
+                const auto shape = transform.voxelSize();
+                throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(), transform.mapType(), remedy));
+            }
+    return size;
+}
+
+void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside) { refuse(grid, beside); }
+void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside) { refuse(grid, beside); }
+
+}  // namespace fluidcarve

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "nodes/payloads.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Edge of the cubic voxels, world units.
+/// @throws Failure naming the grid if its voxels are no cubes along the world's axes, where derivatives by axis make no sense
+double cubic_voxel_size(const openvdb::GridBase& grid);
+
+/// @throws Failure naming the lowest active voxel of `grid` whose value is not finite; if there is none, `beside`
+[[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
+[[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
+
+namespace detail {
+/// Turns the blocks along the border of each active tile into leaves, so that what is left of a tile has only its own values around it.
+template <class Tree>
+void open_tile_borders(Tree& tree) {
+    constexpr int step = Tree::LeafNodeType::DIM;
+    std::vector<openvdb::CoordBBox> boxes;
+    auto tile = std::as_const(tree).cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) boxes.push_back(tile.getBoundingBox());
+    for (const auto& box : boxes) {
+        const auto last = box.max().offsetBy(1 - step);
+        for (int x = box.min().x(); x <= last.x(); x += step)
+            for (int y = box.min().y(); y <= last.y(); y += step) {
+                const bool inner = x > box.min().x() && x < last.x() && y > box.min().y() && y < last.y();
+                const int stride = inner ? std::max(last.z() - box.min().z(), step) : step;
+                for (int z = box.min().z(); z <= last.z(); z += stride) tree.touchLeaf({x, y, z});
+            }
+    }
+}
+}  // namespace detail
+
+/// A grid on the active voxels of `in`, with its transform: `op(accessor of in, voxel)` at each, `background` elsewhere.
+/// @param op  called from many threads; may look at the 26 neighbours. Within an active tile, away from its border, all voxels
+///            look alike: there it is called once
+/// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
+template <class Out, class In, class Op>
+typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& background, const Op& op) {
+    using Tree = typename Out::TreeType;
+    const auto tree = std::make_shared<Tree>(in.tree(), background, openvdb::TopologyCopy());
+    detail::open_tile_borders(*tree);
+
+    std::mutex mutex;
+    std::optional<openvdb::Coord> lowest;
+    const auto value_at = [&](auto& accessor, const openvdb::Coord& at) {
+        const auto out = op(accessor, at);
+        if (!openvdb::math::isFinite(out) || !openvdb::math::isFinite(accessor.getValue(at))) {
+            const std::lock_guard lock(mutex);
+            if (!lowest || at < *lowest) lowest = at;
+        }
+        return out;
+    };
+    openvdb::tree::LeafManager<Tree>(*tree).foreach([&](typename Tree::LeafNodeType& leaf, std::size_t) {
+        auto accessor = in.getConstUnsafeAccessor();
+        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) voxel.setValue(value_at(accessor, voxel.getCoord()));
+    });
+    auto accessor = in.getConstUnsafeAccessor();
+    auto tile = tree->beginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) tile.setValue(value_at(accessor, tile.getCoord()));
+    if (lowest) refuse_not_finite(in, *lowest);
+
+    auto out = Out::create(tree);
+    out->setTransform(in.transform().copy());
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+/// `vdb.write {source, path, compression}`: a volume or one grid to a .vdb file, which appears whole or not at all.
+NodeType vdb_write();
+
+}  // namespace fluidcarve

@@ -1,0 +1,50 @@
+#include "nodes/lattice/alignment.h"
+
+#include "nodes/lattice/mapping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+bool Alignment::one_to_one() const {
+    Coord sum(0);
+    for (const auto& s : step) {
+        if (std::abs(s.x()) + std::abs(s.y()) + std::abs(s.z()) != 1) return false;
+        sum += Coord(std::abs(s.x()), std::abs(s.y()), std::abs(s.z()));
+    }
+    return sum == Coord(1);
+}
+
+Coord Alignment::vertex(const Coord& voxel) const {
+    const auto from = voxel - origin;
+    const auto along = [&](const Coord& s) { return from.x() * s.x() + from.y() * s.y() + from.z() * s.z(); };
+    return {along(step[0]), along(step[1]), along(step[2])};
+}
+
+std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Transform& transform) {
+    if (!lattice.is_box() || !transform.isLinear()) return std::nullopt;
+    const auto index = [&](int i, int j, int k) { return transform.worldToIndex(lattice.position(Vec3d(i, j, k))); };
+    // A dimension of one vertex still has a direction, which an insertion would follow.
+    std::array<int, 3> far;
+    for (std::size_t n = 0; n < 3; ++n) far[n] = std::max(1, lattice.shape[n] - 1);
+
+    const auto first = index(0, 0, 0);
+    Alignment out;
+    out.origin = Coord::round(first);
+    for (std::size_t n = 0; n < 3; ++n) {
+        const auto end = index(n == 0 ? far[0] : 0, n == 1 ? far[1] : 0, n == 2 ? far[2] : 0);
+        out.step[n] = Coord::round((end - first) / far[n]);
+    }
+    for (int n = 0; n < 8; ++n) {
+        const int i = n & 1 ? far[0] : 0, j = n & 2 ? far[1] : 0, k = n & 4 ? far[2] : 0;
+        const auto off = index(i, j, k) - out.voxel(i, j, k).asVec3d();
+        if (std::max({std::abs(off.x()), std::abs(off.y()), std::abs(off.z())}) > Mapping::snap) return std::nullopt;
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

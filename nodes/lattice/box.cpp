@@ -1,0 +1,134 @@
+#include "nodes/lattice/box.h"
+
+#include "nodes/lattice/lattice.h"
+#include "nodes/payloads.h"
+
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+enum class AxisOrder { xyz, xzy, yxz, yzx, zxy, zyx };
+}
+
+template <>
+struct ChoiceNames<AxisOrder> {
+    static constexpr std::array names = {std::pair{"xyz", AxisOrder::xyz}, std::pair{"xzy", AxisOrder::xzy}, std::pair{"yxz", AxisOrder::yxz},
+                                         std::pair{"yzx", AxisOrder::yzx}, std::pair{"zxy", AxisOrder::zxy}, std::pair{"zyx", AxisOrder::zyx}};
+};
+
+namespace {
+
+using openvdb::Vec3d;
+
+std::array<int, 3> world_axes(AxisOrder order) {
+    const auto name = ParamTraits<AxisOrder>::text(order);
+    return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
+}
+
+std::string text(const Vec3d& at) { return fmt::format("({:g}, {:g}, {:g})", at.x(), at.y(), at.z()); }
+
+struct Box {
+    struct Params {
+        Auto<Vec3> min, max;
+        Auto<double> spacing;
+        AxisOrder axes = AxisOrder::xyz;
+    };
+    struct Ports {
+        Optional<AnyGrid> fit;
+        Ref<Lattice> lattice;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        if (check.stated("fit")) {
+            for (const auto* field : {"min", "max", "spacing"})
+                if (check.stated(field)) check.fault(field, fmt::format("'{}' and 'fit' exclude each other: a fitted box takes its place and spacing from the grid", field));
+            return;
+        }
+        for (const auto* field : {"min", "max", "spacing"})
+            if (!check.stated(field)) return check.fault(field, "needs either 'fit', or all of 'min', 'max' and 'spacing'");
+        if (!params.min || !params.max || !params.spacing) return;
+        if (!(*params.spacing > 0)) return check.fault("spacing", "'spacing' wants more than 0");
+        check_extent(*params.min, *params.max, *params.spacing, check);
+    }
+
+    static void check_extent(const Vec3& min, const Vec3& max, double spacing, NodeCheck& check) {
+        for (std::size_t n = 0; n < 3; ++n) {
+            const double extent = max[n] - min[n], steps = extent / spacing;
+            if (extent < 0) check.fault("max", fmt::format("'max' is below 'min' in {}: {} < {}", "xyz"[n], max[n], min[n]));
+            else if (steps > 65533) check.fault("max", fmt::format("the extent {} in {} is {:.0f} times the spacing {}; 65533 is the most", extent, "xyz"[n], steps, spacing));
+            else if (std::abs(steps - std::round(steps)) > 1e-3)
+                check.fault("max", fmt::format("the extent {} in {} is no whole multiple of the spacing {}; the nearest 'max' that fits is {}", extent, "xyz"[n],
+                                               spacing, min[n] + std::round(steps) * spacing));
+        }
+    }
+
+    void add(const Params&, const Ports& io, Context& context) { gather(*io.fit->grid, context.frame()); }
+
+    void gather(const openvdb::GridBase& grid, int frame) {
+        const auto box = grid.evalActiveVoxelBoundingBox();
+        if (box.empty()) return;
+        if (!transform_) {
+            transform_ = grid.transform().copy();
+            frame_ = frame;
+            name_ = grid.getName();
+            require_uniform();
+        } else if (*transform_ != grid.transform()) {
+            throw Failure(fmt::format("grid '{}' has voxel size {} at {} in frame {}, but {} at {} in frame {}; a box fits only grids that keep their transform", name_,
+                                      grid.voxelSize().x(), text(grid.indexToWorld(Vec3d(0))), frame, transform_->voxelSize().x(),
+                                      text(transform_->indexToWorld(Vec3d(0))), frame_));
+        }
+        box_.expand(box);
+    }
+
+    void require_uniform() const {
+        bool straight = transform_->isLinear();
+        if (straight) {
+            const auto matrix = transform_->baseMap()->getAffineMap()->getMat4();
+            const double size = matrix(0, 0);
+            for (int row = 0; row < 3; ++row)
+                for (int column = 0; column < 3; ++column) straight = straight && std::abs(matrix(row, column) - (row == column ? size : 0)) <= 1e-9 * std::abs(size);
+            straight = straight && size > 0;
+        }
+        if (!straight)
+            throw Failure(fmt::format("grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
+                                      name_, frame_));
+    }
+
+    void finish(const Params& params, Ports& io, Context& context) {
+        const auto axes = world_axes(params.axes);
+        const auto shaped = [&](const std::array<int, 3>& counts) {
+            return std::array{counts[static_cast<std::size_t>(axes[0])], counts[static_cast<std::size_t>(axes[1])], counts[static_cast<std::size_t>(axes[2])]};
+        };
+        if (params.min) {
+            std::array<int, 3> counts;
+            for (std::size_t n = 0; n < 3; ++n) counts[n] = static_cast<int>(std::lround(((*params.max)[n] - (*params.min)[n]) / *params.spacing)) + 1;
+            io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), *params.spacing, axes));
+            return;
+        }
+        if (io.fit && !transform_) gather(*io.fit->grid, context.frame());
+        if (!transform_) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
+        const auto counts = box_.dim();
+        io.lattice = std::make_shared<Lattice>(
+            make_box(transform_->indexToWorld(box_.min()), shaped({counts.x(), counts.y(), counts.z()}), transform_->voxelSize().x(), axes));
+    }
+
+    openvdb::math::Transform::Ptr transform_;
+    openvdb::CoordBBox box_;
+    int frame_ = 0;
+    std::string name_;
+};
+
+}  // namespace
+
+NodeType lattice_box() {
+    return Declare<Box>("lattice.box", "A straight lattice: from its corners, or around the active voxels of a grid over all frames.")
+        .input("fit", &Box::Ports::fit, "A grid whose active voxels, over all frames, are the vertices; instead of min, max and spacing.")
+        .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
+        .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex; a whole number of spacings from `min`, which may be 0.")
+        .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance of neighbouring vertices; above 0.")
+        .param("axes", &Box::Params::axes, "Which world axes are u, v and w.")
+        .output("lattice", &Box::Ports::lattice, "The lattice.");
+}
+
+}  // namespace fluidcarve

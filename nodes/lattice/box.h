@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+/// `lattice.box`: a straight lattice from its corners, or around the active voxels of a sequence.
+NodeType lattice_box();
+
+}  // namespace fluidcarve

@@ -1,0 +1,83 @@
+#include "nodes/lattice/lattice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Vec3d;
+
+class Fnv1a {
+public:
+    void add(std::uint64_t word) {
+        for (int n = 0; n < 64; n += 8) state_ = (state_ ^ ((word >> n) & 0xff)) * 0x100000001b3u;
+    }
+    // Adding 0 makes -0 and 0 one value.
+    void add(double value) { add(std::bit_cast<std::uint64_t>(value + 0.0)); }
+    void add(const Vec3d& value) {
+        for (int c = 0; c < 3; ++c) add(value[c]);
+    }
+    std::string text() const { return fmt::format("{:016x}", state_); }
+
+private:
+    std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+bool near(const Vec3d& a, const Vec3d& b, double tolerance) { return (a - b).length() <= tolerance; }
+
+}  // namespace
+
+bool Lattice::is_box() const {
+    if (planes.empty() || closed) return false;
+    const auto& first = planes.front();
+    const bool orthogonal = std::max({std::abs(first.u.dot(first.v)), std::abs(first.v.dot(first.w)), std::abs(first.w.dot(first.u))}) <= 1e-12;
+    return orthogonal && std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+               const auto expected = first.origin + spacing * static_cast<double>(&plane - planes.data()) * first.w;
+               return near(plane.u, first.u, 1e-12) && near(plane.v, first.v, 1e-12) && near(plane.w, first.w, 1e-12) &&
+                      near(plane.origin, expected, 1e-9 * spacing);
+           });
+}
+
+Vec3d Lattice::position(const Vec3d& at) const {
+    const auto on = [&](const Plane& plane) { return plane.origin + spacing * (at.x() * plane.u + at.y() * plane.v); };
+    if (planes.size() == 1) return on(planes[0]) + spacing * at.z() * planes[0].w;
+    const double k = std::clamp(std::floor(at.z()), 0.0, static_cast<double>(planes.size() - 2));
+    const double c = at.z() - k;
+    const auto low = static_cast<std::size_t>(k);
+    return (1 - c) * on(planes[low]) + c * on(planes[low + 1]);
+}
+
+std::string lattice_hash(const Lattice& lattice) {
+    Fnv1a hash;
+    for (const int n : lattice.shape) hash.add(static_cast<std::uint64_t>(n));
+    hash.add(lattice.spacing);
+    hash.add(std::uint64_t{lattice.closed});
+    for (const auto& plane : lattice.planes)
+        for (const auto& vector : {plane.origin, plane.u, plane.v, plane.w}) hash.add(vector);
+    return hash.text();
+}
+
+Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape, double spacing, const std::array<int, 3>& axes) {
+    std::array<Vec3d, 3> direction;
+    for (std::size_t n = 0; n < 3; ++n) {
+        direction[n] = Vec3d(0);
+        direction[n][axes[n]] = 1;
+    }
+    Lattice out;
+    out.shape = shape;
+    out.spacing = spacing;
+    for (int k = 0; k < shape[2]; ++k) out.planes.push_back({first + spacing * k * direction[2], direction[0], direction[1], direction[2]});
+    const auto last = out.position(Vec3d(shape[0] - 1, shape[1] - 1, shape[2] - 1));
+    out.description = fmt::format("box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), spacing {:g}, axes {}{}{}", shape[0], shape[1],
+                                  shape[2], first.x(), first.y(), first.z(), last.x(), last.y(), last.z(), spacing, "xyz"[axes[0]], "xyz"[axes[1]], "xyz"[axes[2]]);
+    out.hash = lattice_hash(out);
+    return out;
+}
+
+}  // namespace fluidcarve

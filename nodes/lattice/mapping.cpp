@@ -1,0 +1,62 @@
+#include "nodes/lattice/mapping.h"
+
+#include "graph/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::BBoxd;
+using openvdb::Vec3d;
+
+template <class Map>
+BBoxd around_corners(const BBoxd& box, Map&& map) {
+    BBoxd out;
+    for (int n = 0; n < 8; ++n)
+        out.expand(map(Vec3d(n & 1 ? box.max().x() : box.min().x(), n & 2 ? box.max().y() : box.min().y(), n & 4 ? box.max().z() : box.min().z())));
+    return out;
+}
+
+}  // namespace
+
+double snapped(double x) {
+    const double whole = std::round(x);
+    return std::abs(x - whole) <= Mapping::snap ? whole : x;
+}
+
+Vec3d snapped(const Vec3d& x) { return {snapped(x.x()), snapped(x.y()), snapped(x.z())}; }
+
+Mapping::Mapping(const Lattice& lattice) : Mapping(lattice, lattice.shape) {}
+
+Mapping::Mapping(const Lattice& lattice, const std::array<int, 3>& extent) : lattice_(lattice), extent_(extent) {
+    if (!lattice.is_box()) throw Failure("the lattice (" + lattice.description + ") is no straight box; only those can be carved");
+}
+
+Vec3d Mapping::coordinates(const Vec3d& world) const {
+    const auto& plane = lattice_.planes.front();
+    const auto from = (world - plane.origin) / lattice_.spacing;
+    return {from.dot(plane.u), from.dot(plane.v), from.dot(plane.w)};
+}
+
+std::optional<Vec3d> Mapping::locate(const Vec3d& world) const {
+    auto at = coordinates(world);
+    for (int n = 0; n < 3; ++n) {
+        const double end = extent_[static_cast<std::size_t>(n)] - 1;
+        if (!(at[n] >= -slack && at[n] <= end + slack)) return std::nullopt;
+        at[n] = std::clamp(snapped(at[n]), 0.0, end);
+    }
+    return at;
+}
+
+BBoxd Mapping::range(const BBoxd& world) const {
+    return around_corners(world, [&](const Vec3d& corner) { return coordinates(corner); });
+}
+
+BBoxd Mapping::world_box(const BBoxd& range) const {
+    return around_corners(range, [&](const Vec3d& corner) { return position(corner); });
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "nodes/seam/energy_volume.h"
+#include "nodes/seam/seams.h"
+
+#include <functional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Entries of the carved axis that a seam may take, both included.
+struct Window {
+    int first = 0;
+    int last = 0;
+    int size() const { return last - first + 1; }
+};
+
+/// Told a few times a second how far the work has come, 0 to 1, from several threads at once; stops it by throwing.
+using Tick = std::function<void(double fraction)>;
+
+/// A solver: one seam inside a window that is not empty, in the energy as it is now, feasible, with its energy.
+/// @param number  how many seams were found before; ties lean to one side for even numbers, to the other for odd
+using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
+
+struct FoundSeams {
+    std::vector<Seams::Seam> seams;
+    std::vector<double> wall_s;  ///< per seam
+};
+
+/// The loop around a solver (METHOD 4 and 8): finds a seam, deletes it from the energy, and so on. Insertions are found
+/// as removals and returned as original entries.
+/// @param energy  used up
+/// @param count   how many, at least 0
+/// @param window  original entries. An insertion stands between an entry and the next: it leaves out the lattice's last.
+/// @throws Failure if the window holds fewer seams, saying how many are possible
+FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick);
+
+}  // namespace fluidcarve

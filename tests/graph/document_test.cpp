@@ -1,0 +1,132 @@
+#include "graph/document.h"
+#include "tests/support/scratch.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+
+using namespace fluidcarve;
+
+namespace {
+
+struct Read {
+    Document document;
+    std::string text;
+
+    std::string field(const std::string& node, const std::string& name) const {
+        const auto* const found = document.nodes.find(node);
+        const auto* const field = found ? found->value.find(name) : nullptr;
+        return field ? field->value.text : "(none)";
+    }
+};
+
+Read read(const Scratch& scratch, const std::string& yaml, const std::vector<std::string>& settings = {}) {
+    Problems problems;
+    Read out{read_document(scratch.write("p.yaml", yaml), settings, problems), {}};
+    out.text = to_text(problems);
+    for (std::size_t at; (at = out.text.find(scratch.path() + "/")) != std::string::npos;) out.text.erase(at, scratch.path().size() + 1);
+    return out;
+}
+
+std::string problems(const std::string& yaml) { return read(Scratch(), yaml).text; }
+
+}  // namespace
+
+TEST_CASE("a param keeps its type where it is the whole value, and is text inside text") {
+    const auto out = read(Scratch(), R"(fluidcarve: 1
+params:
+  size: {type: vector, default: [1, 2, 3]}
+  shot: {type: string, default: sh010}
+nodes:
+  a: {type: x, whole: "${size}", inside: "out/${shot}/${shot}.vdb", plain: $F4 costs $}
+)");
+    REQUIRE(out.text == "");
+    CHECK(out.document.nodes.find("a")->value.find("whole")->value.items.size() == 3);
+    CHECK(out.field("a", "inside") == "out/sh010/sh010.vdb");
+    CHECK(out.field("a", "plain") == "$F4 costs $");
+}
+
+TEST_CASE("what a param holds is not replaced again") {
+    setenv("FLUIDCARVE_TEST_SHOT", "${other}", 1);
+    const auto out = read(Scratch(), "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
+    unsetenv("FLUIDCARVE_TEST_SHOT");
+    CHECK(out.text == "");
+    CHECK(out.field("a", "f") == "${other}");
+}
+
+TEST_CASE("later layers win: default, extended file, file, environment, command line") {
+    const Scratch scratch;
+    scratch.write("base.yaml", R"(fluidcarve: 1
+params:
+  depth: {type: int, default: 1, max: 100}
+frames: 1-5
+nodes:
+  a: {type: x, one: base, two: base, three: base, depth: "${depth}"}
+  b: {type: y}
+)");
+    const std::string file = R"(fluidcarve: 1
+extends: base.yaml
+env: [depth]
+params:
+  depth: {default: 2}
+nodes:
+  a: {two: file, three: }
+  c: {type: z}
+)";
+    auto out = read(scratch, file);
+    REQUIRE(out.text == "");
+    CHECK(out.field("a", "type") == "x");
+    CHECK(out.field("a", "one") == "base");
+    CHECK(out.field("a", "two") == "file");
+    CHECK(out.field("a", "three") == "(none)");
+    CHECK(out.field("b", "type") == "y");
+    CHECK(out.field("c", "type") == "z");
+    CHECK(out.field("a", "depth") == "2");
+    CHECK(out.document.frames.text == "1-5");
+
+    setenv("depth", "3", 1);
+    CHECK(read(scratch, file).field("a", "depth") == "3");
+    CHECK(read(scratch, file, {"depth=4", "a.one=set"}).field("a", "depth") == "4");
+    CHECK(read(scratch, file, {"depth=4", "a.one=set"}).field("a", "one") == "set");
+    setenv("depth", "300", 1);
+    CHECK(read(scratch, file).text == "environment variable depth:1:1: param 'depth' must be at most 100, not 300\n300\n^\n");
+    unsetenv("depth");
+}
+
+TEST_CASE("extended files that are missing, or extend each other in a circle, are named") {
+    const Scratch scratch;
+    CHECK(read(scratch, "fluidcarve: 1\nextends: nowhere.yaml\n").text ==
+          "p.yaml:2:10: cannot read nowhere.yaml: it does not exist\nextends: nowhere.yaml\n         ^\n");
+    scratch.write("q.yaml", "fluidcarve: 1\nextends: p.yaml\n");
+    CHECK(read(scratch, "fluidcarve: 1\nextends: q.yaml\n").text == "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n         ^\n");
+}
+
+TEST_CASE("a file that is no pipeline is refused in words") {
+    CHECK(problems("") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+    CHECK(problems("- a\n- b\n") == "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- a\n^\n");
+    CHECK(problems("nodes:\n  a: {type: x}\n") == "p.yaml: the format version is missing: the file must state 'fluidcarve: 1'\n");
+    CHECK(problems("fluidcarve: 2\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
+    CHECK(problems("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
+    CHECK(problems("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
+    CHECK(problems(std::string("a\0b", 3)) == "p.yaml: binary data: not a pipeline\n");
+}
+
+TEST_CASE("params are checked against their declaration") {
+    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:27: param 'n' wants a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
+    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:13: param 'n' has no type 'flaot'; did you mean 'float'?\n  n: {type: flaot, default: 1}\n            ^\n");
+    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: int}\n  ^\n");
+    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                            ^\n");
+}
+
+TEST_CASE("an unknown or unset name in a value is named where it stands") {
+    CHECK(problems("fluidcarve: 1\nparams:\n  shot: {type: string, default: a}\nnodes:\n  a: {type: x, f: \"${shto}\"}\n") ==
+          "p.yaml:5:19: ${shto} is neither a param nor declared under 'env'; did you mean 'shot'?\n  a: {type: x, f: \"${shto}\"}\n                  ^\n");
+    CHECK(problems("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n") ==
+          "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
+    CHECK(problems("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") == "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
+}

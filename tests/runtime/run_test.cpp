@@ -1,0 +1,235 @@
+#include "runtime/run.h"
+#include "tests/support/scratch.h"
+#include "tests/support/toy_nodes.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace fluidcarve;
+
+namespace {
+
+struct Ran {
+    int code = 0;
+    nlohmann::json report;
+    std::vector<std::string> log;  ///< sorted
+
+    std::size_t count(const std::string& prefix) const {
+        return static_cast<std::size_t>(std::count_if(log.begin(), log.end(), [&](const std::string& line) { return line.starts_with(prefix); }));
+    }
+};
+
+Ran run(const std::string& yaml, RunRequest request = {}, const std::function<bool()>& cancelled = [] { return false; }) {
+    static const Registry registry = toy::registry();
+    toy::log.reset();
+    const Scratch scratch;
+    Problems problems;
+    const auto pipeline = build_pipeline(read_document(scratch.write("p.yaml", "fluidcarve: 1\n" + yaml), {}, problems), registry, problems);
+    REQUIRE(to_text(problems) == "");
+    request.options.threads = 4;
+    if (request.options.in_flight == 2) request.options.in_flight = 5;
+    request.report_path = scratch / "report.json";
+    request.quiet = true;
+    Ran out;
+    out.code = run_pipeline(pipeline, registry, request, cancelled);
+    out.report = nlohmann::json::parse(Scratch::read(request.report_path));
+    out.log = toy::log.sorted();
+    CHECK(out.report["exit"] == out.code);
+    return out;
+}
+
+const std::string two_passes = R"(
+frames: 1-6
+nodes:
+  count: {type: toy.count, path: in.##}
+  total: {type: toy.total, number: count}
+  print: {type: toy.print, number: count, total: total, path: out.##}
+)";
+
+RunRequest deliver(const std::string& frames) {
+    std::string fault;
+    RunRequest out;
+    out.deliver = FrameSet::parse(frames, fault);
+    return out;
+}
+
+RunRequest keep_going() {
+    RunRequest out;
+    out.options.keep_going = true;
+    return out;
+}
+
+std::vector<std::string> failures(const Ran& ran) {
+    std::vector<std::string> out;
+    for (const auto& failure : ran.report["failures"])
+        out.push_back(failure["node"].get<std::string>() + " " + (failure.contains("frame") ? failure["frame"].dump() : "-") + ": " + failure["message"].get<std::string>());
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("what a gathering node finds over all frames reaches every frame") {
+    const auto ran = run(two_passes);
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.count("finish 6") == 1);
+    CHECK(ran.count("total ") == 6);
+    for (int frame = 1; frame <= 6; ++frame) CHECK(ran.count(fmt::format("print {0} = {0} of 21", frame)) == 1);
+    CHECK(ran.report["frames"] == nlohmann::json({1, 2, 3, 4, 5, 6}));
+    CHECK(ran.report["nodes"]["count"]["frames"] == 12);
+    CHECK(ran.report["nodes"]["print"]["frames"] == 6);
+    CHECK(ran.report["totals"]["total"]["sum"] == 21);
+}
+
+TEST_CASE("-f limits what is delivered, never what a gathering node sees") {
+    const auto ran = run(two_passes, deliver("2,5"));
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.count("total ") == 6);
+    CHECK(ran.count("print ") == 2);
+    CHECK(ran.count("print 5 = 5 of 21") == 1);
+    CHECK(ran.report["frames"] == nlohmann::json({2, 5}));
+}
+
+TEST_CASE("a gathering node may also run per frame with what it gathered, or need no gathering at all") {
+    const std::string yaml = R"(
+frames: 1-4
+nodes:
+  count: {type: toy.count, path: in.##}
+  share: {type: toy.share, number: count, stated: STATED}
+  print: {type: toy.print, number: share, path: out.##}
+)";
+    const auto with = [&](const std::string& stated) { return std::string(yaml).replace(yaml.find("STATED"), 6, stated); };
+    auto ran = run(with("false"));
+    CHECK(ran.count("print 1 = 0.25") == 1);
+    CHECK(ran.count("count ") == 8);
+    ran = run(with("true"));
+    CHECK(ran.count("print 3 = 3") == 1);
+    CHECK(ran.count("count ") == 4);
+}
+
+TEST_CASE("a gathering node is given only the frames that it wants") {
+    const auto ran = run(R"(
+frames: 1-9
+nodes:
+  count: {type: toy.count, path: in.##}
+  total: {type: toy.total, number: count, only_place: 4}
+)");
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.log == std::vector<std::string>{"count 5", "finish 1", "total 5"});
+}
+
+TEST_CASE("--to runs a node and what it needs, nothing else") {
+    RunRequest request;
+    request.to = "total";
+    const auto ran = run(two_passes, request);
+    CHECK(ran.count("print") == 0);
+    CHECK(ran.count("finish") == 1);
+}
+
+TEST_CASE("frames alive never exceed --in-flight, whatever arrives late") {
+    for (const int limit : {1, 3, 8}) {
+        RunRequest request;
+        request.options.in_flight = limit;
+        const auto ran = run(R"(
+frames: 1-1000
+nodes:
+  count: {type: toy.count, path: in.##, late: true}
+  total: {type: toy.total, number: count}
+  print: {type: toy.print, number: count, total: total, path: out.##}
+)",
+                             request);
+        CHECK(ran.code == exit_code::done);
+        CHECK(ran.count("total ") == 1000);
+        CHECK(ran.count("print ") == 1000);
+        // One more is alive: the total itself.
+        CHECK(toy::Number::most_alive <= limit + 1);
+        CHECK(toy::Number::alive == 0);
+    }
+}
+
+TEST_CASE("a failed frame admits no new frames, and the exit code says so") {
+    const auto ran = run(R"(
+frames: 1-500
+nodes:
+  count: {type: toy.count, path: in.##, fail_at: 20}
+  print: {type: toy.print, number: count, path: out.##}
+)");
+    CHECK(ran.code == exit_code::node_failed);
+    CHECK(ran.count("print ") < 500);
+    CHECK(ran.count("print ") >= 15);
+    CHECK(failures(ran) == std::vector<std::string>{"count 20: made to fail"});
+}
+
+TEST_CASE("with --keep-going all other frames arrive") {
+    const auto ran = run(R"(
+frames: 1-200
+nodes:
+  count: {type: toy.count, path: in.##, fail_at: 20, late: true}
+  more: {type: toy.add, numbers: [count], throw_at: 70}
+  print: {type: toy.print, number: more, path: out.##}
+)",
+                         keep_going());
+    CHECK(ran.code == exit_code::some_frames_failed);
+    CHECK(ran.count("print ") == 198);
+    CHECK(failures(ran) == std::vector<std::string>{"count 20: made to fail", "more 70: a library threw"});
+}
+
+TEST_CASE("a gathering node never finishes with a failed frame") {
+    const std::string yaml = R"(
+frames: 1-50
+nodes:
+  count: {type: toy.count, path: in.##, fail_at: 20}
+  total: {type: toy.total, number: count}
+  print: {type: toy.print, number: count, total: total, path: out.##}
+)";
+    auto ran = run(yaml, keep_going());
+    CHECK(ran.code == exit_code::node_failed);
+    CHECK(ran.count("total ") == 49);
+    CHECK(ran.count("finish") + ran.count("print") == 0);
+    CHECK(failures(ran) == std::vector<std::string>{"count 20: made to fail", "total -: needs every frame of the sequence, but these failed: 20"});
+    ran = run(yaml);
+    CHECK(ran.code == exit_code::node_failed);
+    CHECK(ran.count("finish") + ran.count("print") == 0);
+}
+
+TEST_CASE("missing input is told before anything runs, or frame by frame with --keep-going") {
+    const std::string yaml = R"(
+frames: 1-9
+nodes:
+  count: {type: toy.count, path: in.##, fail_at: 4, missing: true}
+  print: {type: toy.print, number: count, path: out.##}
+)";
+    auto ran = run(yaml);
+    CHECK(ran.code == exit_code::input);
+    CHECK(ran.log.empty());
+    CHECK(failures(ran) == std::vector<std::string>{"count 4: the file is not there"});
+    ran = run(yaml, keep_going());
+    CHECK(ran.code == exit_code::some_frames_failed);
+    CHECK(ran.count("print ") == 8);
+}
+
+TEST_CASE("a frame that a reader leaves out is left out everywhere") {
+    const auto ran = run(R"(
+frames: 1-5
+nodes:
+  count: {type: toy.count, path: in.##, skip: 3}
+  total: {type: toy.total, number: count}
+  print: {type: toy.print, number: count, total: total, path: out.##}
+)");
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.report["frames"] == nlohmann::json({1, 2, 4, 5}));
+    CHECK(ran.count("print 4 = 4 of 12") == 1);
+}
+
+TEST_CASE("a run that is asked to stop ends with what is in flight") {
+    std::atomic<int> asked{0};
+    const auto ran = run(R"(
+frames: 1-1000
+nodes:
+  count: {type: toy.count, path: in.##}
+  print: {type: toy.print, number: count, path: out.##}
+)",
+                         {}, [&] { return ++asked > 100; });
+    CHECK(ran.code == exit_code::interrupted);
+    CHECK(ran.count("print ") < 1000);
+    CHECK(ran.report["failures"].empty());
+}

@@ -1,0 +1,190 @@
+#pragma once
+
+#include "graph/registry.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
+/// Node types without volumes, to test what a pipeline is and how it runs.
+namespace toy {
+
+using namespace fluidcarve;
+
+/// A payload that counts how many frames' worth of it are alive.
+struct Number {
+    double value = 0;
+    explicit Number(double value) : value(value) {
+        const int now = ++alive;
+        int most = most_alive;
+        while (now > most && !most_alive.compare_exchange_weak(most, now)) {
+        }
+    }
+    Number(const Number&) = delete;
+    Number& operator=(const Number&) = delete;
+    ~Number() { --alive; }
+
+    static inline std::atomic<int> alive{0};
+    static inline std::atomic<int> most_alive{0};
+};
+
+struct Text {
+    std::string value;
+};
+
+/// What bodies did, for tests to look at; reset by each test.
+struct Log {
+    std::mutex mutex;
+    std::vector<std::string> lines;
+    void add(std::string line) {
+        const std::lock_guard lock(mutex);
+        lines.push_back(std::move(line));
+    }
+    std::vector<std::string> sorted() {
+        const std::lock_guard lock(mutex);
+        auto out = lines;
+        std::sort(out.begin(), out.end());
+        return out;
+    }
+    void reset() {
+        const std::lock_guard lock(mutex);
+        lines.clear();
+        Number::most_alive = 0;
+    }
+};
+inline Log log;
+
+/// Delivers the frame's number; may fail at one frame, or be late at every third.
+struct Count {
+    struct Params {
+        InputPath path;
+        int fail_at = -1;
+        bool missing = false;
+        bool late = false;
+        int skip = -1;
+    };
+    struct Ports {
+        Ref<Number> number;
+    };
+    static void survey(const Params& params, Survey& survey) {
+        if (params.skip >= 0) survey.leave_out(params.skip);
+        if (params.missing) survey.missing(params.fail_at, "the file is not there");
+    }
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (context.frame() == params.fail_at) throw Failure("made to fail", params.missing ? Failure::Kind::input : Failure::Kind::data);
+        if (params.late && context.place() % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        io.number = std::make_shared<Number>(context.frame());
+        log.add(fmt::format("count {}", context.frame()));
+    }
+};
+
+struct Add {
+    struct Params {
+        double offset = 0;
+        int throw_at = -1;
+    };
+    struct Ports {
+        List<Number> numbers;
+        Ref<Number> sum;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (context.frame() == params.throw_at) throw std::runtime_error("a library threw");
+        double sum = params.offset;
+        for (const auto& number : io.numbers) sum += number->value;
+        io.sum = std::make_shared<Number>(sum);
+    }
+};
+
+/// Gathers all frames; delivers one number, and tells in which order the frames came.
+struct Total {
+    struct Params {
+        int only_place = -1;
+    };
+    struct Ports {
+        Ref<Number> number;
+        Optional<Number> start;
+        Ref<Number> total;
+    };
+    static bool wants(const Params& params, const Context& context) { return params.only_place < 0 || static_cast<int>(context.place()) == params.only_place; }
+    void add(const Params&, const Ports& io, Context& context) {
+        sum += io.number->value;
+        log.add(fmt::format("total {}", context.frame()));
+        order.push_back(context.frame());
+    }
+    void finish(const Params&, Ports& io, Context& context) {
+        if (!std::is_sorted(order.begin(), order.end())) throw Failure("frames came out of order");
+        io.total = std::make_shared<Number>(sum + (io.start ? io.start->value : 0));
+        context.report("totals", {{"frames", order.size()}, {"sum", sum}});
+        log.add(fmt::format("finish {}", order.size()));
+    }
+    double sum = 0;
+    std::vector<int> order;
+};
+
+/// Gathers the largest number, then delivers each frame's share of it.
+struct Share {
+    struct Params {
+        bool stated = false;
+    };
+    struct Ports {
+        Ref<Number> number;
+        Ref<Number> share;
+    };
+    static bool gathers(const Params& params) { return !params.stated; }
+    void add(const Params&, const Ports& io, Context&) { most = std::max(most, io.number->value); }
+    void finish(const Params&, Ports&, Context&) {}
+    void run(const Params&, Ports& io, Context&) const { io.share = std::make_shared<Number>(io.number->value / most); }
+    double most = 1;
+};
+
+struct Print {
+    struct Params {
+        OutputPath path;
+    };
+    struct Ports {
+        Ref<Number> number;
+        Optional<Number> total;
+    };
+    static void run(const Params&, Ports& io, Context& context) {
+        log.add(fmt::format("print {} = {}{}", context.frame(), io.number->value, io.total ? fmt::format(" of {}", io.total->value) : ""));
+    }
+};
+
+inline Registry registry() {
+    Registry out;
+    out.add(payload_type<Number>("number", "A number.", [](const Number&) { return std::uint64_t{8}; }));
+    out.add(payload_type<Text>("text", "A text.", [](const Text& text) { return std::uint64_t{text.value.size()}; }));
+    out.add(NodeType(Declare<Count>("toy.count", "The frame's number.")
+                         .required("path", &Count::Params::path, "Looks like input; nothing is opened.")
+                         .param("fail_at", &Count::Params::fail_at, Unit::frames, any_number(), "Fails at this frame.")
+                         .param("missing", &Count::Params::missing, "The failure is a missing file.")
+                         .param("late", &Count::Params::late, "Takes long at every third frame.")
+                         .param("skip", &Count::Params::skip, Unit::frames, any_number(), "Leaves this frame out.")
+                         .output("number", &Count::Ports::number, "The number.")));
+    out.add(NodeType(Declare<Add>("toy.add", "Adds numbers.")
+                         .input("numbers", &Add::Ports::numbers, "What to add.")
+                         .param("offset", &Add::Params::offset, Unit::none, between(-100, 100), "Added too.")
+                         .param("throw_at", &Add::Params::throw_at, Unit::frames, any_number(), "Throws at this frame.")
+                         .output("sum", &Add::Ports::sum, "The sum.")));
+    out.add(NodeType(Declare<Total>("toy.total", "Adds a number over all frames.")
+                         .input("number", &Total::Ports::number, "What to add.")
+                         .input("start", &Total::Ports::start, "Where to start.")
+                         .param("only_place", &Total::Params::only_place, Unit::frames, any_number(), "Looks at one place of the sequence only.")
+                         .output("total", &Total::Ports::total, "The sum.")));
+    out.add(NodeType(Declare<Share>("toy.share", "A number as a share of the largest.")
+                         .input("number", &Share::Ports::number, "The number.")
+                         .param("stated", &Share::Params::stated, "The largest is 1; nothing is gathered.")
+                         .output("share", &Share::Ports::share, "The share.")));
+    out.add(NodeType(Declare<Print>("toy.print", "Writes down a number.")
+                         .input("number", &Print::Ports::number, "The number.")
+                         .input("total", &Print::Ports::total, "Shown beside it.")
+                         .required("path", &Print::Params::path, "Looks like output; nothing is written.")));
+    return out;
+}
+
+}  // namespace toy
