@@ -68,8 +68,10 @@ public:
         Value root = read_yaml(source, problems_);
         nothing.mark = {source, 0, 0};
         if (problems_.size() > before && root.kind == Value::Kind::null) return nothing;
-        if (root.kind == Value::Kind::null) return add(problems_, {source, 0, 0}, "the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'"), nothing;
-        if (root.kind != Value::Kind::map) return add(problems_, root.mark, "a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not " + root.describe()), nothing;
+        if (root.kind == Value::Kind::null)
+            return add(problems_, {source, 0, 0}, "the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'"), nothing;
+        if (root.kind != Value::Kind::map)
+            return add(problems_, root.mark, "a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not " + root.describe()), nothing;
         root.mark = {source, 0, 0};
         check_top(root);
 
@@ -170,7 +172,8 @@ private:
         if (const auto* fallback = param.find("default")) value = &fallback->value;
         if (environment_.contains(name) && std::getenv(name.c_str())) value = &(from_environment = environment_value(name));
         if (const auto set = settings.find(name); set != settings.end()) value = &set->second;
-        if (!value || value->kind == Value::Kind::null) return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
+        if (!value || value->kind == Value::Kind::null)
+            return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
 
         Value replaced = *value;
         replace_environment(replaced);
@@ -249,8 +252,7 @@ private:
         std::vector<std::string> known;
         for (const auto& [param, value] : params) known.push_back(param);
         for (const auto& [variable, mark] : environment_) known.push_back(variable);
-        add(problems_, at,
-            fmt::format("${{{}}} is neither a param nor declared under 'env'{}", name, did_you_mean(name, known)));
+        add(problems_, at, fmt::format("${{{}}} is neither a param nor declared under 'env'{}", name, did_you_mean(name, known)));
         return nullptr;
     }
 

@@ -60,7 +60,7 @@ struct ParamSpec {
 class NodeCheck {
 public:
     virtual ~NodeCheck() = default;
-    virtual bool stated(std::string_view field) const = 0;        ///< the user wrote this port or parameter
+    virtual bool stated(std::string_view field) const = 0;  ///< the user wrote this port or parameter
     virtual std::size_t connections(std::string_view input) const = 0;
     virtual void fault(std::string_view field, const std::string& message) = 0;  ///< at the field's place, or the node's
 };
@@ -77,10 +77,10 @@ public:
 /// A node at work: parameters bound, state of its own if it gathers. Made anew for every run.
 struct Behaviour {
     std::function<std::shared_ptr<void>()> make_ports;
-    std::function<void(void* ports, Context&)> run;     ///< per frame, concurrently; empty if the node only gathers
-    std::function<void(const void* ports, Context&)> add;     ///< in frame order, one at a time; empty if it gathers nothing
-    std::function<void(void* ports, Context&)> finish;  ///< once, after the last add; before any run
-    std::function<bool(const Context&)> wants;          ///< whether `add` needs the context's frame
+    std::function<void(void* ports, Context&)> run;        ///< per frame, concurrently; empty if the node only gathers
+    std::function<void(const void* ports, Context&)> add;  ///< in frame order, one at a time; empty if it gathers nothing
+    std::function<void(void* ports, Context&)> finish;     ///< once, after the last add; before any run
+    std::function<bool(const Context&)> wants;             ///< whether `add` needs the context's frame
 };
 
 /// All that is known of a node type. Made by Declare.
@@ -90,7 +90,7 @@ struct NodeType {
     std::vector<InputSpec> inputs;
     std::vector<OutputSpec> outputs;
     std::vector<ParamSpec> params;
-    std::string outputs_param;  ///< the parameter that names further outputs, or empty
+    std::string outputs_param;      ///< the parameter that names further outputs, or empty
     bool per_frame_outputs = true;  ///< false: outputs come from `finish`, once
 
     std::function<std::shared_ptr<void>()> make_params;
@@ -106,18 +106,22 @@ struct NodeType {
 };
 
 namespace detail {
-template <class M> struct PortTraits;
-template <class T> struct PortTraits<Ref<T>> {
+template <class M>
+struct PortTraits;
+template <class T>
+struct PortTraits<Ref<T>> {
     using type = T;
     static constexpr auto arity = InputSpec::Arity::one;
     static void set(Ref<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) { port = in.empty() ? nullptr : in[0].as<T>(); }
 };
-template <class T> struct PortTraits<Optional<T>> {
+template <class T>
+struct PortTraits<Optional<T>> {
     using type = T;
     static constexpr auto arity = InputSpec::Arity::optional;
     static void set(Optional<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) { port = in.empty() ? nullptr : in[0].as<T>(); }
 };
-template <class T> struct PortTraits<List<T>> {
+template <class T>
+struct PortTraits<List<T>> {
     using type = T;
     static constexpr auto arity = InputSpec::Arity::list;
     static void set(List<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) {
@@ -125,7 +129,8 @@ template <class T> struct PortTraits<List<T>> {
         for (const auto& payload : in) port.push_back(payload.as<T>());
     }
 };
-template <class T> struct PortTraits<Named<T>> {
+template <class T>
+struct PortTraits<Named<T>> {
     using type = T;
     static constexpr auto arity = InputSpec::Arity::named;
     static void set(Named<T>& port, const std::vector<Payload>& in, const std::vector<std::string>& names) {
@@ -134,10 +139,15 @@ template <class T> struct PortTraits<Named<T>> {
     }
 };
 struct NoParams {};
-template <class Node> struct ParamsOf { using type = NoParams; };
 template <class Node>
-    requires requires { typename Node::Params; }
-struct ParamsOf<Node> { using type = typename Node::Params; };
+struct ParamsOf {
+    using type = NoParams;
+};
+template <class Node>
+requires requires { typename Node::Params; }
+struct ParamsOf<Node> {
+    using type = typename Node::Params;
+};
 }  // namespace detail
 
 /// The one declaration of a node type. `Node` is a plain struct with
@@ -174,16 +184,15 @@ public:
             else if constexpr (requires { Node::gathers(Params{}); }) return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
-        if constexpr (requires(NodeCheck& check) { Node::check(Params{}, check); })
+        if constexpr (requires(NodeCheck & check) { Node::check(Params{}, check); })
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
-        if constexpr (requires(Survey& survey) { Node::survey(Params{}, survey); })
+        if constexpr (requires(Survey & survey) { Node::survey(Params{}, survey); })
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
         type_.bind = &bind;
     }
 
     template <class M, class P>
-        requires std::derived_from<Ports, P>
-    Declare& input(std::string name, M P::*member, std::string doc) {
+    requires std::derived_from<Ports, P> Declare& input(std::string name, M P::*member, std::string doc) {
         using Traits = detail::PortTraits<M>;
         type_.inputs.push_back({std::move(name), std::move(doc), Traits::arity, typeid(typename Traits::type),
                                 [member](void* ports, const std::vector<Payload>& in, const std::vector<std::string>& names) {
@@ -193,8 +202,7 @@ public:
     }
 
     template <class T, class P>
-        requires std::derived_from<Ports, P>
-    Declare& output(std::string name, std::shared_ptr<T> P::*member, std::string doc) {
+    requires std::derived_from<Ports, P> Declare& output(std::string name, std::shared_ptr<T> P::*member, std::string doc) {
         type_.outputs.push_back({std::move(name), std::move(doc), typeid(std::remove_const_t<T>),
                                  [member](const void* ports) { return Payload(static_cast<const Ports*>(ports)->*member); }});
         return *this;
@@ -202,7 +210,8 @@ public:
 
     /// Further outputs, named and typed by a parameter, delivered in a NamedOutputs port.
     /// @param list  parsed params -> name and payload type of each
-    Declare& outputs_from(std::string param, NamedOutputs Ports::*member, std::function<std::vector<std::pair<std::string, std::type_index>>(const Params&)> list) {
+    Declare& outputs_from(std::string param, NamedOutputs Ports::*member,
+                          std::function<std::vector<std::pair<std::string, std::type_index>>(const Params&)> list) {
         type_.outputs_param = std::move(param);
         type_.named_outputs = [member, list = std::move(list)](const void* params) {
             std::vector<OutputSpec> out;
@@ -219,8 +228,7 @@ public:
 
     /// A parameter with a default: the value of its field in a fresh Params.
     template <class T, class P>
-        requires std::derived_from<Params, P>
-    Declare& param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
+    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
         auto spec = make_param(std::move(name), member, unit, range, std::move(doc));
         const Params fresh{};
         spec.fallback = ParamTraits<T>::text(fresh.*member);
@@ -229,22 +237,19 @@ public:
     }
     /// The same for what is no number.
     template <class T, class P>
-        requires std::derived_from<Params, P>
-    Declare& param(std::string name, T P::*member, std::string doc) {
+    requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, std::string doc) {
         return param(std::move(name), member, Unit::none, any_number(), std::move(doc));
     }
     /// A parameter that every pipeline must state.
     template <class T, class P>
-        requires std::derived_from<Params, P>
-    Declare& required(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
+    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
         auto spec = make_param(std::move(name), member, unit, range, std::move(doc));
         spec.required = true;
         type_.params.push_back(std::move(spec));
         return *this;
     }
     template <class T, class P>
-        requires std::derived_from<Params, P>
-    Declare& required(std::string name, T P::*member, std::string doc) {
+    requires std::derived_from<Params, P> Declare& required(std::string name, T P::*member, std::string doc) {
         return required(std::move(name), member, Unit::none, any_number(), std::move(doc));
     }
 
@@ -278,7 +283,8 @@ private:
         auto node = std::make_shared<Node>();
         Behaviour out;
         out.make_ports = [] { return std::make_shared<Ports>(); };
-        if constexpr (has_run) out.run = [params, node](void* ports, Context& context) { std::as_const(*node).run(*params, *static_cast<Ports*>(ports), context); };
+        if constexpr (has_run)
+            out.run = [params, node](void* ports, Context& context) { std::as_const(*node).run(*params, *static_cast<Ports*>(ports), context); };
         if constexpr (has_add) {
             bool gathers = true;
             if constexpr (requires { Node::gathers(Params{}); }) gathers = Node::gathers(*params);

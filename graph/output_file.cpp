@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <atomic>
 #include <filesystem>
 #include <mutex>
 #include <set>
-#include <unistd.h>
 
 namespace fluidcarve {
 namespace {

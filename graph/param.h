@@ -61,9 +61,9 @@ constexpr Range any_number() { return {}; }
 struct Shape {
     enum class Kind { boolean, integer, number, text, input_path, output_path, count, vector, interval, choice, list, map, automatic, any_of };
     Kind kind = Kind::text;
-    std::vector<std::string> choices;                       ///< choice
-    std::vector<Shape> of;                                  ///< list, map, automatic: one; any_of: the alternatives
-    std::vector<std::pair<std::string, Shape>> fields = {}; ///< map with fixed fields
+    std::vector<std::string> choices;                        ///< choice
+    std::vector<Shape> of;                                   ///< list, map, automatic: one; any_of: the alternatives
+    std::vector<std::pair<std::string, Shape>> fields = {};  ///< map with fixed fields
 };
 /// For people: "a number", "a list of [low, high]", "linear | quadratic".
 std::string to_text(const Shape& shape);
@@ -97,58 +97,69 @@ struct ParamTraits;
 template <class E>
 struct ChoiceNames;
 
-template <> struct ParamTraits<bool> {
+template <>
+struct ParamTraits<bool> {
     static Shape shape() { return {Shape::Kind::boolean, {}, {}}; }
     static std::optional<bool> parse(const Value& value, ValueReader& reader);
     static std::string text(bool value) { return value ? "true" : "false"; }
 };
-template <> struct ParamTraits<int> {
+template <>
+struct ParamTraits<int> {
     static Shape shape() { return {Shape::Kind::integer, {}, {}}; }
     static std::optional<int> parse(const Value& value, ValueReader& reader);
     static std::string text(int value) { return std::to_string(value); }
 };
-template <> struct ParamTraits<double> {
+template <>
+struct ParamTraits<double> {
     static Shape shape() { return {Shape::Kind::number, {}, {}}; }
     static std::optional<double> parse(const Value& value, ValueReader& reader) { return reader.number(value, false); }
     static std::string text(double value);
 };
-template <> struct ParamTraits<float> {
+template <>
+struct ParamTraits<float> {
     static Shape shape() { return {Shape::Kind::number, {}, {}}; }
     static std::optional<float> parse(const Value& value, ValueReader& reader);
     static std::string text(float value) { return ParamTraits<double>::text(value); }
 };
-template <> struct ParamTraits<std::string> {
+template <>
+struct ParamTraits<std::string> {
     static Shape shape() { return {Shape::Kind::text, {}, {}}; }
     static std::optional<std::string> parse(const Value& value, ValueReader& reader);
     static std::string text(const std::string& value) { return value; }
 };
-template <> struct ParamTraits<Vec3> {
+template <>
+struct ParamTraits<Vec3> {
     static Shape shape() { return {Shape::Kind::vector, {}, {}}; }
     static std::optional<Vec3> parse(const Value& value, ValueReader& reader);
     static std::string text(const Vec3& value);
 };
-template <> struct ParamTraits<Interval> {
+template <>
+struct ParamTraits<Interval> {
     static Shape shape() { return {Shape::Kind::interval, {}, {}}; }
     static std::optional<Interval> parse(const Value& value, ValueReader& reader);
     static std::string text(const Interval& value);
 };
-template <> struct ParamTraits<Count> {
+template <>
+struct ParamTraits<Count> {
     static Shape shape() { return {Shape::Kind::count, {}, {}}; }
     static std::optional<Count> parse(const Value& value, ValueReader& reader);
     static std::string text(const Count& value);
 };
-template <> struct ParamTraits<InputPath> {
+template <>
+struct ParamTraits<InputPath> {
     static Shape shape() { return {Shape::Kind::input_path, {}, {}}; }
     static std::optional<InputPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const InputPath& value) { return value.text(); }
 };
-template <> struct ParamTraits<OutputPath> {
+template <>
+struct ParamTraits<OutputPath> {
     static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
     static std::optional<OutputPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const OutputPath& value) { return value.text(); }
 };
 
-template <class T> struct ParamTraits<std::optional<T>> {
+template <class T>
+struct ParamTraits<std::optional<T>> {
     static Shape shape() { return {Shape::Kind::automatic, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::optional<T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind == Value::Kind::scalar && value.text == "auto") return std::optional<std::optional<T>>(std::in_place, std::nullopt);
@@ -158,7 +169,8 @@ template <class T> struct ParamTraits<std::optional<T>> {
     static std::string text(const std::optional<T>& value) { return value ? ParamTraits<T>::text(*value) : "auto"; }
 };
 
-template <class T> struct ParamTraits<std::vector<T>> {
+template <class T>
+struct ParamTraits<std::vector<T>> {
     static Shape shape() { return {Shape::Kind::list, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::vector<T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind != Value::Kind::list) return reader.unwanted(value, to_text(shape())), std::nullopt;
@@ -174,7 +186,8 @@ template <class T> struct ParamTraits<std::vector<T>> {
     }
 };
 
-template <class T> struct ParamTraits<std::map<std::string, T>> {
+template <class T>
+struct ParamTraits<std::map<std::string, T>> {
     static Shape shape() { return {Shape::Kind::map, {}, {ParamTraits<T>::shape()}}; }
     static std::optional<std::map<std::string, T>> parse(const Value& value, ValueReader& reader) {
         if (value.kind != Value::Kind::map) return reader.unwanted(value, to_text(shape())), std::nullopt;
@@ -191,7 +204,7 @@ template <class T> struct ParamTraits<std::map<std::string, T>> {
 };
 
 template <class E>
-    requires std::is_enum_v<E>
+requires std::is_enum_v<E>
 struct ParamTraits<E> {
     static Shape shape() {
         Shape out{Shape::Kind::choice, {}, {}};

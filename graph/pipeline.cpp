@@ -24,7 +24,7 @@ struct Reference {
 /// A node while it is being checked.
 struct Draft {
     Node node;
-    const Value* value = nullptr;  ///< its map
+    const Value* value = nullptr;                    ///< its map
     std::vector<std::vector<Reference>> references;  ///< per input
 };
 
@@ -81,12 +81,12 @@ private:
         if (name.empty() || !std::all_of(name.begin(), name.end(), letter))
             return add(problems_, mark, fmt::format("'{}' can't name a node; use letters, digits, _ and -", name));
         known_.insert(name);
-        if (value.kind != Value::Kind::map) return add(problems_, value.mark, fmt::format("node '{}' wants {{type: ..., ...}}, not {}", name, value.describe()));
+        if (value.kind != Value::Kind::map)
+            return add(problems_, value.mark, fmt::format("node '{}' wants {{type: ..., ...}}, not {}", name, value.describe()));
         const auto* const type = value.find("type");
         if (!type) return add(problems_, mark, fmt::format("node '{}' has no type", name));
         const auto* const node_type = registry_.node(type->value.text);
-        if (!node_type)
-            return add(problems_, type->value.mark, fmt::format("there is no node type {}{}", type->value.describe(), near_type(type->value.text)));
+        if (!node_type) return add(problems_, type->value.mark, fmt::format("there is no node type {}{}", type->value.describe(), near_type(type->value.text)));
 
         Draft draft;
         draft.value = &value;
@@ -151,13 +151,15 @@ private:
         const auto* const field = draft.value->find(spec.name);
         if (!field) {
             if (spec.arity != InputSpec::Arity::optional)
-                add(problems_, draft.node.mark, fmt::format("{} needs its input '{}' ({})", draft.node.type->name, spec.name, registry_.accepted_names(spec.type)));
+                add(problems_, draft.node.mark,
+                    fmt::format("{} needs its input '{}' ({})", draft.node.type->name, spec.name, registry_.accepted_names(spec.type)));
             return;
         }
         const auto take = [&](const Value& value, const std::string& name) {
             if (value.kind == Value::Kind::unresolved) return;
             if (value.kind != Value::Kind::scalar)
-                return add(problems_, value.mark, fmt::format("{} input '{}' wants a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
+                return add(problems_, value.mark,
+                           fmt::format("{} input '{}' wants a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
             const auto dot = value.text.find('.');
             draft.references[n].push_back({value.mark, value.text.substr(0, dot), dot == std::string::npos ? std::string() : value.text.substr(dot + 1)});
             draft.node.input_names[n].push_back(name);
@@ -169,7 +171,8 @@ private:
             for (const auto& item : value.items) take(item, {});
         } else if (spec.arity == InputSpec::Arity::named) {
             if (value.kind != Value::Kind::map)
-                add(problems_, value.mark, fmt::format("{} input '{}' wants {{name: node.output, ...}}, not {}", draft.node.type->name, spec.name, value.describe()));
+                add(problems_, value.mark,
+                    fmt::format("{} input '{}' wants {{name: node.output, ...}}, not {}", draft.node.type->name, spec.name, value.describe()));
             for (const auto& each : value.fields) take(each.value, each.name);
         } else {
             take(value, {});
@@ -193,12 +196,15 @@ private:
         const auto& from = drafts_[source->second].node;
         std::vector<std::string> ports;
         for (const auto& output : from.outputs) ports.push_back(output.name);
-        if (ports.empty()) return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it stands here"), std::nullopt;
+        if (ports.empty())
+            return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it stands here"),
+                   std::nullopt;
         const auto found = reference.port.empty() ? ports.begin() : std::find(ports.begin(), ports.end(), reference.port);
         if (found == ports.end()) {
             if (from.params || from.type->outputs_param.empty())
-                add(problems_, reference.mark, fmt::format("'{}' ({}) has no output '{}'{}", from.name, from.type->name, reference.port, did_you_mean(reference.port, ports)),
-                    from.mark, "it stands here");
+                add(problems_, reference.mark,
+                    fmt::format("'{}' ({}) has no output '{}'{}", from.name, from.type->name, reference.port, did_you_mean(reference.port, ports)), from.mark,
+                    "it stands here");
             return std::nullopt;
         }
         const Link link{source->second, static_cast<std::size_t>(found - ports.begin())};
@@ -206,8 +212,8 @@ private:
         const auto& spec = draft.node.type->inputs[input];
         if (!registry_.accepts(spec.type, output.type)) {
             add(problems_, reference.mark,
-                fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name, spec.name, registry_.accepted_names(spec.type), from.name, output.name,
-                            registry_.payload(output.type).name),
+                fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name, spec.name, registry_.accepted_names(spec.type), from.name,
+                            output.name, registry_.payload(output.type).name),
                 from.mark, fmt::format("'{}' ({}) stands here", from.name, from.type->name));
             return std::nullopt;
         }
@@ -306,7 +312,8 @@ private:
             if (node.rate != Rate::frame && path.per_frame())
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
             const auto [first, fresh] = used.emplace(file(path), std::pair(mark, fmt::format("'{}' writes it here", node.name)));
-            if (!fresh) add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
+            if (!fresh)
+                add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
         });
     }
 

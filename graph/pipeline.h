@@ -29,13 +29,13 @@ struct Node {
     std::string name;
     Mark mark;
     const NodeType* type = nullptr;
-    std::shared_ptr<const void> params;  ///< null in a pipeline with problems
-    std::vector<OutputSpec> outputs;         ///< the type's, then those that a parameter names
-    std::vector<std::vector<Link>> inputs;   ///< per InputSpec of the type
+    std::shared_ptr<const void> params;                 ///< null in a pipeline with problems
+    std::vector<OutputSpec> outputs;                    ///< the type's, then those that a parameter names
+    std::vector<std::vector<Link>> inputs;              ///< per InputSpec of the type
     std::vector<std::vector<std::string>> input_names;  ///< per InputSpec: the names of a named input's links
-    bool gathers = false;                    ///< takes all frames, in order, before it delivers
-    Rate rate = Rate::fixed;                 ///< of its outputs, or of its run if it has none
-    bool per_frame_input = false;            ///< some input arrives per frame
+    bool gathers = false;                               ///< takes all frames, in order, before it delivers
+    Rate rate = Rate::fixed;                            ///< of its outputs, or of its run if it has none
+    bool per_frame_input = false;                       ///< some input arrives per frame
 };
 
 /// A checked pipeline: typed, acyclic, complete. Nodes stand in an order in which each comes after its inputs.

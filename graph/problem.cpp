@@ -20,7 +20,8 @@ std::string line_of(const Mark& mark) {
     if (begin == std::string::npos || begin >= text.size()) return {};
     auto line = text.substr(begin, text.find('\n', begin) - begin);
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     return line;
 }
 
@@ -46,9 +47,7 @@ nlohmann::ordered_json json_of(const Mark& mark, const std::string& message) {
     return {{"file", mark.source ? mark.source->name : ""}, {"line", mark.line}, {"column", mark.column}, {"message", message}};
 }
 
-auto key(const Problem& problem) {
-    return std::tuple(problem.at.source ? problem.at.source->name : "", problem.at.line, problem.at.column);
-}
+auto key(const Problem& problem) { return std::tuple(problem.at.source ? problem.at.source->name : "", problem.at.line, problem.at.column); }
 
 }  // namespace
 

@@ -121,8 +121,7 @@ private:
         } else {
             if (const auto [first, fresh] = parent.seen.emplace(parent.key->text, parent.key->mark); !fresh)
                 problems_.push_back({parent.key->mark, fmt::format("'{}' is stated twice", parent.key->text), first->second, "first stated here"});
-            else
-                parent.value.fields.push_back({parent.key->text, parent.key->mark, std::move(value)});
+            else parent.value.fields.push_back({parent.key->text, parent.key->mark, std::move(value)});
             parent.key.reset();
         }
     }

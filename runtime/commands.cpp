@@ -6,12 +6,12 @@
 #include "runtime/interrupt.h"
 #include "runtime/run.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
+#include <unistd.h>
 #include <algorithm>
 #include <thread>
-#include <unistd.h>
 
 namespace fluidcarve {
 namespace {
@@ -25,7 +25,8 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
     const double number = std::strtod(text.c_str(), &end);
     std::string unit(end);
     std::erase(unit, ' ');
-    static const std::map<std::string, double> units{{"", 0}, {"B", 0}, {"K", 1}, {"KB", 1}, {"KiB", 1}, {"M", 2}, {"MB", 2}, {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4}, {"TB", 4}, {"TiB", 4}};
+    static const std::map<std::string, double> units{{"", 0},    {"B", 0}, {"K", 1},  {"KB", 1},  {"KiB", 1}, {"M", 2},  {"MB", 2},
+                                                     {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4},   {"TB", 4}, {"TiB", 4}};
     const auto found = units.find(unit);
     if (end == text.c_str() || found == units.end() || !(number > 0) || number > 1e15) return std::nullopt;
     return static_cast<std::uint64_t>(number * std::pow(1024.0, found->second));
@@ -40,7 +41,10 @@ struct PipelineArguments {
 
     void declare(CLI::App& verb) {
         verb.add_option("pipeline", path, "Pipeline file (YAML)")->required()->type_name("PIPELINE");
-        verb.add_option("--set", settings, "Override a field of a node or a param; may be repeated")->type_name("NODE.FIELD=VALUE|PARAM=VALUE")->expected(1)->take_all();
+        verb.add_option("--set", settings, "Override a field of a node or a param; may be repeated")
+            ->type_name("NODE.FIELD=VALUE|PARAM=VALUE")
+            ->expected(1)
+            ->take_all();
     }
 
     /// Nothing where there are problems.
@@ -72,7 +76,8 @@ struct RunArguments {
         verb.add_option("--to", to, "Run this node and what it needs, nothing else")->type_name("NODE");
         verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str();
         verb.add_option("--in-flight", in_flight, "Frames alive at once (default: threads + 1)")->check(CLI::Range(1, 100000));
-        verb.add_option("--memory", memory, "What a node may hold for the whole sequence before it uses files (default: half of the machine's)")->type_name("SIZE");
+        verb.add_option("--memory", memory, "What a node may hold for the whole sequence before it uses files (default: half of the machine's)")
+            ->type_name("SIZE");
         verb.add_option("--work", request.options.work_folder, "Folder for such files")->capture_default_str()->type_name("DIR");
         verb.add_option("--report", request.report_path, "Write what happened to this file")->type_name("FILE.json");
         verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
@@ -107,9 +112,9 @@ struct RunArguments {
         if (!to.empty() && !pipeline.find(to)) return wrong(fmt::format("--to: there is no node '{}'{}", to, did_you_mean(to, pipeline.node_names())));
         request.to = to;
         const bool terminal = isatty(STDERR_FILENO) != 0;
-        request.progress = progress == "none" || request.quiet                ? ProgressStyle::none
+        request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
                            : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
-                                                                              : ProgressStyle::json;
+                                                                                   : ProgressStyle::json;
         return request;
     }
 };

@@ -18,7 +18,8 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 
 /// One frame on its way through a pass. Nodes of the pass fire when their last input has arrived.
 struct FrameRun {
-    FrameRun(std::size_t place, std::size_t order, std::size_t nodes) : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), active(nodes), failed(nodes) {}
+    FrameRun(std::size_t place, std::size_t order, std::size_t nodes)
+        : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), active(nodes), failed(nodes) {}
 
     const std::size_t place;  ///< in the sequence
     const std::size_t order;  ///< of admission, without gaps
@@ -27,15 +28,15 @@ struct FrameRun {
     std::vector<std::atomic<int>> readers;  ///< nodes that have yet to read the outputs
     std::vector<char> active;               ///< the node has work in this frame
     std::vector<char> failed;
-    std::atomic<int> open{0};               ///< ends of the graph not yet reached
+    std::atomic<int> open{0};  ///< ends of the graph not yet reached
 };
 using Token = std::shared_ptr<FrameRun>;
 
 /// The edges of one pass, between pipeline nodes.
 struct Wiring {
-    std::vector<std::size_t> units;                  ///< per-frame nodes, then gatherers
-    std::vector<std::vector<std::size_t>> sources;   ///< per pipeline node: units that it reads
-    std::vector<std::vector<std::size_t>> readers;   ///< per pipeline node: units that read it
+    std::vector<std::size_t> units;                 ///< per-frame nodes, then gatherers
+    std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: units that it reads
+    std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it
 };
 
 Wiring wire(const Pipeline& pipeline, const Pass& pass) {
@@ -361,11 +362,12 @@ void Flow::run_pass(const Pass& pass, const std::vector<bool>& delivered, const 
     std::vector<Gather> gathers(nodes);
     for (const auto n : wiring.units) {
         const bool gathers_here = std::find(pass.gatherers.begin(), pass.gatherers.end(), n) != pass.gatherers.end();
-        units[n] = std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &targets, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {
-            if (frame->waiting[n].fetch_sub(1) != 1) return;
-            if (!gathers_here) self.run(n, *frame, wiring, targets[n]);
-            std::get<0>(out).try_put(frame);
-        });
+        units[n] =
+            std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &targets, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {
+                if (frame->waiting[n].fetch_sub(1) != 1) return;
+                if (!gathers_here) self.run(n, *frame, wiring, targets[n]);
+                std::get<0>(out).try_put(frame);
+            });
         if (!gathers_here) continue;
         auto& gather = gathers[n];
         // Every admitted frame passes, failed ones too: a gap would stall the sequencer for good.

@@ -16,8 +16,8 @@ namespace fluidcarve {
 /// Limits and wishes of one run.
 struct RunOptions {
     int threads = 1;
-    int in_flight = 2;                 ///< frames alive at once
-    std::uint64_t memory = 0;          ///< bytes for what nodes hold for the whole sequence
+    int in_flight = 2;         ///< frames alive at once
+    std::uint64_t memory = 0;  ///< bytes for what nodes hold for the whole sequence
     std::string work_folder = ".fluidcarve";
     bool keep_going = false;
 };

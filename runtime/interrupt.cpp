@@ -2,12 +2,12 @@
 
 #include "graph/output_file.h"
 
-#include <csignal>
-#include <cstdint>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
+#include <csignal>
+#include <cstdint>
 
 namespace fluidcarve {
 namespace {

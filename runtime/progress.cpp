@@ -67,8 +67,7 @@ std::pair<double, double> Progress::spent_and_left() const {
         runs += state.done;
     }
     const double average = runs > 0 ? spent / runs : 0;
-    for (const auto& state : steps_)
-        left += (static_cast<double>(state.step.runs) - state.done) * (state.done > 0 ? state.seconds / state.done : average);
+    for (const auto& state : steps_) left += (static_cast<double>(state.step.runs) - state.done) * (state.done > 0 ? state.seconds / state.done : average);
     return {spent, left};
 }
 
@@ -95,15 +94,21 @@ void Progress::show(bool always) {
     const double fraction = spent + left > 0 ? spent / (spent + left) : 0;
     const double seconds_left = spent > 0 ? left * wall / spent : 0;
     if (style_ == ProgressStyle::json) {
-        put(nlohmann::ordered_json{{"event", "progress"}, {"pass", pass_ + 1}, {"passes", passes_}, {"fraction", std::round(fraction * 1000) / 1000},
-                                   {"elapsed_s", std::round(wall * 10) / 10}, {"left_s", std::round(seconds_left * 10) / 10}, {"at", current_}}
+        put(nlohmann::ordered_json{{"event", "progress"},
+                                   {"pass", pass_ + 1},
+                                   {"passes", passes_},
+                                   {"fraction", std::round(fraction * 1000) / 1000},
+                                   {"elapsed_s", std::round(wall * 10) / 10},
+                                   {"left_s", std::round(seconds_left * 10) / 10},
+                                   {"at", current_}}
                 .dump() +
             "\n");
         return;
     }
     constexpr int width = 24;
     const int filled = static_cast<int>(fraction * width);
-    put(fmt::format("\r\x1b[K[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_, clock_text(seconds_left), current_));
+    put(fmt::format("\r\x1b[K[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_,
+                    clock_text(seconds_left), current_));
     drawn_ = true;
 }
 

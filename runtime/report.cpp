@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <sys/resource.h>
+#include <algorithm>
 #include <tuple>
 
 namespace fluidcarve {
@@ -42,7 +42,8 @@ std::vector<Fault> Report::faults() const {
     auto out = faults_;
     const auto place = [&](const std::string& name) { return pipeline_.find(name); };
     std::stable_sort(out.begin(), out.end(), [&](const Fault& a, const Fault& b) {
-        return std::tuple(a.frame.has_value() ? 0 : 1, a.frame.value_or(0), place(a.node)) < std::tuple(b.frame.has_value() ? 0 : 1, b.frame.value_or(0), place(b.node));
+        return std::tuple(a.frame.has_value() ? 0 : 1, a.frame.value_or(0), place(a.node)) <
+               std::tuple(b.frame.has_value() ? 0 : 1, b.frame.value_or(0), place(b.node));
     });
     return out;
 }
@@ -50,7 +51,8 @@ std::vector<Fault> Report::faults() const {
 std::vector<std::string> Report::warnings() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> out;
-    for (const auto& [node, message] : warnings_) out.push_back(fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message));
+    for (const auto& [node, message] : warnings_)
+        out.push_back(fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message));
     return out;
 }
 
@@ -71,7 +73,8 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
     for (std::size_t n = 0; n < stats_.size(); ++n) {
         const auto& stats = stats_[n];
         if (stats.ran)
-            out["nodes"][pipeline_.nodes[n].name] = {{"type", pipeline_.nodes[n].type->name}, {"frames", stats.frames}, {"cached", 0}, {"wall_s", stats.seconds}, {"bytes", stats.most_bytes}};
+            out["nodes"][pipeline_.nodes[n].name] = {
+                {"type", pipeline_.nodes[n].type->name}, {"frames", stats.frames}, {"cached", 0}, {"wall_s", stats.seconds}, {"bytes", stats.most_bytes}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = entry;

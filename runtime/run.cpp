@@ -71,8 +71,8 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
     for (const auto& warning : report.warnings()) tell("warning: " + warning);
     if (request.verbose)
         for (const auto& [name, node] : summary["nodes"].items())
-            tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(), node["bytes"].get<double>() / 1e6, name,
-                             node["type"].get<std::string>()));
+            tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(),
+                             node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
 int write_report(const std::string& path, const nlohmann::ordered_json& report, int code) {

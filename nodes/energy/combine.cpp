@@ -104,6 +104,7 @@ struct ParamTraits<TermRanges> {
             auto each = Each::parse(value, reader);
             return each ? std::optional(TermRanges{std::move(*each), false}) : std::nullopt;
         }
+        if (value.kind != Value::Kind::list && value.text != "auto") return reader.unwanted(value, to_text(shape())), std::nullopt;
         const auto one = One::parse(value, reader);
         return one ? std::optional(TermRanges{{*one}, true}) : std::nullopt;
     }

@@ -140,8 +140,8 @@ private:
         out.setGridPos(number<std::int64_t>());
         out.setBlockPos(number<std::int64_t>());
         out.setEndPos(number<std::int64_t>());
-        // A writer fills these in when the grid is complete.
-        if (out.getGridPos() < stream_.tellg() || out.getBlockPos() < out.getGridPos() || out.getEndPos() < out.getBlockPos())
+        // A writer fills these in when the grid is complete; an instance has no blocks.
+        if (out.getGridPos() < stream_.tellg() || out.getEndPos() < std::max(out.getGridPos(), out.getBlockPos()))
             refuse(fmt::format("{} is unfinished or damaged: it does not say where grid '{}' ends; wait for its writer, or write it again", path_, shown(out)));
         if (static_cast<std::uint64_t>(out.getEndPos()) > size_)
             refuse(fmt::format("{} is cut off: grid '{}' ends at byte {}, the file at {}; copy or write it again", path_, shown(out), out.getEndPos(), size_));

@@ -95,7 +95,7 @@ struct Box {
                                       name_, frame_));
     }
 
-    void finish(const Params& params, Ports& io, Context& context) {
+    void finish(const Params& params, Ports& io, Context&) {
         const auto axes = world_axes(params.axes);
         const auto shaped = [&](const std::array<int, 3>& counts) {
             return std::array{counts[static_cast<std::size_t>(axes[0])], counts[static_cast<std::size_t>(axes[1])], counts[static_cast<std::size_t>(axes[2])]};
@@ -106,7 +106,6 @@ struct Box {
             io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), *params.spacing, axes));
             return;
         }
-        if (io.fit && !transform_) gather(*io.fit->grid, context.frame());
         if (!transform_) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
         const auto counts = box_.dim();
         io.lattice = std::make_shared<Lattice>(

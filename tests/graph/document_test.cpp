@@ -98,7 +98,8 @@ TEST_CASE("extended files that are missing, or extend each other in a circle, ar
     CHECK(read(scratch, "fluidcarve: 1\nextends: nowhere.yaml\n").text ==
           "p.yaml:2:10: cannot read nowhere.yaml: it does not exist\nextends: nowhere.yaml\n         ^\n");
     scratch.write("q.yaml", "fluidcarve: 1\nextends: p.yaml\n");
-    CHECK(read(scratch, "fluidcarve: 1\nextends: q.yaml\n").text == "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n         ^\n");
+    CHECK(read(scratch, "fluidcarve: 1\nextends: q.yaml\n").text ==
+          "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n         ^\n");
 }
 
 TEST_CASE("a file that is no pipeline is refused in words") {
@@ -120,7 +121,8 @@ TEST_CASE("params are checked against their declaration") {
     CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: int}\n  ^\n");
     CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                            ^\n");
+          "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
+          "        ^\n");
 }
 
 TEST_CASE("an unknown or unset name in a value is named where it stands") {
@@ -128,5 +130,6 @@ TEST_CASE("an unknown or unset name in a value is named where it stands") {
           "p.yaml:5:19: ${shto} is neither a param nor declared under 'env'; did you mean 'shot'?\n  a: {type: x, f: \"${shto}\"}\n                  ^\n");
     CHECK(problems("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n") ==
           "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
-    CHECK(problems("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") == "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
+    CHECK(problems("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") ==
+          "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
 }

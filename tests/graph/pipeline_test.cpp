@@ -73,7 +73,9 @@ TEST_CASE("a typo, a wrong port type and a cycle are reported together, each wit
         };
         static void run(const fluidcarve::detail::NoParams&, Ports&, Context&) {}
     };
-    registry.add(NodeType(Declare<Speak>("toy.speak", "A number in words.").input("number", &Speak::Ports::number, "The number.").output("text", &Speak::Ports::text, "The words.")));
+    registry.add(NodeType(Declare<Speak>("toy.speak", "A number in words.")
+                              .input("number", &Speak::Ports::number, "The number.")
+                              .output("text", &Speak::Ports::text, "The words.")));
     const Scratch scratch;
     const auto path = scratch.write("p.yaml", R"(fluidcarve: 1
 nodes:
@@ -90,32 +92,38 @@ nodes:
     Problems problems;
     const auto document = read_document(path, {}, problems);
     build_pipeline(document, registry, problems);
-    CHECK(to_text(problems) == path + ":7:22: toy.add input 'numbers' takes number, but words.text is text\n"
-                                      "    numbers: [count, words]\n"
-                                      "                     ^\n" +
-                                   path + ":4:3: 'words' (toy.speak) stands here\n"
-                                          "  words: {type: toy.speak, number: count}\n"
-                                          "  ^\n" +
-                                   path + ":8:5: toy.add has no parameter 'ofset'; did you mean 'offset'?\n"
-                                          "    ofset: 2\n"
-                                          "    ^\n" +
-                                   path + ":9:3: these nodes feed each other in a cycle: a -> c -> b -> a\n"
-                                          "  a: {type: toy.add, numbers: [b]}\n"
-                                          "  ^\n");
+    CHECK(to_text(problems) == path +
+                                   ":7:22: toy.add input 'numbers' takes number, but words.text is text\n"
+                                   "    numbers: [count, words]\n"
+                                   "                     ^\n" +
+                                   path +
+                                   ":4:3: 'words' (toy.speak) stands here\n"
+                                   "  words: {type: toy.speak, number: count}\n"
+                                   "  ^\n" +
+                                   path +
+                                   ":8:5: toy.add has no parameter 'ofset'; did you mean 'offset'?\n"
+                                   "    ofset: 2\n"
+                                   "    ^\n" +
+                                   path +
+                                   ":9:3: these nodes feed each other in a cycle: a -> c -> b -> a\n"
+                                   "  a: {type: toy.add, numbers: [b]}\n"
+                                   "  ^\n");
 }
 
 TEST_CASE("unknown node types, nodes and ports are named with the nearest name") {
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.cuont, path: a.##}\n") ==
           "p.yaml:3:13: there is no node type 'toy.cuont'; did you mean 'toy.count'?\n  n: {type: toy.cuont, path: a.##}\n            ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.subtract}\n") ==
-          "p.yaml:3:13: there is no node type 'toy.subtract'; known: toy.add, toy.count, toy.print, toy.share, toy.total\n  n: {type: toy.subtract}\n            ^\n");
+          "p.yaml:3:13: there is no node type 'toy.subtract'; known: toy.add, toy.count, toy.print, toy.share, toy.total\n  n: {type: toy.subtract}\n          "
+          "  ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: energy}\n") ==
           "p.yaml:3:13: there is no node type 'energy'; `fluidcarve nodes` lists them\n  n: {type: energy}\n            ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  count: {type: toy.count, path: a.##}\n  m: {type: toy.add, numbers: cuont}\n") ==
           "p.yaml:4:31: there is no node 'cuont'; did you mean 'count'?\n  m: {type: toy.add, numbers: cuont}\n                              ^\n");
-    CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  m: {type: toy.add, numbers: n.nmber}\n") ==
-          "p.yaml:4:31: 'n' (toy.count) has no output 'nmber'; did you mean 'number'?\n  m: {type: toy.add, numbers: n.nmber}\n                              ^\n"
-          "p.yaml:3:3: it stands here\n  n: {type: toy.count, path: a.##}\n  ^\n");
+    CHECK(
+        problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  m: {type: toy.add, numbers: n.nmber}\n") ==
+        "p.yaml:4:31: 'n' (toy.count) has no output 'nmber'; did you mean 'number'?\n  m: {type: toy.add, numbers: n.nmber}\n                              ^\n"
+        "p.yaml:3:3: it stands here\n  n: {type: toy.count, path: a.##}\n  ^\n");
 }
 
 TEST_CASE("missing inputs and parameters are named with what they take") {
@@ -143,7 +151,8 @@ TEST_CASE("writers need a frame token exactly where they run per frame, and neve
           "p.yaml:4:41: toy.print writes one file here, not one per frame: 'path' can't have a frame token\n  p: {type: toy.print, number: n, path: out.##}\n"
           "                                        ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: /a/b.##}\n  p: {type: toy.print, number: n, path: /a/./b.%02d}\n") ==
-          "p.yaml:4:41: 'p' would overwrite a file of the same pipeline\n  p: {type: toy.print, number: n, path: /a/./b.%02d}\n                                        ^\n"
+          "p.yaml:4:41: 'p' would overwrite a file of the same pipeline\n  p: {type: toy.print, number: n, path: /a/./b.%02d}\n                                "
+          "        ^\n"
           "p.yaml:3:30: 'n' reads it here\n  n: {type: toy.count, path: /a/b.##}\n                             ^\n");
 }
 

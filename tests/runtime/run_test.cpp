@@ -19,7 +19,8 @@ struct Ran {
     }
 };
 
-Ran run(const std::string& yaml, RunRequest request = {}, const std::function<bool()>& cancelled = [] { return false; }) {
+Ran run(
+    const std::string& yaml, RunRequest request = {}, const std::function<bool()>& cancelled = [] { return false; }) {
     static const Registry registry = toy::registry();
     toy::log.reset();
     const Scratch scratch;
@@ -62,7 +63,8 @@ RunRequest keep_going() {
 std::vector<std::string> failures(const Ran& ran) {
     std::vector<std::string> out;
     for (const auto& failure : ran.report["failures"])
-        out.push_back(failure["node"].get<std::string>() + " " + (failure.contains("frame") ? failure["frame"].dump() : "-") + ": " + failure["message"].get<std::string>());
+        out.push_back(failure["node"].get<std::string>() + " " + (failure.contains("frame") ? failure["frame"].dump() : "-") + ": " +
+                      failure["message"].get<std::string>());
     return out;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <unistd.h>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
-#include <unistd.h>
 
 /// A folder of a test's own, removed with all in it.
 class Scratch {

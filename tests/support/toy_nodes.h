@@ -22,8 +22,7 @@ struct Number {
     explicit Number(double value) : value(value) {
         const int now = ++alive;
         int most = most_alive;
-        while (now > most && !most_alive.compare_exchange_weak(most, now)) {
-        }
+        while (now > most && !most_alive.compare_exchange_weak(most, now)) {}
     }
     Number(const Number&) = delete;
     Number& operator=(const Number&) = delete;

@@ -1,0 +1,37 @@
+#include "nodes/catalogue.h"
+
+#include "nodes/energy/combine.h"
+#include "nodes/energy/gradient.h"
+#include "nodes/energy/vorticity.h"
+#include "nodes/io/vdb_read.h"
+#include "nodes/io/vdb_write.h"
+#include "nodes/lattice/box.h"
+#include "nodes/payloads.h"
+#include "nodes/preview/sheet.h"
+#include "nodes/remap/grids.h"
+#include "nodes/seam/greedy_node.h"
+#include "nodes/seam/payload_types.h"
+#include "nodes/seam/seams_read.h"
+#include "nodes/seam/seams_write.h"
+
+namespace fluidcarve {
+
+Registry builtin_registry() {
+    Registry out;
+    add_payloads(out);
+    add_lattice_payloads(out);
+    out.add(vdb_read());
+    out.add(vdb_write());
+    out.add(energy_vorticity());
+    out.add(energy_gradient());
+    out.add(energy_combine());
+    out.add(lattice_box());
+    out.add(seam_greedy());
+    out.add(seams_write());
+    out.add(seams_read());
+    out.add(remap_grids());
+    out.add(preview_sheet());
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,146 @@
+#include "nodes/preview/canvas.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+constexpr std::array<Colour, 11> heat_steps{{{0, 0, 4},
+                                             {22, 11, 57},
+                                             {66, 10, 104},
+                                             {106, 23, 110},
+                                             {147, 38, 103},
+                                             {188, 55, 84},
+                                             {221, 81, 58},
+                                             {243, 120, 25},
+                                             {252, 165, 10},
+                                             {246, 215, 70},
+                                             {252, 255, 164}}};
+
+struct Destroy {
+    void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+    void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
+
+}  // namespace
+
+struct Canvas::Page {
+    Surface surface;
+    std::unique_ptr<cairo_t, Destroy> context;
+
+    cairo_t* ink(Colour colour) const {
+        cairo_set_source_rgb(context.get(), colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+        return context.get();
+    }
+    cairo_t* pen(const Type& type) const {
+        cairo_select_font_face(context.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, type.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+        cairo_set_font_size(context.get(), type.size);
+        return ink(type.colour);
+    }
+};
+
+Colour heat(double fraction) {
+    const double place = std::clamp(std::isnan(fraction) ? 0 : fraction, 0.0, 1.0) * (heat_steps.size() - 1);
+    const auto step = std::min(static_cast<std::size_t>(place), heat_steps.size() - 2);
+    const double rest = place - static_cast<double>(step);
+    const auto mix = [&](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(std::lround(a + (b - a) * rest)); };
+    const auto& low = heat_steps[step];
+    const auto& high = heat_steps[step + 1];
+    return {mix(low.red, high.red), mix(low.green, high.green), mix(low.blue, high.blue)};
+}
+
+Canvas::Canvas(int width, int height, Colour background) : page_(std::make_unique<Page>()) {
+    page_->surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+    page_->context.reset(cairo_create(page_->surface.get()));
+    if (const auto status = cairo_status(page_->context.get()))
+        throw Failure(fmt::format("cannot make a picture of {} x {} pixels: {}", width, height, cairo_status_to_string(status)));
+    cairo_paint(page_->ink(background));
+}
+
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas::~Canvas() = default;
+
+int Canvas::width() const { return cairo_image_surface_get_width(page_->surface.get()); }
+int Canvas::height() const { return cairo_image_surface_get_height(page_->surface.get()); }
+
+Colour Canvas::at(int x, int y) const {
+    cairo_surface_flush(page_->surface.get());
+    const auto* const row = cairo_image_surface_get_data(page_->surface.get()) + static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(page_->surface.get());
+    const auto pixel = reinterpret_cast<const std::uint32_t*>(row)[x];
+    return {static_cast<std::uint8_t>(pixel >> 16), static_cast<std::uint8_t>(pixel >> 8), static_cast<std::uint8_t>(pixel)};
+}
+
+void Canvas::fill(const Rect& rect, Colour colour) {
+    auto* const context = page_->ink(colour);
+    cairo_rectangle(context, rect.x, rect.y, rect.width, rect.height);
+    cairo_fill(context);
+}
+
+void Canvas::outline(const Rect& rect, Colour colour, bool dashed) {
+    auto* const context = page_->ink(colour);
+    const double dashes[] = {4, 4};
+    cairo_set_dash(context, dashes, dashed ? 2 : 0, 0);
+    cairo_set_line_width(context, 1);
+    cairo_rectangle(context, rect.x + 0.5, rect.y + 0.5, std::max(rect.width - 1, 0.0), std::max(rect.height - 1, 0.0));
+    cairo_stroke(context);
+}
+
+void Canvas::picture(const Rect& rect, const Picture& picture) {
+    const Surface image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height));
+    if (const auto status = cairo_surface_status(image.get())) throw Failure(fmt::format("cannot draw a picture: {}", cairo_status_to_string(status)));
+    cairo_surface_flush(image.get());
+    const int stride = cairo_image_surface_get_stride(image.get());
+    for (int y = 0; y < picture.height; ++y) {
+        auto* const row = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image.get()) + static_cast<std::ptrdiff_t>(y) * stride);
+        for (int x = 0; x < picture.width; ++x) {
+            const auto& pixel = picture.pixels[static_cast<std::size_t>(y) * picture.width + x];
+            row[x] = static_cast<std::uint32_t>(pixel.red << 16 | pixel.green << 8 | pixel.blue);
+        }
+    }
+    cairo_surface_mark_dirty(image.get());
+
+    auto* const context = page_->context.get();
+    const double scale = rect.width / picture.width;
+    cairo_save(context);
+    cairo_rectangle(context, rect.x, rect.y, rect.width, rect.height);
+    cairo_clip(context);
+    cairo_translate(context, rect.x, rect.y);
+    cairo_scale(context, scale, rect.height / picture.height);
+    cairo_set_source_surface(context, image.get(), 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(context), scale == std::round(scale) ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
+    // Without it a smooth filter fades into the page at the rim.
+    cairo_pattern_set_extend(cairo_get_source(context), CAIRO_EXTEND_PAD);
+    cairo_paint(context);
+    cairo_restore(context);
+}
+
+void Canvas::text(double x, double y, const std::string& text, const Type& type, Align align) {
+    const double width = align == Align::left ? 0 : text_width(text, type);
+    auto* const context = page_->pen(type);
+    cairo_move_to(context, std::round(x - (align == Align::right ? width : width / 2)), y);
+    cairo_show_text(context, text.c_str());
+}
+
+double Canvas::text_width(const std::string& text, const Type& type) {
+    cairo_text_extents_t extents;
+    cairo_text_extents(page_->pen(type), text.c_str(), &extents);
+    return extents.x_advance;
+}
+
+void Canvas::write_png(const std::string& path) const {
+    // A fault in any drawing call sticks to the context.
+    auto status = cairo_status(page_->context.get());
+    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), path.c_str());
+    if (status != CAIRO_STATUS_SUCCESS) throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,94 @@
+#pragma once
+
+#include "nodes/seam/seams.h"
+
+#include <openvdb/Types.h>
+#include <openvdb/math/BBox.h>
+#include <openvdb/math/Coord.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+
+/// One seam set in one frame as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4.
+/// Displacements `d = m - i` are in half vertices, since an inserted entry stands between two.
+class CarveStep {
+public:
+    /// @param t      the frame's place in seams.frames
+    /// @param count  how many of the seams, from the first
+    CarveStep(const Seams& seams, std::size_t t, std::size_t count);
+
+    int axis() const { return axis_; }                  ///< 0 (u) or 1 (v)
+    int lateral_axis() const { return 1 - axis_; }
+    bool inserts() const { return inserts_; }
+    int count() const { return static_cast<int>(count_); }
+    int before() const { return before_; }  ///< vertices along the axis
+    int after() const { return inserts_ ? before_ + count() : before_ - count(); }
+    int reach() const { return std::max(before_, after()); }  ///< vertices that the step may write
+    int laterals() const { return laterals_; }
+    int slices() const { return slices_; }
+    /// No entry below this is moved in any column.
+    int first_moved() const { return first_moved_; }
+
+    bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
+    /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
+    /// entry.
+    std::span<const std::uint16_t> bounds(int lateral, int k) const {
+        return {bounds_.data() + (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * count_, count_};
+    }
+    /// Half vertices. @param entry  0 to after() - 1, in a column that there is
+    int displacement(int entry, int lateral, int k) const {
+        const auto all = bounds(lateral, k);
+        const int passed = static_cast<int>(std::upper_bound(all.begin(), all.end(), entry) - all.begin());
+        return displacement(entry, passed, all);
+    }
+    /// The same where it is known how many bounds are not above the entry.
+    int displacement(int entry, int passed, std::span<const std::uint16_t> all) const {
+        if (!inserts_) return 2 * passed;
+        return -2 * passed + (passed > 0 && all[static_cast<std::size_t>(passed - 1)] == entry ? 1 : 0);
+    }
+
+private:
+    int axis_, before_, laterals_, slices_;
+    bool inserts_;
+    std::size_t count_;
+    int first_moved_;
+    std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
+};
+
+/// A chain of seam sets in one frame (METHOD 4): each is carved from what those before it leave. To find what stands
+/// at a carved vertex, the last step is asked first. A vertex that no step's lattice holds stays where it is; one that
+/// a removal frees at the positive end is background.
+class CarveMap {
+public:
+    /// @param sets   in the order of carving
+    /// @param frame  a frame number
+    /// @param count  how many seams of the last set; nothing: all
+    /// @throws Failure if a set belongs to another lattice or misses the frame, shapes do not chain, or count is too high
+    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count);
+
+    /// Sets without seams are left out.
+    const std::vector<CarveStep>& steps() const { return steps_; }
+    bool empty() const { return steps_.empty(); }
+    /// Vertices per dimension that carving may write: the lattice and what insertions add along the way.
+    const std::array<int, 3>& reach() const { return reach_; }
+
+    /// What a box of carved lattice coordinates is made of.
+    /// @param range  grows to hold all coordinates that its points come from, itself included
+    /// @param frees  set if part of it becomes background
+    /// @return false if nothing in it moves
+    bool trace(openvdb::BBoxd& range, bool& frees) const;
+    /// A box of lattice coordinates outside which nothing moves.
+    openvdb::BBoxd moved() const;
+
+private:
+    std::vector<CarveStep> steps_;
+    std::array<int, 3> reach_;
+};
+
+}  // namespace fluidcarve

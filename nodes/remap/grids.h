@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+/// `remap.grids {source, lattice, seams, count, interpolation}`: carves seams from, or inserts them into, a volume.
+NodeType remap_grids();
+
+}  // namespace fluidcarve

@@ -1,0 +1,154 @@
+#include "nodes/seam/seam_file.h"
+
+#include "graph/frames.h"
+#include "graph/problem.h"
+#include "nodes/io/vdb_file.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Coord;
+
+Failure wrong(const std::string& message) { return Failure(message, Failure::Kind::input); }
+
+std::string seam_name(std::size_t n) { return fmt::format("seam.{:04}", n); }
+
+template <class Visit>
+void each_column(const Seams& seams, Visit&& visit) {
+    std::size_t column = 0;
+    for (int t = 0; t < static_cast<int>(seams.frames.size()); ++t)
+        for (int k = 0; k < seams.shape[2]; ++k)
+            for (int lateral = 0; lateral < seams.lateral(); ++lateral) visit(Coord(lateral, k, t), column++);
+}
+
+openvdb::GridBase::Ptr to_grid(const Seams& seams, std::size_t n) {
+    const auto& seam = seams.seams[n];
+    const auto grid = FloatGrid::create();
+    grid->setName(seam_name(n));
+    grid->insertMeta("kind", openvdb::StringMetadata(to_text(seams.kind)));
+    grid->insertMeta("energy", openvdb::DoubleMetadata(seam.energy));
+    auto values = grid->getAccessor();
+    each_column(seams, [&](const Coord& at, std::size_t column) { values.setValueOn(at, seam.at[column]); });
+    return grid;
+}
+
+std::string text_of(const openvdb::MetaMap& map, const std::string& name, const std::string& owner) {
+    const auto found = map.getMetadata<openvdb::StringMetadata>(name);
+    if (!found) throw wrong(fmt::format("{} has no text '{}' in its metadata, so it is no seam file", owner, name));
+    return found->value();
+}
+
+void read_shape(const std::string& text, Seams& out, std::size_t& frames) {
+    int shape[4] = {}, end = 0;
+    const bool four = std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &shape[0], &shape[1], &shape[2], &shape[3], &end) == 4 && text.size() == static_cast<std::size_t>(end);
+    for (const int n : shape)
+        if (!four || n < 1 || n > 65535) throw wrong(fmt::format("'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '{}'", text));
+    for (std::size_t n = 0; n < 3; ++n) out.shape[n] = shape[n];
+    frames = static_cast<std::size_t>(shape[3]);
+}
+
+Seams::Kind kind_of(const FloatGrid& grid) {
+    const auto text = text_of(grid, "kind", "grid '" + grid.getName() + "'");
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
+        if (text == to_text(kind)) return kind;
+    throw wrong(fmt::format("grid '{}' has the kind '{}'; known: remove, insert", grid.getName(), text));
+}
+
+Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) {
+    const auto energy = grid.getMetadata<openvdb::DoubleMetadata>("energy");
+    if (!energy) throw wrong(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
+    // A removal finds the entries that its predecessors leave; the last entry can't be doubled.
+    const int highest = seams.carved() - 1 - (seams.kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
+    Seams::Seam out;
+    out.energy = energy->value();
+    out.at.resize(seams.columns_per_frame() * seams.frames.size());
+    auto values = grid.getConstAccessor();
+    each_column(seams, [&](const Coord& at, std::size_t column) {
+        float value = 0;
+        const bool active = values.probeValue(at, value);
+        if (!active || !(value >= 0 && value <= static_cast<float>(highest)) || value != std::floor(value))
+            throw wrong(fmt::format("grid '{}' has {} at ({}, {}, {}), but wants a whole number from 0 to {}", grid.getName(),
+                                    active ? fmt::format("{}", value) : "nothing", at.x(), at.y(), at.z(), highest));
+        out.at[column] = static_cast<std::uint16_t>(value);
+    });
+    return out;
+}
+
+void require_distinct(const Seams& seams) {
+    std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
+    each_column(seams, [&](const Coord& at, std::size_t column) {
+        taken.assign(taken.size(), false);
+        for (std::size_t n = 0; n < seams.seams.size(); ++n) {
+            const auto entry = seams.seams[n].at[column];
+            if (taken[entry]) throw wrong(fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", seam_name(n), entry, at.x(), at.y(), at.z()));
+            taken[entry] = true;
+        }
+    });
+}
+
+}  // namespace
+
+Volume seams_to_volume(const Seams& seams) {
+    Volume out;
+    out.grids.resize(seams.seams.size());
+    tbb::parallel_for(std::size_t{0}, seams.seams.size(), [&](std::size_t n) { out.grids[n] = to_grid(seams, n); });
+    const auto say = [&](const char* name, const std::string& text) { out.metadata.insertMeta(name, openvdb::StringMetadata(text)); };
+    say("fluidcarve_axis", to_text(seams.axis));
+    say("fluidcarve_shape", fmt::format("{},{},{},{}", seams.shape[0], seams.shape[1], seams.shape[2], seams.frames.size()));
+    say("fluidcarve_frames", FrameSet(seams.frames).text());
+    say("fluidcarve_lattice", seams.lattice);
+    say("fluidcarve_lattice_hash", seams.lattice_hash);
+    return out;
+}
+
+Seams seams_from_volume(const Volume& volume) {
+    const auto say = [&](const char* name) { return text_of(volume.metadata, name, "the file"); };
+    Seams out;
+    const auto axis = say("fluidcarve_axis");
+    if (axis != "u" && axis != "v") throw wrong(fmt::format("'fluidcarve_axis' wants u or v, not '{}'", axis));
+    out.axis = axis == "u" ? Axis::u : Axis::v;
+    std::size_t frames = 0;
+    read_shape(say("fluidcarve_shape"), out, frames);
+    std::string fault;
+    const auto set = FrameSet::parse(say("fluidcarve_frames"), fault);
+    if (!set) throw wrong("'fluidcarve_frames' " + fault);
+    if (set->frames().size() != frames) throw wrong(fmt::format("'fluidcarve_frames' lists {} frames, but 'fluidcarve_shape' {}", set->frames().size(), frames));
+    out.frames = set->frames();
+    out.lattice = say("fluidcarve_lattice");
+    out.lattice_hash = say("fluidcarve_lattice_hash");
+
+    const auto count = volume.grids.size();
+    if (count > 0 && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(seam_name(n)));
+        if (!grid) throw wrong(fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", count, seam_name(0), seam_name(count - 1), volume.names()));
+        const auto kind = kind_of(*grid);
+        if (n == 0) out.kind = kind;
+        if (kind != out.kind) throw wrong(fmt::format("grid '{}' says {}, but '{}' says {}", seam_name(n), to_text(kind), seam_name(0), to_text(out.kind)));
+        if (static_cast<int>(n) >= out.carved()) throw wrong(fmt::format("{} seams do not fit {} vertices", count, out.carved()));
+        out.seams.push_back(read_seam(*grid, out, n));
+    }
+    if (out.kind == Seams::Kind::insert) require_distinct(out);
+    return out;
+}
+
+void write_seams(const std::string& path, const Seams& seams) { write_vdb(path, seams_to_volume(seams)); }
+
+Seams read_seams(const std::string& path) {
+    const auto volume = read_vdb(path);
+    try {
+        return seams_from_volume(volume);
+    } catch (const Failure& failure) {
+        throw Failure(fmt::format("{}: {}", path, failure.what()), failure.kind);
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,237 @@
+#include "nodes/io/vdb_file.h"
+#include "tests/support/grid_bytes.h"
+#include "tests/support/node_bench.h"
+#include "tests/support/scratch.h"
+
+#include <catch2/catch.hpp>
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <csignal>
+#include <sys/resource.h>
+
+using namespace fluidcarve;
+using test::difference;
+using test::failure_of;
+
+namespace {
+
+/// A little of all that OpenVDB files hold.
+Volume oddities() {
+    openvdb::initialize();
+    Volume out;
+    const auto put = [&](const openvdb::GridBase::Ptr& grid, const std::string& name) {
+        grid->setName(name);
+        out.grids.push_back(grid);
+        return grid;
+    };
+    put(openvdb::tools::createLevelSetSphere<FloatGrid>(1.0f, openvdb::Vec3f(0.2f), 0.1f), "surface")->setTransform(
+        openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1));
+    put(FloatGrid::create(-0.0f), "empty");
+
+    const auto tiles = FloatGrid::create(0.25f);
+    tiles->tree().addTile(1, {8, 0, 0}, 3.0f, true);
+    tiles->tree().addTile(2, {128, 0, 0}, 4.0f, false);
+    tiles->tree().addTile(3, {-4096, 0, 0}, 5.0f, true);
+    tiles->tree().touchLeaf({64, 64, 64});
+    tiles->tree().setValueOff({64, 64, 65}, 7.0f);
+    tiles->tree().setValueOff({64, 64, 66}, 8.0f);
+    tiles->tree().setValueOff({64, 64, 67}, std::numeric_limits<float>::quiet_NaN());
+    tiles->tree().setValueOn({64, 64, 68}, 0.25f);
+    tiles->insertMeta("creator", openvdb::StringMetadata("a test"));
+    tiles->insertMeta("shutter", openvdb::Vec3DMetadata({0.1, 0.2, 0.3}));
+    tiles->setTransform(openvdb::math::Transform::createLinearTransform(openvdb::math::Mat4d(0., .1, 0., 0., -.1, 0., 0., 0., 0., 0., .2, 0., 3., 4., 5., 1.)));
+    put(tiles, "density");
+    put(tiles->copyGrid(), "density")->setGridClass(openvdb::GRID_FOG_VOLUME);
+    put(openvdb::Int32Grid::create(-3), "");
+
+    const auto half = VectorGrid::create(openvdb::Vec3s(1, 2, 3));
+    half->setSaveFloatAsHalf(true);
+    half->setGridClass(openvdb::GRID_STAGGERED);
+    half->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    half->tree().setValueOn({1, 2, 3}, openvdb::Vec3s(0.5f, -0.25f, 0));
+    put(half, "velocity");
+    put(openvdb::DoubleGrid::create(1e-300), "double");
+    put(openvdb::MaskGrid::create(), "mask");
+    put(openvdb::BoolGrid::create(true), "bool");
+
+    const std::vector<openvdb::Vec3f> positions{{0.1f, 0.2f, 0.3f}, {-5, 2, 1}, {0.1f, 0.21f, 0.3f}};
+    put(openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(positions, *openvdb::math::Transform::createLinearTransform(0.5)), "drops");
+    out.metadata.insertMeta("project", openvdb::StringMetadata("fluidcarve"));
+    return out;
+}
+
+void require_same(const Volume& a, const Volume& b) {
+    REQUIRE(a.names() == b.names());
+    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n], *b.grids[n]) == "");
+    CHECK(test::kept_metadata(a.metadata) == test::kept_metadata(b.metadata));
+}
+
+std::vector<std::string> public_files() {
+    const std::string data = TEST_DATA;
+    return {data + "/vdb/cortex_points.vdb", data + "/vdb/cortex_sphere.vdb", data + "/vdb/gaffer_arnold_sphere.vdb",
+            data + "/vdb/oiio_sphere.vdb",   data + "/vdb/oiio_sphereCd.vdb", data + "/plume/plume.0051.vdb"};
+}
+
+}  // namespace
+
+TEST_CASE("reading gives what OpenVDB's own reader gives, in the order of the file") {
+    for (const auto& path : public_files()) {
+        INFO(path);
+        const auto volume = read_vdb(path);
+        openvdb::io::File file(path);
+        file.open(false);
+        const auto header = read_vdb_header(path);
+        REQUIRE(volume.grids.size() == file.getGrids()->size());
+        REQUIRE(header.grids.size() == volume.grids.size());
+        for (std::size_t n = 0; n < volume.grids.size(); ++n) {
+            CHECK(difference(*volume.grids[n], *file.readGrid(header.grids[n].unique_name)) == "");
+            CHECK(difference(*volume.grids[n], *read_vdb_grid(path, header.grids[n].unique_name)) == "");
+        }
+    }
+    CHECK(read_vdb(public_files().back()).names() == "velocity, density, shadow, temperature, flame");
+}
+
+TEST_CASE("reading and writing keeps every grid bit for bit") {
+    const Scratch scratch;
+    for (const auto& path : public_files()) {
+        INFO(path);
+        const auto before = read_vdb(path);
+        write_vdb(scratch / "out.vdb", before);
+        const auto after = read_vdb(scratch / "out.vdb");
+        require_same(before, after);
+        CHECK(before.codec == after.codec);
+    }
+}
+
+TEST_CASE("odd grids survive every codec: tiles, NaN, frustums, points, equal names, shared trees") {
+    const Scratch scratch;
+    const auto before = oddities();
+    const auto codec = GENERATE(Codec::as_read, Codec::blosc, Codec::zip, Codec::none);
+    write_vdb(scratch / "new folder/out.vdb", before, codec);
+    const auto after = read_vdb(scratch / "new folder/out.vdb");
+    require_same(before, after);
+    CHECK(after.codec == (codec == Codec::zip ? "zip" : codec == Codec::none ? "none" : "blosc"));
+    CHECK(&after.grids[2]->constBaseTree() == &after.grids[3]->constBaseTree());
+    CHECK(read_vdb_header(scratch / "new folder/out.vdb").names() ==
+          std::vector<std::string>{"surface", "empty", "density[0]", "density[1]", "[0]", "velocity", "double", "mask", "bool", "drops"});
+    CHECK(difference(*read_vdb_grid(scratch / "new folder/out.vdb", "density[1]"), *before.grids[3]) == "");
+}
+
+TEST_CASE("a codec that was read is written again") {
+    const Scratch scratch;
+    auto volume = oddities();
+    volume.codec = "zip";
+    write_vdb(scratch / "zip.vdb", volume);
+    CHECK(read_vdb(scratch / "zip.vdb").codec == "zip");
+}
+
+TEST_CASE("a half grid stays half even where only its type says so") {
+    const Scratch scratch;
+    Volume volume;
+    const auto grid = FloatGrid::create();
+    grid->setSaveFloatAsHalf(true);
+    grid->setName("density");
+    volume.grids.push_back(grid);
+    write_vdb(scratch / "half.vdb", volume);
+    auto text = Scratch::read(scratch / "half.vdb");
+    const auto key = text.find(openvdb::GridBase::META_SAVE_HALF_FLOAT);
+    REQUIRE(key != std::string::npos);
+    text[key] = 'x';
+    scratch.write("half.vdb", text);
+    CHECK(read_vdb(scratch / "half.vdb").grids[0]->saveFloatAsHalf());
+}
+
+TEST_CASE("a file cut off anywhere is refused") {
+    const Scratch scratch;
+    write_vdb(scratch / "odd.vdb", oddities());
+    for (const auto& path : {std::string(TEST_DATA) + "/vdb/cortex_points.vdb", std::string(TEST_DATA) + "/vdb/gaffer_arnold_sphere.vdb", scratch / "odd.vdb"}) {
+        const auto whole = Scratch::read(path);
+        std::vector<std::size_t> sizes;
+        for (std::size_t size = 0; size < whole.size(); size += size < 4096 ? 1 : 97) sizes.push_back(size);
+        for (std::size_t size = whole.size() - 64; size < whole.size(); ++size) sizes.push_back(size);
+        std::vector<std::size_t> passed;
+        for (const auto size : sizes) {
+            scratch.write("cut.vdb", whole.substr(0, size));
+            if (failure_of([&] { read_vdb_header(scratch / "cut.vdb"); }).empty()) passed.push_back(size);
+        }
+        INFO(path);
+        CHECK(passed.empty());
+    }
+}
+
+TEST_CASE("what is wrong with a file is said in words") {
+    const Scratch scratch;
+    const auto whole = Scratch::read(std::string(TEST_DATA) + "/vdb/cortex_points.vdb");
+    const auto refusal = [&](const std::string& name) { return failure_of([&] { read_vdb(scratch / name); }); };
+    const auto is = [&](const std::string& name, const std::string& message) { CHECK(refusal(name) == scratch / name + message); };
+
+    is("none.vdb", " does not exist");
+    std::filesystem::create_directory(scratch / "folder.vdb");
+    is("folder.vdb", " is not a file");
+    scratch.write("text.vdb", "not a volume at all");
+    is("text.vdb", " is not a VDB file: IoError: not a VDB file");
+    scratch.write("empty.vdb", "");
+    is("empty.vdb", " is cut off: it ends within its header, at byte 0; copy or write it again");
+    scratch.write("cut.vdb", whole.substr(0, 30000));
+    is("cut.vdb", " is cut off: grid 'points' ends at byte 38933, the file at 30000; copy or write it again");
+
+    auto changed = whole;
+    const std::size_t positions = 0xa4;
+    REQUIRE(whole.substr(positions, 8) == std::string("\xbc\0\0\0\0\0\0\0", 8));
+    changed.replace(positions, 24, 24, '\0');
+    scratch.write("unfinished.vdb", changed);
+    is("unfinished.vdb", " is unfinished or damaged: it does not say where grid 'points' ends; wait for its writer, or write it again");
+    changed = whole;
+    changed[changed.find("Tree_ptdataidx32")] = 'X';
+    scratch.write("strange.vdb", changed);
+    is("strange.vdb", ": grid 'points' is of type Xree_ptdataidx32_5_4_3, which OpenVDB 10.0.1 does not know; leave it out when writing the file");
+    changed = whole;
+    changed[8] = '\xff';
+    scratch.write("newer.vdb", changed);
+    is("newer.vdb", " has file version 255; OpenVDB 10.0.1 reads up to 224");
+    std::ofstream stream(scratch / "stream.vdb", std::ios::binary);
+    openvdb::io::Stream(stream).write(openvdb::GridCPtrVec{FloatGrid::create()});
+    stream.close();
+    is("stream.vdb", " was written as a stream and does not say where its grids are; write it with openvdb::io::File");
+
+    const auto path = std::string(TEST_DATA) + "/plume/plume.0051.vdb";
+    CHECK(failure_of([&] { read_vdb_grid(path, "densty"); }) == path + " has no grid 'densty'; it has velocity, density, shadow, temperature, flame; did you mean 'density'?");
+    write_vdb(scratch / "bare.vdb", Volume{});
+    CHECK(failure_of([&] { read_vdb_grid(scratch / "bare.vdb", "density"); }) == scratch / "bare.vdb" + " has no grid 'density'; it has none");
+}
+
+TEST_CASE("a missing file counts as an input fault, a failed write does not") {
+    try {
+        read_vdb("/nowhere.vdb");
+        FAIL("read");
+    } catch (const Failure& failure) {
+        CHECK(failure.kind == Failure::Kind::input);
+    }
+    try {
+        write_vdb("/proc/nowhere/out.vdb", {});
+        FAIL("written");
+    } catch (const Failure& failure) {
+        CHECK(failure.kind == Failure::Kind::data);
+    }
+}
+
+TEST_CASE("a full disk leaves the old file alone and no other behind") {
+    const Scratch scratch;
+    const auto path = scratch.write("out.vdb", "old");
+    const auto volume = read_vdb(std::string(TEST_DATA) + "/vdb/oiio_sphere.vdb");
+    // A limit on the size of files stands in for the disk.
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit tight{50000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &tight);
+    const auto message = failure_of([&] { write_vdb(path, volume); });
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    CHECK(message == "cannot write " + path + ": the file did not come out whole; is the disk full?");
+    CHECK(Scratch::read(path) == "old");
+    CHECK(std::distance(std::filesystem::directory_iterator(scratch.path()), {}) == 1);
+}

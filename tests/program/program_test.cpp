@@ -1,0 +1,146 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> shipped_pipelines() {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::directory_iterator(SOURCE_ROOT "/pipelines"))
+        if (entry.path().extension() == ".yaml") out.push_back("pipelines/" + entry.path().filename().string());
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+std::vector<std::string> files_in(const Scratch& scratch) {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::recursive_directory_iterator(scratch.path())) out.push_back(entry.path().filename().string());
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+/// Settings that send all that a shipped pipeline writes to a folder.
+std::string into(const Scratch& scratch) {
+    return " --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --set sheet=" + (scratch / "sheet.png") + " --progress none ";
+}
+
+}  // namespace
+
+TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs") {
+    for (const auto& pipeline : shipped_pipelines()) {
+        INFO(pipeline);
+        const auto text = Scratch::read(SOURCE_ROOT "/" + pipeline);
+        CHECK_THAT(text, Catch::StartsWith("# yaml-language-server: $schema=schema.json\n# "));
+        const auto checked = fluidcarve_program("check " + pipeline);
+        CHECK(checked.err == "");
+        CHECK(checked.code == 0);
+        const Scratch scratch;
+        const auto ran = fluidcarve_program("run " + pipeline + into(scratch) + "--report " + (scratch / "report.json"));
+        CHECK(ran.err == "");
+        CHECK(ran.code == 0);
+        const auto report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
+        const auto frames = report["frames"].size();
+        const auto files = files_in(scratch);
+        CHECK(std::count_if(files.begin(), files.end(), [](const std::string& file) { return file.starts_with("out."); }) == static_cast<long>(frames));
+        CHECK(std::find(files.begin(), files.end(), "sheet.png") != files.end());
+        CHECK(std::find(files.begin(), files.end(), "seams.vdb") != files.end());
+        for (const auto& energy : report["seams"]["seams"]["energy"]) CHECK(energy.get<double>() > 0);
+    }
+}
+
+TEST_CASE("the same files whatever the threads and the frames in flight, in one run or in chunks") {
+    const Scratch one;
+    const Scratch other;
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --threads 4 --in-flight 6" + into(one)).code == 0);
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --threads 1 --in-flight 1 -f 51-52" + into(other)).code == 0);
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --threads 3 --in-flight 2 -f 53-56" + into(other)).code == 0);
+    const auto seams = [&](const Scratch& scratch) { return Scratch::read(scratch / "seams.vdb").size(); };
+    CHECK(seams(one) == seams(other));
+    // VDB files hold an identifier of their own, so the grids are compared by the program: no seam carved, nothing may differ.
+    for (int frame = 51; frame <= 56; ++frame) {
+        const auto name = "out.00" + std::to_string(frame) + ".vdb";
+        const auto bytes = [&](const Scratch& scratch) { return Scratch::read(scratch / name); };
+        auto a = bytes(one);
+        auto b = bytes(other);
+        REQUIRE(a.size() == b.size());
+        // The header's 36 characters of identifier stand behind magic, versions and the offsets flag.
+        constexpr std::size_t identifier = 8 + 4 + 4 + 4 + 1;
+        a.erase(identifier, 36);
+        b.erase(identifier, 36);
+        CHECK((a == b));
+    }
+}
+
+TEST_CASE("exit codes and channels are the contract's") {
+    const Scratch scratch;
+    CHECK(fluidcarve_program("").code == 2);
+    CHECK(fluidcarve_program("rnu").code == 2);
+    CHECK(fluidcarve_program("run").code == 2);
+    CHECK(fluidcarve_program("run nowhere.yaml").err == "cannot read nowhere.yaml: it does not exist\n");
+    CHECK(fluidcarve_program("run nowhere.yaml").code == 2);
+    CHECK(fluidcarve_program("--help").code == 0);
+    CHECK_THAT(fluidcarve_program("--help").out, Catch::Contains("run") && Catch::Contains("plan"));
+
+    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: vdb.write, source: sim, path: " + (scratch / "out.####.vdb") + "}\n");
+    CHECK(fluidcarve_program("check " + path).code == 0);
+    const auto missing = fluidcarve_program("run " + path);
+    CHECK(missing.code == 3);
+    CHECK(missing.out == "");
+    CHECK_THAT(missing.err, Catch::Contains("failed: sim (vdb.read), frame 1: ") && Catch::Contains("frame 3: "));
+    CHECK(fluidcarve_program("run " + path + " --keep-going --progress none").code == 4);
+    CHECK(fluidcarve_program("run " + path + " -f 9").err == "-f: 9 is not in the sequence 1-3\n");
+    CHECK(fluidcarve_program("run " + path + " --to otu").err == "--to: there is no node 'otu'; did you mean 'out'?\n");
+    CHECK(fluidcarve_program("run " + path + " --memory lots").err == "--memory wants a size such as 8G, not 'lots'\n");
+
+    scratch.write("bad.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.raed, path: a}\n");
+    const auto problems = nlohmann::json::parse(fluidcarve_program("check --json " + (scratch / "bad.yaml")).out);
+    REQUIRE(problems.size() == 1);
+    CHECK(problems[0]["line"] == 3);
+    CHECK(problems[0]["column"] == 15);
+    CHECK(problems[0]["message"] == "there is no node type 'vdb.raed'; did you mean 'vdb.read'?");
+}
+
+TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
+    const Scratch scratch;
+    std::string frames = "1-4000";
+    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: " + frames +
+                                                  "\nnodes:\n  sim: {type: vdb.read, path: " TEST_DATA "/plume/plume.0051.vdb}\n"
+                                                  "  all: {type: vdb.read, path: \"" +
+                                                  (scratch / "in.####.vdb") + "\", missing: hold}\n" +
+                                                  "  out: {type: vdb.write, source: all, path: \"" + (scratch / "out.####.vdb") + "\"}\n");
+    fs::copy_file(TEST_DATA "/plume/plume.0051.vdb", scratch / "in.0001.vdb");
+    const auto ran = call_shell("(" FLUIDCARVE_PROGRAM " run " + path + " --to out --progress none & pid=$!; sleep 0.4; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
+                                "echo $(( ($(date +%s%N) - begin) / 1000000 )); exit $code)");
+    CHECK(ran.code == 130);
+    CHECK(std::stoi(ran.out) < 1500);
+    const auto files = files_in(scratch);
+    CHECK(files.size() > 2);
+    CHECK(files.size() < 4000);
+    for (const auto& file : files) CHECK_THAT(file, !Catch::Contains(".part"));
+}
+
+TEST_CASE("the generated reference and schema are current") {
+    CHECK(Scratch::read(SOURCE_ROOT "/pipelines/NODES.md") == fluidcarve_program("nodes --markdown").out);
+    CHECK(Scratch::read(SOURCE_ROOT "/pipelines/schema.json") == fluidcarve_program("schema").out);
+}
+
+TEST_CASE("the schema accepts every shipped pipeline, as an independent validator reads it") {
+    std::string list;
+    for (const auto& pipeline : shipped_pipelines()) list += " " + pipeline;
+    const auto ran = call_shell(R"(/usr/bin/python3 -c '
+import json, sys, yaml, jsonschema
+schema = json.load(open("pipelines/schema.json"))
+jsonschema.Draft7Validator.check_schema(schema)
+for path in sys.argv[1:]:
+    jsonschema.validate(yaml.safe_load(open(path)), schema)
+' )" + list);
+    CHECK(ran.err == "");
+    CHECK(ran.code == 0);
+}

@@ -1,0 +1,110 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "graph/yaml_reader.h"
+
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace fluidcarve::test {
+
+/// One node at work without a pipeline: parameters from YAML, ports set by the test.
+class NodeBench {
+public:
+    /// @param yaml  the parameters, as in a pipeline: `gain: 2`
+    /// @param connected  how many connections each input has
+    explicit NodeBench(NodeType type, const std::string& yaml = "{}", const std::map<std::string, std::size_t>& connected = {}) : type_(std::move(type)) {
+        const auto params = type_.make_params();
+        Problems problems;
+        const auto value = read_yaml(std::make_shared<Source>(Source{"test", yaml, ""}), problems);
+        for (const auto& field : value.fields) {
+            const auto* const spec = type_.param(field.name);
+            if (!spec) throw std::logic_error("no parameter " + field.name);
+            ValueReader reader(problems, field.name, spec->range);
+            spec->parse(params.get(), field.value, reader);
+        }
+        for (const auto& problem : problems) faults_ += problem.message + "\n";
+        if (faults_.empty() && type_.check) {
+            Check check(value, connected, faults_);
+            type_.check(params.get(), check);
+        }
+        params_ = params;
+        if (!faults_.empty()) return;
+        behaviour_ = type_.bind(params_);
+        if (type_.named_outputs)
+            for (const auto& output : type_.named_outputs(params_.get())) type_.outputs.push_back(output);
+    }
+
+    /// What a user would be told of the parameters, a line each.
+    const std::string& faults() const { return faults_; }
+    bool gathers() const { return type_.gathers(params_.get()); }
+
+    using Inputs = std::map<std::string, std::vector<Payload>>;
+    void add(const Inputs& inputs, Context context = {}) { behaviour_.add(ports(inputs).get(), context); }
+    void finish(Context context = {}) { behaviour_.finish(ports({}).get(), context); }
+    /// @return the outputs by name; null payloads left out
+    std::map<std::string, Payload> run(const Inputs& inputs, Context context = {}) {
+        const auto made = ports(inputs);
+        behaviour_.run(made.get(), context);
+        std::map<std::string, Payload> out;
+        for (const auto& output : type_.outputs)
+            if (const auto payload = output.get(made.get())) out[output.name] = payload;
+        return out;
+    }
+
+    struct Surveyed : Survey {
+        std::vector<int> all;
+        std::set<int> left_out;
+        std::map<int, std::string> absent;
+        const std::vector<int>& frames() const override { return all; }
+        void leave_out(int frame) override { left_out.insert(frame); }
+        void missing(int frame, const std::string& message) override { absent[frame] = message; }
+    };
+    Surveyed survey(std::vector<int> frames) const {
+        Surveyed out;
+        out.all = std::move(frames);
+        type_.survey(params_.get(), out);
+        return out;
+    }
+
+private:
+    struct Check : NodeCheck {
+        const Value& value;
+        const std::map<std::string, std::size_t>& connected;
+        std::string& faults;
+        Check(const Value& value, const std::map<std::string, std::size_t>& connected, std::string& faults) : value(value), connected(connected), faults(faults) {}
+        bool stated(std::string_view field) const override { return value.find(field) != nullptr; }
+        std::size_t connections(std::string_view input) const override {
+            const auto found = connected.find(std::string(input));
+            return found == connected.end() ? 0 : found->second;
+        }
+        void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
+    };
+
+    std::shared_ptr<void> ports(const Inputs& inputs) const {
+        auto out = behaviour_.make_ports();
+        for (const auto& [name, payloads] : inputs) type_.input(name)->set(out.get(), payloads, {});
+        return out;
+    }
+
+    NodeType type_;
+    std::shared_ptr<const void> params_;
+    Behaviour behaviour_;
+    std::string faults_;
+};
+
+/// The message of the Failure that a call throws; empty if it throws none.
+template <class Call>
+std::string failure_of(const Call& call) {
+    try {
+        call();
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return {};
+}
+
+}  // namespace fluidcarve::test
