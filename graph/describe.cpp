@@ -82,7 +82,9 @@ std::string gives_text(const Registry& registry, const NodeType& type, const Out
     return registry.payload(output.type).name + (type.per_frame_outputs ? "" : "; once for the whole sequence");
 }
 
-std::string more_outputs_text(const NodeType& type) { return fmt::format("One more output for each entry of '{}', of the entry's name and type.", type.outputs_param); }
+std::string more_outputs_text(const NodeType& type) {
+    return fmt::format("One more output for each entry of '{}', of the entry's name and type.", type.outputs_param);
+}
 
 /// Some value of the shape, as YAML.
 std::string sample(const Shape& shape, const Range& range) {
@@ -151,11 +153,8 @@ Json json_of(const Registry& registry, const NodeType& type) {
         auto accepts = Json::array();
         for (const auto& payload : registry.payloads())
             if (registry.accepts(input.type, payload.type)) accepts.push_back(payload.name);
-        out["inputs"].push_back({{"name", input.name},
-                                 {"type", registry.payload(input.type).name},
-                                 {"accepts", accepts},
-                                 {"arity", arity_text(input.arity)},
-                                 {"doc", input.doc}});
+        out["inputs"].push_back(
+            {{"name", input.name}, {"type", registry.payload(input.type).name}, {"accepts", accepts}, {"arity", arity_text(input.arity)}, {"doc", input.doc}});
     }
     for (const auto& param : type.params) {
         Json entry{{"name", param.name}, {"value", to_text(param.shape)}};
@@ -169,10 +168,7 @@ Json json_of(const Registry& registry, const NodeType& type) {
         out["params"].push_back(std::move(entry));
     }
     for (const auto& output : type.outputs)
-        out["outputs"].push_back({{"name", output.name},
-                                  {"type", registry.payload(output.type).name},
-                                  {"once", !type.per_frame_outputs},
-                                  {"doc", output.doc}});
+        out["outputs"].push_back({{"name", output.name}, {"type", registry.payload(output.type).name}, {"once", !type.per_frame_outputs}, {"doc", output.doc}});
     if (!type.outputs_param.empty()) out["outputs_from"] = type.outputs_param;
     return out;
 }
@@ -196,7 +192,9 @@ std::string listing(const Registry& registry) {
 
 std::string describe(const Registry& registry, const NodeType& type) {
     std::string out = type.name + "\n" + wrapped(type.doc, 2);
-    const auto field = [&](const std::string& name, const std::string& value, const std::string& doc) { out += wrapped(name + ": " + value, 2) + wrapped(doc, 6); };
+    const auto field = [&](const std::string& name, const std::string& value, const std::string& doc) {
+        out += wrapped(name + ": " + value, 2) + wrapped(doc, 6);
+    };
     if (!type.inputs.empty()) out += "\ninputs\n";
     for (const auto& input : type.inputs) field(input.name, takes_text(registry, input), input.doc);
     if (!type.params.empty()) out += "\nparameters\n";
@@ -217,7 +215,10 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
         out += "\n" + row({"parameter", "value", "unit", "default", ""}) + rule(5);
         for (const auto& param : type.params)
             out += row({"`" + param.name + "`", join({to_text(param.shape), range_text(param.range)}, ", "), to_text(param.unit),
-                        param.required ? "required" : param.fallback.empty() ? "" : "`" + param.fallback + "`", param.doc});
+                        param.required           ? "required"
+                        : param.fallback.empty() ? ""
+                                                 : "`" + param.fallback + "`",
+                        param.doc});
     }
     if (!type.outputs.empty()) {
         out += "\n" + row({"output", "gives", ""}) + rule(3);
@@ -243,9 +244,8 @@ std::string to_markdown(const Registry& registry) {
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));
         body += "\n" + to_markdown(registry, type);
     }
-    std::string out =
-        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`.\n\n" + contents + "\n" + body +
-        "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
+    std::string out = "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`.\n\n" + contents + "\n" +
+                      body + "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
     for (const auto& payload : registry.payloads()) out += row({payload.name, payload.doc});
     return out;
 }

@@ -48,7 +48,8 @@ std::vector<Connection> connections(const Pipeline& pipeline, const Registry& re
                 const auto& source = pipeline.nodes[link.node];
                 const auto& output = source.outputs[link.output];
                 out.push_back({link.node, n,
-                               fmt::format("{}.{} ({}) -> {}.{}", source.name, output.name, registry.payload(output.type).name, node.name, node.type->inputs[input].name)});
+                               fmt::format("{}.{} ({}) -> {}.{}", source.name, output.name, registry.payload(output.type).name, node.name,
+                                           node.type->inputs[input].name)});
             }
     }
     return out;
@@ -90,8 +91,8 @@ std::string path_of(const std::vector<Layout::Point>& route) {
 }
 
 std::string rounded(double x, double y, double width, double height, const char* colour, double border) {
-    return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7" fill="{}" stroke="{}" stroke-width="{}"/>)", x, y, width, height, colour, line,
-                       border);
+    return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7" fill="{}" stroke="{}" stroke-width="{}"/>)", x, y, width, height,
+                       colour, line, border);
 }
 
 std::string label(double x, double y, double size, const char* weight, const std::string& text) {
@@ -120,17 +121,18 @@ std::string to_dot(const Pipeline& pipeline, const Registry& registry) {
     auto out = fmt::format("digraph \"{}\" {{\n    rankdir=LR;\n    node [shape=box, style=\"rounded,filled\", fontname=\"DejaVu Sans\", fontsize=11];\n",
                            escaped_for_dot(pipeline.name));
     for (const auto& node : pipeline.nodes)
-        out += fmt::format("    \"{}\" [label=\"{}\\n{}\", fillcolor=\"{}\", penwidth={}, tooltip=\"{}\"];\n", escaped_for_dot(node.name), escaped_for_dot(node.name),
-                           escaped_for_dot(node.type->name), fill(node.rate), node.gathers ? 2.5 : 1, meaning(node.rate));
+        out += fmt::format("    \"{}\" [label=\"{}\\n{}\", fillcolor=\"{}\", penwidth={}, tooltip=\"{}\"];\n", escaped_for_dot(node.name),
+                           escaped_for_dot(node.name), escaped_for_dot(node.type->name), fill(node.rate), node.gathers ? 2.5 : 1, meaning(node.rate));
     for (const auto& each : connections(pipeline, registry))
-        out += fmt::format("    \"{}\" -> \"{}\" [tooltip=\"{}\"];\n", escaped_for_dot(pipeline.nodes[each.from].name), escaped_for_dot(pipeline.nodes[each.to].name),
-                           escaped_for_dot(each.text));
+        out += fmt::format("    \"{}\" -> \"{}\" [tooltip=\"{}\"];\n", escaped_for_dot(pipeline.nodes[each.from].name),
+                           escaped_for_dot(pipeline.nodes[each.to].name), escaped_for_dot(each.text));
     return out + "}\n";
 }
 
 std::string to_svg(const Pipeline& pipeline, const Registry& registry) {
     Layout layout;
-    for (const auto& node : pipeline.nodes) layout.boxes.push_back({std::max(text_width(node.name, 13), text_width(node.type->name, 11)) + 20, box_height, 0, 0});
+    for (const auto& node : pipeline.nodes)
+        layout.boxes.push_back({std::max(text_width(node.name, 13), text_width(node.type->name, 11)) + 20, box_height, 0, 0});
     const auto links = connections(pipeline, registry);
     for (const auto& each : links) layout.edges.push_back({each.from, each.to, {}});
     layout.place();

@@ -90,7 +90,8 @@ private:
                 for (const auto next : items_[n].after) lines.emplace_back(rank[n], rank[next]);
             for (std::size_t a = 0; a < lines.size(); ++a)
                 for (std::size_t b = 0; b < a; ++b)
-                    out += (lines[a].first < lines[b].first && lines[a].second > lines[b].second) || (lines[a].first > lines[b].first && lines[a].second < lines[b].second);
+                    out += (lines[a].first < lines[b].first && lines[a].second > lines[b].second) ||
+                           (lines[a].first > lines[b].first && lines[a].second < lines[b].second);
         }
         return out;
     }

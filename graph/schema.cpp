@@ -135,14 +135,16 @@ Json node_of(const Registry& registry, bool whole) {
     out["properties"] = {{"type", {{"enum", registry.node_names()}, {"description", "What the node does; `fluidcarve nodes` lists all types."}}}};
     out["allOf"] = Json::array();
     for (const auto& [name, type] : registry.nodes())
-        out["allOf"].push_back(if_type(name, whole ? Json{{"allOf", Json::array({defined(name), Json{{"required", required_of(type)}}})}} : fields_to_change(type)));
+        out["allOf"].push_back(
+            if_type(name, whole ? Json{{"allOf", Json::array({defined(name), Json{{"required", required_of(type)}}})}} : fields_to_change(type)));
     return out;
 }
 
 Json param_of(bool whole) {
     const auto shape = [](Shape::Kind kind) { return Shape{kind, {}, {}}; };
-    const std::pair<const char*, Shape> types[] = {{"bool", shape(Shape::Kind::boolean)},  {"int", shape(Shape::Kind::integer)}, {"float", shape(Shape::Kind::number)},
-                                                   {"vector", shape(Shape::Kind::vector)}, {"string", shape(Shape::Kind::text)}, {"path", shape(Shape::Kind::output_path)},
+    const std::pair<const char*, Shape> types[] = {{"bool", shape(Shape::Kind::boolean)}, {"int", shape(Shape::Kind::integer)},
+                                                   {"float", shape(Shape::Kind::number)}, {"vector", shape(Shape::Kind::vector)},
+                                                   {"string", shape(Shape::Kind::text)},  {"path", shape(Shape::Kind::output_path)},
                                                    {"count", shape(Shape::Kind::count)}};
     auto names = Json::array();
     auto defaults = Json::array();
@@ -152,11 +154,12 @@ Json param_of(bool whole) {
     }
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};
-    out["properties"] = {{"type", {{"enum", names}, {"description", "What values the param takes; count is a whole number or a percentage of the carved axis."}}},
-                         {"default", {{"description", "The value, where neither the environment nor --set gives another."}}},
-                         {"min", {{"type", "number"}, {"description", "The least value."}}},
-                         {"max", {{"type", "number"}, {"description", "The greatest value."}}},
-                         {"doc", {{"type", "string"}, {"description", "What the param is for."}}}};
+    out["properties"] = {
+        {"type", {{"enum", names}, {"description", "What values the param takes; count is a whole number or a percentage of the carved axis."}}},
+        {"default", {{"description", "The value, where neither the environment nor --set gives another."}}},
+        {"min", {{"type", "number"}, {"description", "The least value."}}},
+        {"max", {{"type", "number"}, {"description", "The greatest value."}}},
+        {"doc", {{"type", "string"}, {"description", "What the param is for."}}}};
     out["additionalProperties"] = false;
     out["allOf"] = std::move(defaults);
     return out;
@@ -169,7 +172,8 @@ std::string schema(const Registry& registry) {
     constexpr auto frames = "^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?)*\\s*$";
 
     Json definitions{
-        {"insertion", {{"description", "Text with ${name}: a param, or an environment variable named under `env`."}, {"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
+        {"insertion",
+         {{"description", "Text with ${name}: a param, or an environment variable named under `env`."}, {"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
         {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
         {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
         {"param", param_of(true)},
@@ -180,8 +184,7 @@ std::string schema(const Registry& registry) {
 
     Json properties{
         {"fluidcarve", {{"const", 1}, {"description", "Format version."}}},
-        {"params",
-         {{"type", "object"}, {"description", "What a shot may change, by --set NAME=VALUE; used as ${name}."}}},
+        {"params", {{"type", "object"}, {"description", "What a shot may change, by --set NAME=VALUE; used as ${name}."}}},
         {"env", {{"type", "array"}, {"items", {{"type", "string"}}}, {"description", "Environment variables that ${NAME} may name."}}},
         {"extends", {{"type", "string"}, {"description", "A pipeline file that this one changes, by name: params, nodes and their fields."}}},
         {"frames",

@@ -39,8 +39,8 @@ void require_one_transform(const std::vector<EnergyTerm>& terms) {
         const auto at = [](const FloatGrid& grid) {
             const auto size = grid.voxelSize();
             const auto origin = grid.indexToWorld(openvdb::Vec3d(0));
-            return fmt::format("'{}' (voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}])", grid.getName(), size.x(), size.y(), size.z(), origin.x(), origin.y(),
-                               origin.z());
+            return fmt::format("'{}' (voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}])", grid.getName(), size.x(), size.y(), size.z(),
+                               origin.x(), origin.y(), origin.z());
         };
         throw Failure(fmt::format("terms 1 and {} have different transforms: {} and {}; resample one onto the other", n + 1, at(*first), at(*other)));
     }
@@ -151,7 +151,7 @@ FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
         if (!lowest || found < *lowest) lowest = found;
     };
     using Leaf = openvdb::FloatTree::LeafNodeType;
-    openvdb::tree::LeafManager<openvdb::FloatTree>(*tree).foreach([&](Leaf& leaf, std::size_t) {
+    openvdb::tree::LeafManager<openvdb::FloatTree>(*tree).foreach ([&](Leaf& leaf, std::size_t) {
         for (std::size_t n = 0; n < remaps.size(); ++n) {
             const auto& remap = remaps[n];
             const auto* const from = remap.grid->tree().probeConstLeaf(leaf.origin());

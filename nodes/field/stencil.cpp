@@ -29,7 +29,8 @@ double cubic_voxel_size(const openvdb::GridBase& grid) {
         for (int column = 0; column < 3; ++column)
             if (size <= 0 || std::abs(matrix[row][column] - (row == column ? size : 0)) > 1e-6 * std::abs(size)) {
                 const auto shape = transform.voxelSize();
-                throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(), transform.mapType(), remedy));
+                throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(),
+                                          transform.mapType(), remedy));
             }
     return size;
 }

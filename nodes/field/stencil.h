@@ -59,7 +59,7 @@ typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& backg
         }
         return out;
     };
-    openvdb::tree::LeafManager<Tree>(*tree).foreach([&](typename Tree::LeafNodeType& leaf, std::size_t) {
+    openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](typename Tree::LeafNodeType& leaf, std::size_t) {
         auto accessor = in.getConstUnsafeAccessor();
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) voxel.setValue(value_at(accessor, voxel.getCoord()));
     });

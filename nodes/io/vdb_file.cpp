@@ -46,7 +46,7 @@ public:
         } catch (const std::ios_base::failure&) {
             refuse(fmt::format("{} is cut off: it ends within its header, at byte {}; copy or write it again", path_, size_));
         } catch (const openvdb::Exception& error) {
-            refuse(fmt::format("{} is not a VDB file: {}", path_, error.what()));
+            refuse(fmt::format("{} is damaged: {}", path_, error.what()));
         }
     }
 
@@ -58,8 +58,8 @@ public:
     /// Without the tree of its parent, if it is an instance.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
         if (!openvdb::GridBase::isRegistered(from.gridType()))
-            refuse(fmt::format("{}: grid '{}' is of type {}, which OpenVDB {} does not know; leave it out when writing the file", path_, shown(from), from.gridType(),
-                               openvdb::getLibraryVersionString()));
+            refuse(fmt::format("{}: grid '{}' is of type {}, which OpenVDB {} does not know; leave it out when writing the file", path_, shown(from),
+                               from.gridType(), openvdb::getLibraryVersionString()));
         const auto grid = openvdb::GridBase::createGrid(from.gridType());
         try {
             grid->setSaveFloatAsHalf(from.saveFloatAsHalf());
@@ -77,7 +77,8 @@ public:
     const GridDescriptor& parent_of(const GridDescriptor& grid) const {
         const auto found = std::find_if(grids_.begin(), grids_.end(), [&](const auto& each) { return each.uniqueName() == grid.instanceParentName(); });
         if (found == grids_.end() || found->isInstance())
-            refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid), GridDescriptor::nameAsString(grid.instanceParentName())));
+            refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid),
+                               GridDescriptor::nameAsString(grid.instanceParentName())));
         return *found;
     }
 
@@ -97,11 +98,15 @@ private:
     }
 
     void walk() {
-        readHeader(stream_);
-        if (fileVersion() > openvdb::OPENVDB_FILE_VERSION)
-            refuse(fmt::format("{} has file version {}; OpenVDB {} reads up to {}", path_, fileVersion(), openvdb::getLibraryVersionString(),
+        // Both also found by readHeader, which would log to stdout, where results go.
+        if (number<std::int64_t>() != openvdb::OPENVDB_MAGIC) refuse(fmt::format("{} is not a VDB file", path_));
+        if (const auto version = number<std::uint32_t>(); version > openvdb::OPENVDB_FILE_VERSION)
+            refuse(fmt::format("{} has file version {}; OpenVDB {} reads up to {}", path_, version, openvdb::getLibraryVersionString(),
                                static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
-        if (!inputHasGridOffsets()) refuse(fmt::format("{} was written as a stream and does not say where its grids are; write it with openvdb::io::File", path_));
+        stream_.seekg(0);
+        readHeader(stream_);
+        if (!inputHasGridOffsets())
+            refuse(fmt::format("{} was written as a stream and does not say where its grids are; write it with openvdb::io::File", path_));
         tags_->setSeekable(true);
         openvdb::io::setStreamMetadataPtr(stream_, tags_, false);
         setFormatVersion(stream_);
@@ -261,7 +266,9 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec) {
     } catch (const Failure&) {
         throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
     }
-    const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) { return written.name == grid->getName() && written.type == grid->type(); };
+    const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
+        return written.name == grid->getName() && written.type == grid->type();
+    };
     if (!std::equal(header.grids.begin(), header.grids.end(), volume.grids.begin(), volume.grids.end(), same))
         throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path, fmt::join(header.names(), ", "), volume.names()));
     output.commit();

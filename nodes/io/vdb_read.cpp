@@ -119,16 +119,15 @@ struct VdbRead {
         if (!any && !survey.frames().empty()) {
             const auto first = survey.frames().front();
             const auto path = params.path.at(first);
-            return survey.missing(first, survey.frames().size() == 1 || !params.path.per_frame() ? fmt::format("{} does not exist", path)
-                                                                                                   : fmt::format("{} does not exist, nor does any other frame", path));
+            return survey.missing(first, survey.frames().size() == 1 || !params.path.per_frame()
+                                             ? fmt::format("{} does not exist", path)
+                                             : fmt::format("{} does not exist, nor does any other frame", path));
         }
         if (params.missing == Missing::hold) return;
         for (const int frame : survey.frames()) {
             if (there(params, frame)) continue;
-            if (params.missing == Missing::skip)
-                survey.leave_out(frame);
-            else
-                survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
+            if (params.missing == Missing::skip) survey.leave_out(frame);
+            else survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
         }
     }
 
@@ -167,7 +166,8 @@ private:
         const auto remedy = type == FloatGrid::gridType()    ? "; state it as float"
                             : type == VectorGrid::gridType() ? "; state it as vector"
                                                              : "; only float and vec3s grids can be named, others travel within the volume";
-        throw Failure(fmt::format("{}: grid '{}' is of type {}, not {}{}", header.path, name, short_type(type), short_type(wanted), remedy), Failure::Kind::input);
+        throw Failure(fmt::format("{}: grid '{}' is of type {}, not {}{}", header.path, name, short_type(type), short_type(wanted), remedy),
+                      Failure::Kind::input);
     }
 };
 

@@ -6,7 +6,8 @@ namespace fluidcarve {
 
 template <>
 struct ChoiceNames<Codec> {
-    static constexpr std::array names = {std::pair{"as_read", Codec::as_read}, std::pair{"blosc", Codec::blosc}, std::pair{"zip", Codec::zip}, std::pair{"none", Codec::none}};
+    static constexpr std::array names = {std::pair{"as_read", Codec::as_read}, std::pair{"blosc", Codec::blosc}, std::pair{"zip", Codec::zip},
+                                         std::pair{"none", Codec::none}};
 };
 
 namespace {
@@ -29,7 +30,8 @@ NodeType vdb_write() {
     return Declare<VdbWrite>("vdb.write", "Writes OpenVDB files: all grids of a volume, or one grid. A file appears whole or not at all.")
         .input("source", &VdbWrite::Ports::source, "What to write; nothing is changed on the way, half floats stay half.")
         .required("path", &VdbWrite::Params::path, "File; with a frame token such as #### if the source comes per frame. Folders are made.")
-        .param("compression", &VdbWrite::Params::compression, "As the source's file was (blosc if it came from none), or one of OpenVDB's. All keep every bit.");
+        .param("compression", &VdbWrite::Params::compression,
+               "As the source's file was (blosc if it came from none), or one of OpenVDB's. All keep every bit.");
 }
 
 }  // namespace fluidcarve

@@ -74,7 +74,8 @@ int Canvas::height() const { return cairo_image_surface_get_height(page_->surfac
 
 Colour Canvas::at(int x, int y) const {
     cairo_surface_flush(page_->surface.get());
-    const auto* const row = cairo_image_surface_get_data(page_->surface.get()) + static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(page_->surface.get());
+    const auto* const row =
+        cairo_image_surface_get_data(page_->surface.get()) + static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(page_->surface.get());
     const auto pixel = reinterpret_cast<const std::uint32_t*>(row)[x];
     return {static_cast<std::uint8_t>(pixel >> 16), static_cast<std::uint8_t>(pixel >> 8), static_cast<std::uint8_t>(pixel)};
 }

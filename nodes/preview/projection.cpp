@@ -25,8 +25,7 @@ Window in_cells(const Window& window, int cell) {
 }
 
 void raise(float& value, float other) {
-    // NaN on either side: the other one.
-    if (std::isnan(value) || other > value) value = std::isnan(other) ? value : other;
+    if (std::isnan(value) || other > value) value = other;
 }
 
 Projection blank(int cell, const Window& cells) {

@@ -26,9 +26,9 @@ constexpr Canvas::Type heading{14, true, bright};
 constexpr Canvas::Type plain{12, false, dim};
 
 constexpr double margin = 20;
-constexpr double gutter = 12;      // between panels
-constexpr double header = 92;      // title, range, names of the columns
-constexpr double strip = 24;       // above each panel
+constexpr double gutter = 12;  // between panels
+constexpr double header = 92;  // title, range, names of the columns
+constexpr double strip = 24;   // above each panel
 constexpr double footer = 26;
 constexpr double widest_panel = 820;
 constexpr double least_page = 560;
@@ -127,7 +127,8 @@ void draw_header(Canvas& canvas, const SheetText& text, const Arrangement& layou
     canvas.text(margin + layout.column + gutter, header - 8, "after", heading);
 }
 
-void draw_panel(Canvas& canvas, const SheetPanel& panel, const SheetPanel* other, const SheetText& text, const Arrangement& layout, const Scale& scale, double x, double y) {
+void draw_panel(Canvas& canvas, const SheetPanel& panel, const SheetPanel* other, const SheetText& text, const Arrangement& layout, const Scale& scale,
+                double x, double y) {
     const Canvas::Rect whole{x, y, layout.column, layout.height};
     canvas.fill(whole, nothing);
     const double left = x + std::round((layout.column - layout.width) / 2);
@@ -235,7 +236,8 @@ NodeType preview_sheet() {
         .input("before", &Sheet::Ports::before, "Usually what was read.")
         .input("after", &Sheet::Ports::after, "Usually what is written; shown in the same window and colours as `before`.")
         .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes; of vectors, their length is shown.")
-        .param("axis", &Sheet::Params::axis, "Direction of view: each pixel is the greatest value along this axis of the grid. Up is z, or y where the view is along z.")
+        .param("axis", &Sheet::Params::axis,
+               "Direction of view: each pixel is the greatest value along this axis of the grid. Up is z, or y where the view is along z.")
         .param("frames", &Sheet::Params::frames, Unit::frames, between(1, 12), "How many to show, evenly from the first to the last; 1 shows the middle one.")
         .required("path", &Sheet::Params::path, "PNG file, one for the whole sequence. Folders are made.");
 }

@@ -66,10 +66,11 @@ Registry toys() {
     out.add(payload_type<Water>("water", "Wet.", [](const Water&) { return 1; }));
     out.add(payload_type<Stone>("stone", "Hard.", [](const Stone&) { return 1; }));
     out.add(conversion<Water, Stone>([](const Ref<Water>&) { return std::make_shared<const Stone>(); }));
-    out.add(NodeType(Declare<Well>("source.well", "Water from the ground. It may run dry.")
-                         .required("path", &Well::Params::path, "Where the well is.")
-                         .output("water", &Well::Ports::water, "Clear water.")
-                         .outputs_from("path", &Well::Ports::more, [](const Well::Params&) { return std::vector<std::pair<std::string, std::type_index>>(); })));
+    out.add(
+        NodeType(Declare<Well>("source.well", "Water from the ground. It may run dry.")
+                     .required("path", &Well::Params::path, "Where the well is.")
+                     .output("water", &Well::Ports::water, "Clear water.")
+                     .outputs_from("path", &Well::Ports::more, [](const Well::Params&) { return std::vector<std::pair<std::string, std::type_index>>(); })));
     out.add(NodeType(Declare<Mix>("water.mix", "Several waters in one.")
                          .input("terms", &Mix::Ports::terms, "What is mixed.")
                          .input("mask", &Mix::Ports::mask, "Where it is mixed.")
@@ -81,19 +82,21 @@ Registry toys() {
                          .param("note", &Mix::Params::note, "For people.")
                          .required("count", &Mix::Params::count, Unit::seams, any_number(), "How many.")
                          .output("out", &Mix::Ports::out, "The mixture.")));
-    out.add(NodeType(Declare<Dam>("water.dam", "Holds all water back.").input("water", &Dam::Ports::water, "Water.").output("wall", &Dam::Ports::wall, "The wall.")));
+    out.add(NodeType(
+        Declare<Dam>("water.dam", "Holds all water back.").input("water", &Dam::Ports::water, "Water.").output("wall", &Dam::Ports::wall, "The wall.")));
     return out;
 }
 
 }  // namespace
 
 TEST_CASE("the listing groups node types by family and gives each a line") {
-    CHECK(listing(toys()) == "source\n"
-                             "  source.well  Water from the ground.\n"
-                             "\n"
-                             "water\n"
-                             "  water.dam    Holds all water back.\n"
-                             "  water.mix    Several waters in one.\n");
+    CHECK(listing(toys()) ==
+          "source\n"
+          "  source.well  Water from the ground.\n"
+          "\n"
+          "water\n"
+          "  water.dam    Holds all water back.\n"
+          "  water.mix    Several waters in one.\n");
 }
 
 TEST_CASE("a node type's description tells all that its declaration says") {
@@ -155,10 +158,12 @@ TEST_CASE("long docs are wrapped") {
 
 TEST_CASE("the Markdown reference has every node, port, parameter and travelling type") {
     const auto text = to_markdown(toys());
-    for (const auto* part : {"## water\n", "### water.mix\n", "- [water](#water)", "  - [water.mix](#watermix): Several waters in one.", "| `terms` | one or a list, each water | What is mixed. |",
-                             "| `gain` | a number, from 0 to 4 | 1/world unit | `1.5` | Multiplier on the result. |", "| `mode` | one of soft, hard |   | `hard` | How it is mixed; a \\| b. |",
-                             "| `count` | a whole number of seams or a percentage such as -10% | seams | required | How many. |", "| `wall` | stone; once for the whole sequence | The wall. |",
-                             "| stone | Hard. |", "```yaml\nwell:\n  type: source.well\n"})
+    for (const auto* part :
+         {"## water\n", "### water.mix\n", "- [water](#water)", "  - [water.mix](#watermix): Several waters in one.",
+          "| `terms` | one or a list, each water | What is mixed. |", "| `gain` | a number, from 0 to 4 | 1/world unit | `1.5` | Multiplier on the result. |",
+          "| `mode` | one of soft, hard |   | `hard` | How it is mixed; a \\| b. |",
+          "| `count` | a whole number of seams or a percentage such as -10% | seams | required | How many. |",
+          "| `wall` | stone; once for the whole sequence | The wall. |", "| stone | Hard. |", "```yaml\nwell:\n  type: source.well\n"})
         CHECK_THAT(text, Catch::Contains(part));
     CHECK_THAT(text, Catch::Contains(to_markdown(toys(), *toys().node("water.dam"))));
 }
@@ -168,9 +173,12 @@ TEST_CASE("the JSON reference has every field") {
     REQUIRE(all["nodes"].size() == 3);
     const auto& mix = all["nodes"][2];
     CHECK(mix["name"] == "water.mix");
-    CHECK(mix["inputs"][1] == Json::parse(R"({"name": "mask", "type": "stone", "accepts": ["water", "stone"], "arity": "optional", "doc": "Where it is mixed."})"));
-    CHECK(mix["params"][0] ==
-          Json::parse(R"({"name": "gain", "value": "a number", "unit": "1/world unit", "min": 0.0, "max": 4.0, "default": "1.5", "doc": "Multiplier on the result."})"));
+    CHECK(mix["inputs"][1] ==
+          Json::parse(R"({"name": "mask", "type": "stone", "accepts": ["water", "stone"], "arity": "optional", "doc": "Where it is mixed."})"));
+    CHECK(
+        mix["params"][0] ==
+        Json::parse(
+            R"({"name": "gain", "value": "a number", "unit": "1/world unit", "min": 0.0, "max": 4.0, "default": "1.5", "doc": "Multiplier on the result."})"));
     CHECK(mix["params"][5]["required"] == true);
     CHECK(mix["params"][2]["choices"] == Json::parse(R"(["soft", "hard"])"));
     CHECK(all["nodes"][1]["outputs"][0]["once"] == true);

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <regex>
+#include <string_view>
 
 using namespace fluidcarve;
 
@@ -51,24 +51,28 @@ std::size_t count(const std::string& text, const std::string& what) {
     return out;
 }
 
-/// Whether all elements are closed in order and no stray < or & is left.
-bool well_formed(const std::string& xml) {
-    std::vector<std::string> open;
-    const std::regex tag(R"(<(/?)([a-z]+)((?:\s+[a-zA-Z-]+="[^"<]*")*)\s*(/?)>)");
-    std::string between;
-    auto last = xml.begin();
-    for (std::sregex_iterator at(xml.begin(), xml.end(), tag), end; at != end; ++at) {
-        between.append(last, xml.begin() + at->position());
-        last = xml.begin() + at->position() + at->length();
-        if ((*at)[1].length() > 0) {
-            if (open.empty() || open.back() != (*at)[2]) return false;
+/// Whether all elements are closed in order, all attributes are quoted and no stray < or & is left.
+bool well_formed(std::string_view xml) {
+    std::vector<std::string_view> open;
+    for (auto at = xml.find_first_of("<&"); at != xml.npos; at = xml.find_first_of("<&", at + 1)) {
+        const auto rest = xml.substr(at + 1);
+        if (xml[at] == '&') {
+            const auto names = {"lt;", "gt;", "amp;", "quot;"};
+            if (std::none_of(names.begin(), names.end(), [&](const char* name) { return rest.starts_with(name); })) return false;
+            continue;
+        }
+        const auto end = rest.find_first_of("<>");
+        if (end == rest.npos || rest[end] == '<') return false;
+        const auto tag = rest.substr(0, end);
+        if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return false;
+        if (tag.starts_with('/')) {
+            if (open.empty() || open.back() != tag.substr(1)) return false;
             open.pop_back();
-        } else if ((*at)[4].length() == 0) {
-            open.push_back((*at)[2]);
+        } else if (!tag.ends_with('/')) {
+            open.push_back(tag.substr(0, tag.find(' ')));
         }
     }
-    between.append(last, xml.end());
-    return open.empty() && between.find('<') == std::string::npos && !std::regex_search(between, std::regex("&(?!(lt|gt|amp|quot);)"));
+    return open.empty();
 }
 
 }  // namespace
@@ -80,10 +84,13 @@ TEST_CASE("the picture is well-formed and has every node and connection") {
     CHECK(well_formed(svg));
     CHECK_FALSE(well_formed("<a><b></a></b>"));
     CHECK_FALSE(well_formed("<a>x & y</a>"));
+    CHECK_FALSE(well_formed("<a>x < y</a>"));
+    CHECK_FALSE(well_formed("<a><b></a>"));
     CHECK(count(svg, "<path class=\"edge\"") == 5);
     CHECK(count(svg, ">water.mix<") == 4);
-    for (const auto* part : {">n0<", ">n3<", "n0.out (water) -&gt; n3.in", "<title>a&lt;b&gt;.yaml</title>", "A &lt;toy&gt; &amp; more.", "class=\"node static\"", "class=\"node frame\"",
-                             "class=\"node sequence\"", "static: once", "sequence: once, after all frames", "frame: for every frame", "gathers all frames"})
+    for (const auto* part : {">n0<", ">n3<", "n0.out (water) -&gt; n3.in", "<title>a&lt;b&gt;.yaml</title>", "A &lt;toy&gt; &amp; more.",
+                             "class=\"node static\"", "class=\"node frame\"", "class=\"node sequence\"", "static: once", "sequence: once, after all frames",
+                             "frame: for every frame", "gathers all frames"})
         CHECK_THAT(svg, Catch::Contains(part));
 }
 

@@ -78,6 +78,7 @@ TEST_CASE("a frame set's text is short and reads back") {
     CHECK(shortest("3") == "3");
     CHECK(shortest("-5--1") == "-5--1");
     CHECK(shortest("1,3,5,6,7,8") == "1,3,5-8");
+    CHECK(shortest("1-99x7,100,101") == "1-92x7,99-101");
     CHECK(shortest("1-10y3") == "2,3,5,6,8,9");
     CHECK(FrameSet().text().empty());
     std::mt19937 random(1);

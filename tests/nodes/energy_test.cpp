@@ -147,7 +147,8 @@ TEST_CASE("voxels that are no cubes along the axes are refused") {
           "grid 'density' has voxels of 0.1 x 0.2 x 0.1 (ScaleTranslateMap); derivatives need cubes along the world's axes: resample the grid first");
     transform = Transform::createLinearTransform(0.1);
     transform->postRotate(0.3);
-    CHECK(refusal(transform) == "grid 'density' has voxels of 0.1 x 0.1 x 0.1 (AffineMap); derivatives need cubes along the world's axes: resample the grid first");
+    CHECK(refusal(transform) ==
+          "grid 'density' has voxels of 0.1 x 0.1 x 0.1 (AffineMap); derivatives need cubes along the world's axes: resample the grid first");
     CHECK(refusal(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)) ==
           "grid 'density' has voxels of varying shape (NonlinearFrustumMap); derivatives need cubes along the world's axes: resample the grid first");
 }
@@ -160,8 +161,9 @@ TEST_CASE("a value that is not finite is refused, the lowest voxel named") {
           "grid 'density' has a value that is not finite (NaN or infinite) at voxel [-3, 2, 1]; repair it where it comes from");
     CHECK(failure_of([&] { active_range(*field); }) ==
           "grid 'density' has a value that is not finite (NaN or infinite) at voxel [-3, 2, 1]; repair it where it comes from");
-    CHECK(failure_of([&] { combined_energy({{flat("other", cube, 1), 1, {0, 1}}, {field, 1, {0, 1}}}); }) ==
-          "grid 'density' has a value that is not finite (NaN or infinite) at voxel [-3, 2, 1]; repair it where it comes from");
+    CHECK(failure_of([&] {
+              combined_energy({{flat("other", cube, 1), 1, {0, 1}}, {field, 1, {0, 1}}});
+          }) == "grid 'density' has a value that is not finite (NaN or infinite) at voxel [-3, 2, 1]; repair it where it comes from");
 
     const auto velocity = sampled<VectorGrid>(cube, [](const Vec3d&) { return Vec3s(0); });
     velocity->tree().setValueOff({10, 0, 0}, Vec3s(0, std::numeric_limits<float>::quiet_NaN(), 0));
@@ -196,11 +198,11 @@ TEST_CASE("terms are remapped, clamped, weighted and added on the union of their
     block->tree().addTile(2, {128, 0, 0}, 30.0f, true);
     const auto energy = combined_energy({{ramp, 2, {-1, 1}}, {block, 3, {0, 20}}});
     const auto at = [&](int x, int y, int z) { return energy->tree().getValue({x, y, z}); };
-    CHECK(at(-9, 0, 0) == 0);                       // -2.25, clamped
-    CHECK(at(2, 0, 0) == 2 * 0.75f);                // 0.5
-    CHECK(at(9, 0, 0) == 2);                        // 2.25, clamped
+    CHECK(at(-9, 0, 0) == 0);         // -2.25, clamped
+    CHECK(at(2, 0, 0) == 2 * 0.75f);  // 0.5
+    CHECK(at(9, 0, 0) == 2);          // 2.25, clamped
     CHECK(at(9, 9, 9) == 2 + 1.5f);
-    CHECK(at(9, 9, 15) == 1 + 1.5f);                // the ramp is not active: its background, 0
+    CHECK(at(9, 9, 15) == 1 + 1.5f);  // the ramp is not active: its background, 0
     CHECK(at(200, 100, 100) == 1 + 3);
     CHECK(at(-20, 0, 0) == 0);
     CHECK(energy->background() == 0);
@@ -217,7 +219,9 @@ TEST_CASE("terms on different grids are refused, both named") {
     const auto moved = flat("b", cube, 1);
     moved->setTransform(moved->transform().copy());
     moved->transform().postTranslate({0, 0, 1});
-    CHECK(failure_of([&] { combined_energy({{flat("a", cube, 1), 1, {0, 1}}, {flat("c", cube, 1), 1, {0, 1}}, {moved, 1, {0, 1}}}); }) ==
+    CHECK(failure_of([&] {
+              combined_energy({{flat("a", cube, 1), 1, {0, 1}}, {flat("c", cube, 1), 1, {0, 1}}, {moved, 1, {0, 1}}});
+          }) ==
           "terms 1 and 3 have different transforms: 'a' (voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 0]) and "
           "'b' (voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 1]); resample one onto the other");
 }
@@ -249,7 +253,8 @@ TEST_CASE("energy.combine gathers only what is left automatic") {
     CHECK_FALSE(gathers("range: [[0, 1], [2, 5]]"));
 
     NodeBench node(energy_combine(), "range: [[0, 4], [2, 6]]", {{"terms", 2}});
-    const auto energy = node.run({{"terms", {Payload(Ref<FloatGrid>(flat("a", cube, 1))), Payload(Ref<FloatGrid>(flat("b", cube, 5)))}}}).at("energy").as<FloatGrid>();
+    const auto energy =
+        node.run({{"terms", {Payload(Ref<FloatGrid>(flat("a", cube, 1))), Payload(Ref<FloatGrid>(flat("b", cube, 5)))}}}).at("energy").as<FloatGrid>();
     CHECK(energy->tree().getValue({0, 0, 0}) == 0.25f + 0.75f);
 }
 

@@ -205,6 +205,10 @@ TEST_CASE("before and after share one range of colours and one window") {
     CHECK(half.top == Approx(whole.top).margin(1));
     CHECK(half.bottom == Approx((whole.top + whole.bottom) / 2).margin(3));
     CHECK(half.left - middle > (whole.right - whole.left));
+
+    const auto turned = draw_sheet({"density", View::y, 1}, {{1, panel_of(*weak), panel_of(*strong)}});
+    CHECK(find(turned, heat(1)).left > middle);
+    CHECK(find(turned, heat(0.5)).right < middle);
 }
 
 TEST_CASE("a frame without active voxels has an empty panel") {

@@ -66,7 +66,8 @@ TEST_CASE("vdb.read names the grids that are there when one is not, and both typ
         NodeBench node(vdb_read(), "{path: " + plume + ", grids: {" + grids + "}}");
         return failure_of([&] { node.run({}, at(51, {"volume", "x"})); });
     };
-    CHECK(failure("x: {name: velocty, type: vector}") == path + " has no grid 'velocty'; it has velocity, density, shadow, temperature, flame; did you mean 'velocity'?");
+    CHECK(failure("x: {name: velocty, type: vector}") ==
+          path + " has no grid 'velocty'; it has velocity, density, shadow, temperature, flame; did you mean 'velocity'?");
     CHECK(failure("x: float") == path + " has no grid 'x'; it has velocity, density, shadow, temperature, flame");
     CHECK(failure("x: {name: velocity, type: float}") == path + ": grid 'velocity' is of type vec3s, not float; state it as vector");
     CHECK(failure("x: {name: density, type: vector}") == path + ": grid 'density' is of type float, not vec3s; state it as float");

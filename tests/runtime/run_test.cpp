@@ -82,7 +82,7 @@ TEST_CASE("what a gathering node finds over all frames reaches every frame") {
     CHECK(ran.report["totals"]["total"]["sum"] == 21);
 }
 
-TEST_CASE("-f limits what is delivered, never what a gathering node sees") {
+TEST_CASE("the option -f limits what is delivered, never what a gathering node sees") {
     const auto ran = run(two_passes, deliver("2,5"));
     CHECK(ran.code == exit_code::done);
     CHECK(ran.count("total ") == 6);
@@ -119,7 +119,7 @@ nodes:
     CHECK(ran.log == std::vector<std::string>{"count 5", "finish 1", "total 5"});
 }
 
-TEST_CASE("--to runs a node and what it needs, nothing else") {
+TEST_CASE("with --to only a node and what it needs run") {
     RunRequest request;
     request.to = "total";
     const auto ran = run(two_passes, request);

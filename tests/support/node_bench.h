@@ -75,7 +75,8 @@ private:
         const Value& value;
         const std::map<std::string, std::size_t>& connected;
         std::string& faults;
-        Check(const Value& value, const std::map<std::string, std::size_t>& connected, std::string& faults) : value(value), connected(connected), faults(faults) {}
+        Check(const Value& value, const std::map<std::string, std::size_t>& connected, std::string& faults)
+            : value(value), connected(connected), faults(faults) {}
         bool stated(std::string_view field) const override { return value.find(field) != nullptr; }
         std::size_t connections(std::string_view input) const override {
             const auto found = connected.find(std::string(input));
