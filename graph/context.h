@@ -26,7 +26,7 @@ public:
     Context();
     Context(Host& host, const std::vector<int>& frames) : host_(&host), frames_(&frames) {}
 
-    /// The frame's number, and its place in the sequence. Meaningless in `finish` and in static nodes.
+    /// The frame's number, and its place in the sequence. In `finish` and in static nodes: of the first frame.
     int frame() const { return place_ < frames_->size() ? (*frames_)[place_] : 1; }
     std::size_t place() const { return place_; }
     /// The whole sequence, whatever part of it is delivered.

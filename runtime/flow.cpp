@@ -80,7 +80,6 @@ struct Flow::Self {
     const Pipeline& pipeline;
     const Registry& registry;
     const std::vector<int>& frames;
-    const std::vector<int> no_frames{1};  ///< what static nodes see
     const RunOptions& options;
     Report& report;
     Progress& progress;
@@ -95,8 +94,7 @@ struct Flow::Self {
     bool stopped() const { return cancelled() || fatal || (failed && !options.keep_going); }
 
     Context context(std::size_t node) {
-        auto& frames_seen = pipeline.nodes[node].rate == Rate::fixed ? no_frames : frames;
-        Context out(hosts[node], frames_seen);
+        Context out(hosts[node], frames);
         out.limits(options.memory, options.work_folder);
         return out;
     }
@@ -272,7 +270,7 @@ struct Flow::Self {
 
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Report& report, Progress& progress,
            std::function<bool()> cancelled)
-    : self_(new Self{pipeline, registry, frames, {1}, options, report, progress, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
+    : self_(new Self{pipeline, registry, frames, options, report, progress, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
     const auto count = pipeline.nodes.size();
     self_->hosts.resize(count);
     self_->steps.resize(count);

@@ -89,6 +89,7 @@ TEST_CASE("exit codes and channels are the contract's") {
     CHECK_THAT(fluidcarve_program("--help").out, Catch::Contains("run") && Catch::Contains("plan"));
 
     const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: vdb.write, source: sim, path: " + (scratch / "out.####.vdb") + "}\n");
+    fs::copy_file(TEST_DATA "/plume/plume.0051.vdb", scratch / "in.0002.vdb");
     CHECK(fluidcarve_program("check " + path).code == 0);
     const auto missing = fluidcarve_program("run " + path);
     CHECK(missing.code == 3);

@@ -1,0 +1,99 @@
+#pragma once
+
+#include "nodes/seam/seams.h"
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <type_traits>
+#include <vector>
+
+namespace fluidcarve::test {
+
+/// A box of voxels, dense, each with value and state.
+template <class T>
+struct Dense {
+    struct Voxel {
+        T value;
+        bool on;
+    };
+    openvdb::CoordBBox box;
+    std::vector<Voxel> voxels;
+
+    template <class Grid>
+    Dense(const Grid& grid, const openvdb::CoordBBox& box) : box(box) {
+        auto values = grid.getConstAccessor();
+        for (auto at = box.begin(); at; ++at) voxels.push_back({values.getValue(*at), values.isValueOn(*at)});
+    }
+    Voxel& at(const openvdb::Coord& c) {
+        const auto from = c - box.min();
+        const auto size = box.dim();
+        return voxels.at(static_cast<std::size_t>((from.x() * size.y() + from.y()) * size.z() + from.z()));
+    }
+};
+
+/// Where lattice vertices are voxels: vertex (i, j, k) at origin + i step[0] + j step[1] + k step[2].
+struct Layout {
+    openvdb::Coord origin;
+    std::array<openvdb::Coord, 3> step;
+    openvdb::Coord operator()(const std::array<int, 3>& at) const {
+        auto out = origin;
+        for (std::size_t n = 0; n < 3; ++n)
+            for (int c = 0; c < 3; ++c) out[c] += at[n] * step[n][c];
+        return out;
+    }
+};
+
+/// Classical seam carving, one seam after the other, column by column, straight from its definition: the reference for
+/// everything that is cleverer. Only the first `count` seams of a set.
+template <class T, class Mean>
+void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_t t, std::size_t count, const T& background, const Mean& mean) {
+    using Voxel = typename Dense<T>::Voxel;
+    const int size = seams.carved();
+    for (int k = 0; k < seams.shape[2]; ++k)
+        for (int lateral = 0; lateral < seams.lateral(); ++lateral) {
+            const auto vertex = [&](int entry) { return layout(seams.axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k}); };
+            const auto column = t * seams.columns_per_frame() + static_cast<std::size_t>(lateral + seams.lateral() * k);
+            std::vector<Voxel> before, after;
+            for (int i = 0; i < size; ++i) before.push_back(dense.at(vertex(i)));
+            if (seams.kind == Seams::Kind::remove) {
+                after = before;
+                for (std::size_t n = 0; n < count; ++n) after.erase(after.begin() + seams.seams[n].at[column]);
+                after.resize(before.size(), Voxel{background, false});
+            } else {
+                for (int i = 0; i < size; ++i) {
+                    after.push_back(before[static_cast<std::size_t>(i)]);
+                    for (std::size_t n = 0; n < count; ++n)
+                        if (seams.seams[n].at[column] == i) after.push_back(mean(before[static_cast<std::size_t>(i)], before.at(static_cast<std::size_t>(i + 1))));
+                }
+            }
+            for (std::size_t i = 0; i < after.size(); ++i) dense.at(vertex(static_cast<int>(i))) = after[i];
+        }
+}
+
+/// A set of arbitrary seams, not even feasible: carving does not ask for it.
+inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count, std::vector<int> frames) {
+    Seams out;
+    out.axis = axis;
+    out.kind = kind;
+    out.shape = shape;
+    out.frames = std::move(frames);
+    out.lattice = lattice.description;
+    out.lattice_hash = lattice.hash;
+    const auto columns = out.columns_per_frame() * out.frames.size();
+    out.seams.resize(static_cast<std::size_t>(count));
+    for (auto& seam : out.seams) seam.at.resize(columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+        std::vector<int> free;
+        for (int i = 0; i + 1 < out.carved(); ++i) free.push_back(i);
+        std::shuffle(free.begin(), free.end(), random);
+        for (int n = 0; n < count; ++n)
+            out.seams[static_cast<std::size_t>(n)].at[c] =
+                static_cast<std::uint16_t>(kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
+    }
+    return out;
+}
+
+}  // namespace fluidcarve::test
