@@ -42,7 +42,8 @@ struct Box {
     static void check(const Params& params, NodeCheck& check) {
         if (check.stated("fit")) {
             for (const auto* field : {"min", "max", "spacing"})
-                if (check.stated(field)) check.fault(field, fmt::format("'{}' and 'fit' exclude each other: a fitted box takes its place and spacing from the grid", field));
+                if (check.stated(field))
+                    check.fault(field, fmt::format("'{}' and 'fit' exclude each other: a fitted box takes its place and spacing from the grid", field));
             return;
         }
         for (const auto* field : {"min", "max", "spacing"})
@@ -55,11 +56,13 @@ struct Box {
     static void check_extent(const Vec3& min, const Vec3& max, double spacing, NodeCheck& check) {
         for (std::size_t n = 0; n < 3; ++n) {
             const double extent = max[n] - min[n], steps = extent / spacing;
-            if (extent < 0) check.fault("max", fmt::format("'max' is below 'min' in {}: {} < {}", "xyz"[n], max[n], min[n]));
-            else if (steps > 65533) check.fault("max", fmt::format("the extent {} in {} is {:.0f} times the spacing {}; 65533 is the most", extent, "xyz"[n], steps, spacing));
+            if (extent < 0) check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}", "xyz"[n], max[n], min[n]));
+            else if (steps > 65533)
+                check.fault("max",
+                            fmt::format("the extent {:.10g} in {} is {:.0f} times the spacing {:.10g}; 65533 is the most", extent, "xyz"[n], steps, spacing));
             else if (std::abs(steps - std::round(steps)) > 1e-3)
-                check.fault("max", fmt::format("the extent {} in {} is no whole multiple of the spacing {}; the nearest 'max' that fits is {}", extent, "xyz"[n],
-                                               spacing, min[n] + std::round(steps) * spacing));
+                check.fault("max", fmt::format("the extent {:.10g} in {} is no whole multiple of the spacing {:.10g}; the nearest 'max' that fits is {:.10g}",
+                                               extent, "xyz"[n], spacing, min[n] + std::round(steps) * spacing));
         }
     }
 
@@ -74,9 +77,9 @@ struct Box {
             name_ = grid.getName();
             require_uniform();
         } else if (*transform_ != grid.transform()) {
-            throw Failure(fmt::format("grid '{}' has voxel size {} at {} in frame {}, but {} at {} in frame {}; a box fits only grids that keep their transform", name_,
-                                      grid.voxelSize().x(), text(grid.indexToWorld(Vec3d(0))), frame, transform_->voxelSize().x(),
-                                      text(transform_->indexToWorld(Vec3d(0))), frame_));
+            throw Failure(fmt::format(
+                "grid '{}' has voxel size {} at {} in frame {}, but {} at {} in frame {}; a box fits only grids that keep their transform", name_,
+                grid.voxelSize().x(), text(grid.indexToWorld(Vec3d(0))), frame, transform_->voxelSize().x(), text(transform_->indexToWorld(Vec3d(0))), frame_));
         }
         box_.expand(box);
     }
@@ -87,12 +90,14 @@ struct Box {
             const auto matrix = transform_->baseMap()->getAffineMap()->getMat4();
             const double size = matrix(0, 0);
             for (int row = 0; row < 3; ++row)
-                for (int column = 0; column < 3; ++column) straight = straight && std::abs(matrix(row, column) - (row == column ? size : 0)) <= 1e-9 * std::abs(size);
+                for (int column = 0; column < 3; ++column)
+                    straight = straight && std::abs(matrix(row, column) - (row == column ? size : 0)) <= 1e-9 * std::abs(size);
             straight = straight && size > 0;
         }
         if (!straight)
-            throw Failure(fmt::format("grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
-                                      name_, frame_));
+            throw Failure(fmt::format(
+                "grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
+                name_, frame_));
     }
 
     void finish(const Params& params, Ports& io, Context&) {
@@ -103,7 +108,8 @@ struct Box {
         if (params.min) {
             std::array<int, 3> counts;
             for (std::size_t n = 0; n < 3; ++n) counts[n] = static_cast<int>(std::lround(((*params.max)[n] - (*params.min)[n]) / *params.spacing)) + 1;
-            io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), *params.spacing, axes));
+            io.lattice =
+                std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), *params.spacing, axes));
             return;
         }
         if (!transform_) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");

@@ -74,8 +74,9 @@ Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape, double spa
     out.spacing = spacing;
     for (int k = 0; k < shape[2]; ++k) out.planes.push_back({first + spacing * k * direction[2], direction[0], direction[1], direction[2]});
     const auto last = out.position(Vec3d(shape[0] - 1, shape[1] - 1, shape[2] - 1));
-    out.description = fmt::format("box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), spacing {:g}, axes {}{}{}", shape[0], shape[1],
-                                  shape[2], first.x(), first.y(), first.z(), last.x(), last.y(), last.z(), spacing, "xyz"[axes[0]], "xyz"[axes[1]], "xyz"[axes[2]]);
+    out.description =
+        fmt::format("box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), spacing {:g}, axes {}{}{}", shape[0], shape[1], shape[2],
+                    first.x(), first.y(), first.z(), last.x(), last.y(), last.z(), spacing, "xyz"[axes[0]], "xyz"[axes[1]], "xyz"[axes[2]]);
     out.hash = lattice_hash(out);
     return out;
 }

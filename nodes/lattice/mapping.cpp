@@ -31,14 +31,17 @@ Vec3d snapped(const Vec3d& x) { return {snapped(x.x()), snapped(x.y()), snapped(
 
 Mapping::Mapping(const Lattice& lattice) : Mapping(lattice, lattice.shape) {}
 
-Mapping::Mapping(const Lattice& lattice, const std::array<int, 3>& extent) : lattice_(lattice), extent_(extent) {
+Mapping::Mapping(const Lattice& lattice, const std::array<int, 3>& extent) : extent_(extent) {
     if (!lattice.is_box()) throw Failure("the lattice (" + lattice.description + ") is no straight box; only those can be carved");
+    const auto& plane = lattice.planes.front();
+    origin_ = plane.origin;
+    step_ = {lattice.spacing * plane.u, lattice.spacing * plane.v, lattice.spacing * plane.w};
+    gradient_ = {plane.u / lattice.spacing, plane.v / lattice.spacing, plane.w / lattice.spacing};
 }
 
 Vec3d Mapping::coordinates(const Vec3d& world) const {
-    const auto& plane = lattice_.planes.front();
-    const auto from = (world - plane.origin) / lattice_.spacing;
-    return {from.dot(plane.u), from.dot(plane.v), from.dot(plane.w)};
+    const auto from = world - origin_;
+    return {from.dot(gradient_[0]), from.dot(gradient_[1]), from.dot(gradient_[2])};
 }
 
 std::optional<Vec3d> Mapping::locate(const Vec3d& world) const {

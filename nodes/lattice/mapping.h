@@ -25,7 +25,7 @@ public:
     /// `f`: lattice index coordinates of a world position, snapped, each within [0, extent - 1]; nothing outside.
     std::optional<openvdb::Vec3d> locate(const openvdb::Vec3d& world) const;
     /// `g`: the world position.
-    openvdb::Vec3d position(const openvdb::Vec3d& at) const { return lattice_.position(at); }
+    openvdb::Vec3d position(const openvdb::Vec3d& at) const { return origin_ + at.x() * step_[0] + at.y() * step_[1] + at.z() * step_[2]; }
 
     /// Lattice coordinates that points of a world box may have, not limited to the extent.
     openvdb::BBoxd range(const openvdb::BBoxd& world) const;
@@ -36,7 +36,9 @@ public:
 
 private:
     openvdb::Vec3d coordinates(const openvdb::Vec3d& world) const;
-    Lattice lattice_;
+    openvdb::Vec3d origin_;
+    std::array<openvdb::Vec3d, 3> step_;      ///< from a vertex to the next, world units
+    std::array<openvdb::Vec3d, 3> gradient_;  ///< of the lattice coordinates
     std::array<int, 3> extent_;
 };
 

@@ -51,7 +51,8 @@ public:
     const Voxel& tile() const { return cells_.front().tile; }
     /// @param at  inside the window
     Voxel get(const openvdb::Coord& at) const {
-        const auto& cell = cells_[static_cast<std::size_t>((((at.x() >> 3) - low_.x()) * size_.y() + (at.y() >> 3) - low_.y()) * size_.z() + (at.z() >> 3) - low_.z())];
+        const auto& cell =
+            cells_[static_cast<std::size_t>((((at.x() >> 3) - low_.x()) * size_.y() + (at.y() >> 3) - low_.y()) * size_.z() + (at.z() >> 3) - low_.z())];
         if (!cell.leaf) return cell.tile;
         const auto offset = Leaf::coordToOffset(at);
         return {cell.leaf->getValue(offset), cell.leaf->isValueOn(offset)};
@@ -108,7 +109,8 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
         std::unique_ptr<Leaf> leaf;
         for (auto row = range.begin(); row < range.end(); ++row)
             for (int z = 0; z < size.z(); ++z) {
-                const openvdb::Coord block((low.x() + static_cast<int>(row) / size.y()) * 8, (low.y() + static_cast<int>(row) % size.y()) * 8, (low.z() + z) * 8);
+                const openvdb::Coord block((low.x() + static_cast<int>(row) / size.y()) * 8, (low.y() + static_cast<int>(row) % size.y()) * 8,
+                                           (low.z() + z) * 8);
                 if (!leaf) leaf = std::make_unique<Leaf>(block, grid->background(), false);
                 leaf->setOrigin(block);
                 if (!worker(block, *leaf)) continue;

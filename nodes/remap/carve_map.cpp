@@ -62,8 +62,8 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
         const auto& set = *sets[n];
         require_lattice(set, lattice);
         if (set.shape != shape)
-            throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1, sets.size(),
-                                      text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
+            throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1,
+                                      sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
         std::size_t used = set.seams.size();
         if (count && n + 1 == sets.size()) {
             if (*count > used) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", *count, used));

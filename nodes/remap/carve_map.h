@@ -23,7 +23,7 @@ public:
     /// @param count  how many of the seams, from the first
     CarveStep(const Seams& seams, std::size_t t, std::size_t count);
 
-    int axis() const { return axis_; }                  ///< 0 (u) or 1 (v)
+    int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
     int lateral_axis() const { return 1 - axis_; }
     bool inserts() const { return inserts_; }
     int count() const { return static_cast<int>(count_); }
@@ -41,16 +41,20 @@ public:
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
         return {bounds_.data() + (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * count_, count_};
     }
-    /// Half vertices. @param entry  0 to after() - 1, in a column that there is
+    /// How many bounds of a column are not above an entry.
+    static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
+        return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) - all.begin());
+    }
+    /// Half vertices. @param entry  0 to after() - 1
+    int displacement(int entry, std::size_t passed, std::span<const std::uint16_t> all) const {
+        const int twice = 2 * static_cast<int>(passed);
+        if (!inserts_) return twice;
+        return passed > 0 && all[passed - 1] == entry ? 1 - twice : -twice;
+    }
+    /// The same in a column that there is.
     int displacement(int entry, int lateral, int k) const {
         const auto all = bounds(lateral, k);
-        const int passed = static_cast<int>(std::upper_bound(all.begin(), all.end(), entry) - all.begin());
-        return displacement(entry, passed, all);
-    }
-    /// The same where it is known how many bounds are not above the entry.
-    int displacement(int entry, int passed, std::span<const std::uint16_t> all) const {
-        if (!inserts_) return 2 * passed;
-        return -2 * passed + (passed > 0 && all[static_cast<std::size_t>(passed - 1)] == entry ? 1 : 0);
+        return displacement(entry, passed(entry, all), all);
     }
 
 private:

@@ -24,7 +24,8 @@ Value sample_cubic(const Accessor& values, const openvdb::Vec3d& q) {
         for (int j = 0; j < 4; ++j)
             for (int k = 0; k < 4; ++k) {
                 const double weight = x[static_cast<std::size_t>(i)] * y[static_cast<std::size_t>(j)] * z[static_cast<std::size_t>(k)];
-                if (weight != 0) sum += values.getValue(low.offsetBy(i - 1, j - 1, k - 1)) * static_cast<typename openvdb::VecTraits<Value>::ElementType>(weight);
+                if (weight != 0)
+                    sum += values.getValue(low.offsetBy(i - 1, j - 1, k - 1)) * static_cast<typename openvdb::VecTraits<Value>::ElementType>(weight);
             }
     return sum;
 }

@@ -18,7 +18,8 @@ struct Place {
     std::optional<Alignment> alignment;
     Mapping mapping;
 
-    Place(const Lattice& lattice, const CarveMap& map, const openvdb::math::Transform& transform) : alignment(align(lattice, transform)), mapping(lattice, map.reach()) {
+    Place(const Lattice& lattice, const CarveMap& map, const openvdb::math::Transform& transform)
+        : alignment(align(lattice, transform)), mapping(lattice, map.reach()) {
         if (alignment && !alignment->one_to_one()) alignment.reset();
     }
 };
@@ -38,8 +39,8 @@ openvdb::GridBase::ConstPtr carve_grid(const openvdb::GridBase::ConstPtr& grid, 
     if (grid->isType<GridT>()) return carve<GridT>(grid, place, map, interpolation);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
 #undef FLUIDCARVE_TRY
-    throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those", grid->getName(),
-                              grid->type()));
+    throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those",
+                              grid->getName(), grid->type()));
 }
 
 Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {

@@ -16,7 +16,8 @@ using openvdb::CoordBBox;
 
 CoordBBox voxels(const Alignment& alignment, const BBoxd& range) {
     const auto at = [&](const openvdb::Vec3d& p, auto&& round) { return alignment.voxel(round(p.x()), round(p.y()), round(p.z())); };
-    const auto a = at(range.min(), [](double x) { return static_cast<int>(std::floor(x)); }), b = at(range.max(), [](double x) { return static_cast<int>(std::ceil(x)); });
+    const auto a = at(range.min(), [](double x) { return static_cast<int>(std::floor(x)); }),
+               b = at(range.max(), [](double x) { return static_cast<int>(std::ceil(x)); });
     return {Coord::minComponent(a, b), Coord::maxComponent(a, b)};
 }
 
@@ -60,10 +61,10 @@ private:
         const auto first = alignment_.vertex(voxel);
         const bool carved = step.has_column(first[step.lateral_axis()], first.z());
         const auto bounds = carved ? step.bounds(first[step.lateral_axis()], first.z()) : std::span<const std::uint16_t>();
-        int passed = static_cast<int>(std::upper_bound(bounds.begin(), bounds.end(), first[axis]) - bounds.begin());
+        auto passed = CarveStep::passed(first[axis], bounds);
 
         for (int entry = first[axis]; entry < first[axis] + 8; ++entry, voxel[index_axis_] += direction_) {
-            while (passed < static_cast<int>(bounds.size()) && bounds[static_cast<std::size_t>(passed)] <= entry) ++passed;
+            while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
             const auto at = [&](int source) {
                 auto moved = voxel;
                 moved[index_axis_] += direction_ * (source - entry);

@@ -34,8 +34,8 @@ struct Cell {
     };
     std::array<Column, 4> columns;
     std::size_t count = 0;
-    double fraction;     ///< between the entries
-    bool rigid = true;   ///< all displacements are the same
+    double fraction;    ///< between the entries
+    bool rigid = true;  ///< all displacements are the same
 
     Cell(const CarveStep& step, const Vec3d& at) {
         const double u = at[step.axis()], v = at[step.lateral_axis()], w = at.z();
@@ -45,8 +45,14 @@ struct Cell {
             const int dj = n & 1, dk = n >> 1;
             const double weight = (dj ? v - j : 1 - (v - j)) * (dk ? w - k : 1 - (w - k));
             if (weight == 0) continue;
-            const int low = step.displacement(i, j + dj, k + dk);
-            const int high = fraction > 0 ? step.displacement(i + 1, j + dj, k + dk) : low;
+            const auto bounds = step.bounds(j + dj, k + dk);
+            auto passed = CarveStep::passed(i, bounds);
+            const int low = step.displacement(i, passed, bounds);
+            int high = low;
+            if (fraction > 0) {
+                while (passed < bounds.size() && bounds[passed] <= i + 1) ++passed;
+                high = step.displacement(i + 1, passed, bounds);
+            }
             columns[count++] = {weight, low, high};
             rigid = rigid && low == columns[0].low && high == columns[0].low;
         }
@@ -216,8 +222,7 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     return rewrite_blocks<GridT>(grid, box, [&] { return Worker<GridT>(*grid, mapping, map, interpolation); });
 }
 
-#define FLUIDCARVE_INSTANTIATE(GridT) \
-    template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation);
+#define FLUIDCARVE_INSTANTIATE(GridT) template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation);
 FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_INSTANTIATE)
 #undef FLUIDCARVE_INSTANTIATE
 

@@ -22,8 +22,6 @@ inline std::uint16_t encode_energy(float energy) {
     return code <= highest_energy_code ? static_cast<std::uint16_t>(code) : invalid_energy_code;
 }
 
-inline float decode_energy(std::uint16_t code) {
-    return code < 1024 ? static_cast<float>(code) * 0x1p-41f : std::bit_cast<float>((code + (95u << 10)) << 13);
-}
+inline float decode_energy(std::uint16_t code) { return code < 1024 ? static_cast<float>(code) * 0x1p-41f : std::bit_cast<float>((code + (95u << 10)) << 13); }
 
 }  // namespace fluidcarve

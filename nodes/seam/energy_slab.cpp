@@ -18,9 +18,7 @@ namespace {
 using openvdb::Vec3d;
 
 /// The vertex of entry `i` in column `(lateral, k)`.
-std::array<int, 3> vertex(Axis axis, int entry, int lateral, int k) {
-    return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k};
-}
+std::array<int, 3> vertex(Axis axis, int entry, int lateral, int k) { return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k}; }
 
 struct ByIndex {
     ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment) : values(grid.getConstAccessor()), alignment(alignment) {}

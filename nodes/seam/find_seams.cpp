@@ -28,8 +28,8 @@ void all_to_original(std::vector<Seams::Seam>& seams) {
 FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick) {
     if (kind == Seams::Kind::insert) window.last = std::min(window.last, energy.width() - 2);
     if (count > window.size())
-        throw Failure(fmt::format("{} seams do not fit: from vertex {} to {} there is room for {} to {}", count, window.first, window.last, std::max(window.size(), 0),
-                                  to_text(kind)));
+        throw Failure(fmt::format("{} seams do not fit: from vertex {} to {} there is room for {} to {}", count, window.first, window.last,
+                                  std::max(window.size(), 0), to_text(kind)));
 
     FoundSeams out;
     for (int n = 0; n < count; ++n) {

@@ -48,7 +48,8 @@ std::string text_of(const openvdb::MetaMap& map, const std::string& name, const 
 
 void read_shape(const std::string& text, Seams& out, std::size_t& frames) {
     int shape[4] = {}, end = 0;
-    const bool four = std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &shape[0], &shape[1], &shape[2], &shape[3], &end) == 4 && text.size() == static_cast<std::size_t>(end);
+    const bool four =
+        std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &shape[0], &shape[1], &shape[2], &shape[3], &end) == 4 && text.size() == static_cast<std::size_t>(end);
     for (const int n : shape)
         if (!four || n < 1 || n > 65535) throw wrong(fmt::format("'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '{}'", text));
     for (std::size_t n = 0; n < 3; ++n) out.shape[n] = shape[n];
@@ -67,9 +68,13 @@ Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) 
     if (!energy) throw wrong(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
     // A removal finds the entries that its predecessors leave; the last entry can't be doubled.
     const int highest = seams.carved() - 1 - (seams.kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
+    // Asked before memory is claimed for a shape that the file may not have.
+    const auto columns = seams.columns_per_frame() * seams.frames.size();
+    if (grid.activeVoxelCount() != columns)
+        throw wrong(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid.getName(), grid.activeVoxelCount(), columns));
     Seams::Seam out;
     out.energy = energy->value();
-    out.at.resize(seams.columns_per_frame() * seams.frames.size());
+    out.at.resize(columns);
     auto values = grid.getConstAccessor();
     each_column(seams, [&](const Coord& at, std::size_t column) {
         float value = 0;
@@ -88,7 +93,9 @@ void require_distinct(const Seams& seams) {
         taken.assign(taken.size(), false);
         for (std::size_t n = 0; n < seams.seams.size(); ++n) {
             const auto entry = seams.seams[n].at[column];
-            if (taken[entry]) throw wrong(fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", seam_name(n), entry, at.x(), at.y(), at.z()));
+            if (taken[entry])
+                throw wrong(
+                    fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", seam_name(n), entry, at.x(), at.y(), at.z()));
             taken[entry] = true;
         }
     });
@@ -120,7 +127,8 @@ Seams seams_from_volume(const Volume& volume) {
     std::string fault;
     const auto set = FrameSet::parse(say("fluidcarve_frames"), fault);
     if (!set) throw wrong("'fluidcarve_frames' " + fault);
-    if (set->frames().size() != frames) throw wrong(fmt::format("'fluidcarve_frames' lists {} frames, but 'fluidcarve_shape' {}", set->frames().size(), frames));
+    if (set->frames().size() != frames)
+        throw wrong(fmt::format("'fluidcarve_frames' lists {} frames, but 'fluidcarve_shape' {}", set->frames().size(), frames));
     out.frames = set->frames();
     out.lattice = say("fluidcarve_lattice");
     out.lattice_hash = say("fluidcarve_lattice_hash");
@@ -129,7 +137,9 @@ Seams seams_from_volume(const Volume& volume) {
     if (count > 0 && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
     for (std::size_t n = 0; n < count; ++n) {
         const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(seam_name(n)));
-        if (!grid) throw wrong(fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", count, seam_name(0), seam_name(count - 1), volume.names()));
+        if (!grid)
+            throw wrong(
+                fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", count, seam_name(0), seam_name(count - 1), volume.names()));
         const auto kind = kind_of(*grid);
         if (n == 0) out.kind = kind;
         if (kind != out.kind) throw wrong(fmt::format("grid '{}' says {}, but '{}' says {}", seam_name(n), to_text(kind), seam_name(0), to_text(out.kind)));

@@ -18,7 +18,8 @@ Window window_of(const SeamNode::Params& params, int size) {
     if (!params.window) return {0, size - 1};
     const auto& [low, high] = *params.window;
     if (high > size - 1)
-        throw Failure(fmt::format("window [{:g}, {:g}] leaves the lattice, which has {} vertices along {}: 0 to {}", low, high, size, to_text(params.axis), size - 1));
+        throw Failure(
+            fmt::format("window [{:g}, {:g}] leaves the lattice, which has {} vertices along {}: 0 to {}", low, high, size, to_text(params.axis), size - 1));
     return {static_cast<int>(low), static_cast<int>(high)};
 }
 

@@ -24,13 +24,13 @@ struct Seams {
 
     Axis axis = Axis::u;
     Kind kind = Kind::remove;
-    std::array<int, 3> shape{};        ///< I, J, K before these seams
-    std::vector<int> frames;           ///< frame numbers; a frame's `t` is its place here
-    std::string lattice;               ///< description of the lattice
+    std::array<int, 3> shape{};  ///< I, J, K before these seams
+    std::vector<int> frames;     ///< frame numbers; a frame's `t` is its place here
+    std::string lattice;         ///< description of the lattice
     std::string lattice_hash;
     std::vector<Seam> seams;
 
-    int carved() const { return shape[static_cast<std::size_t>(axis)]; }    ///< vertices along the carved axis
+    int carved() const { return shape[static_cast<std::size_t>(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[axis == Axis::u ? 1 : 0]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     /// The shape that the first `count` of these seams leave.

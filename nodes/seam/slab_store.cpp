@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <sys/mman.h>
-#include <unistd.h>
 
 namespace fluidcarve {
 
@@ -19,8 +19,9 @@ namespace {
 // Space is claimed at once: a mapped file on a full disk would end the process later, without a word.
 int scratch_file(const std::string& folder, std::size_t bytes) {
     const auto fault = [&](int code) {
-        return Failure(fmt::format("{:.1f} GB of energy exceed the memory budget and find no place in the work folder '{}': {}; raise --memory or choose another --work",
-                                   static_cast<double>(bytes) * 1e-9, folder, std::strerror(code)));
+        return Failure(
+            fmt::format("{:.1f} GB of energy exceed the memory budget and find no place in the work folder '{}': {}; raise --memory or choose another --work",
+                        static_cast<double>(bytes) * 1e-9, folder, std::strerror(code)));
     };
     std::error_code ignored;
     std::filesystem::create_directories(folder, ignored);
@@ -37,20 +38,19 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
 
 }  // namespace
 
-SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder)
-    : count_(count), entries_(entries), bytes_(count * entries * sizeof(std::uint16_t)), on_disk_(bytes_ > memory_budget) {
-    if (bytes_ == 0) return;
-    const int file = on_disk_ ? scratch_file(folder, bytes_) : -1;
-    void* const at = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
+SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
+    const auto bytes = count * entries * sizeof(std::uint16_t);
+    on_disk_ = bytes > memory_budget;
+    if (bytes == 0) return;
+    const int file = on_disk_ ? scratch_file(folder, bytes) : -1;
+    void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);
-    if (at == MAP_FAILED) throw Failure(fmt::format("no room for {:.1f} GB of energy: {}", static_cast<double>(bytes_) * 1e-9, std::strerror(code)));
-    data_ = static_cast<std::uint16_t*>(at);
-    if (!on_disk_) madvise(data_, bytes_, MADV_HUGEPAGE);
+    if (at == MAP_FAILED) throw Failure(fmt::format("no room for {:.1f} GB of energy: {}", static_cast<double>(bytes) * 1e-9, std::strerror(code)));
+    if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
+    data_ = {static_cast<std::uint16_t*>(at), Unmap{bytes}};
 }
 
-SlabStore::~SlabStore() {
-    if (data_) munmap(data_, bytes_);
-}
+void SlabStore::Unmap::operator()(std::uint16_t* data) const { munmap(data, bytes); }
 
 }  // namespace fluidcarve

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -17,19 +18,20 @@ public:
     /// @param folder         where the file goes; made if it is not there
     /// @throws Failure if neither memory nor disk can hold the slabs
     SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder);
-    ~SlabStore();
-    SlabStore(const SlabStore&) = delete;
-    SlabStore& operator=(const SlabStore&) = delete;
 
     std::size_t count() const { return count_; }
     bool on_disk() const { return on_disk_; }
-    std::span<std::uint16_t> slab(std::size_t n) { return {data_ + n * entries_, entries_}; }
-    std::span<const std::uint16_t> slab(std::size_t n) const { return {data_ + n * entries_, entries_}; }
+    std::span<std::uint16_t> slab(std::size_t n) { return {data_.get() + n * entries_, entries_}; }
+    std::span<const std::uint16_t> slab(std::size_t n) const { return {data_.get() + n * entries_, entries_}; }
 
 private:
-    std::size_t count_, entries_, bytes_;
+    struct Unmap {
+        std::size_t bytes;
+        void operator()(std::uint16_t* data) const;
+    };
+    std::size_t count_, entries_;
     bool on_disk_;
-    std::uint16_t* data_ = nullptr;
+    std::unique_ptr<std::uint16_t, Unmap> data_;
 };
 
 }  // namespace fluidcarve

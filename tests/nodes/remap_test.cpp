@@ -1,6 +1,6 @@
+#include "nodes/remap/remap.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/grids.h"
-#include "nodes/remap/remap.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 
@@ -23,7 +23,8 @@ int below(std::mt19937& random, int n) { return static_cast<int>(random() % stat
 template <class T>
 T random_value(std::mt19937& random) {
     if constexpr (std::is_same_v<T, bool>) return random() % 2 == 0;
-    else if constexpr (openvdb::VecTraits<T>::IsVec) return T(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000), static_cast<int>(random() % 1000));
+    else if constexpr (openvdb::VecTraits<T>::IsVec)
+        return T(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000), static_cast<int>(random() % 1000));
     else return T(random() % 1000) / T(std::is_floating_point_v<T> ? 7 : 1);
 }
 
@@ -107,7 +108,8 @@ CarveMap map_of(const Lattice& lattice, const Seams& seams, std::optional<std::s
 }
 
 template <class Grid>
-typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, Interpolation interpolation = Interpolation::linear) {
+typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map,
+                               Interpolation interpolation = Interpolation::linear) {
     return openvdb::GridBase::grid<Grid>(carve_grid(grid, lattice, map, interpolation));
 }
 
@@ -169,8 +171,10 @@ TEST_CASE("without seams, and where seams change nothing, the grid itself comes 
     const OnVoxels place(random);
     const auto grid = random_grid<FloatGrid>(random);
     grid->setTransform(place.transform);
-    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) == grid);
-    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0), Interpolation::linear) == grid);
+    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) ==
+          grid);
+    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
+                     Interpolation::linear) == grid);
 
     const FloatGrid::ConstPtr flat = FloatGrid::create(0.5f);
     const auto map = map_of(place.lattice, straight_seams(place.lattice, Axis::v, Seams::Kind::insert, {2, 3}));
@@ -198,7 +202,8 @@ TEST_CASE("tiles that nothing changes stay tiles") {
 
 TEST_CASE("an output keeps all metadata of its grid, the half flag too") {
     const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
-    const auto grid = dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
+    const auto grid =
+        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
     grid->setSaveFloatAsHalf(true);
     grid->insertMeta("of the house", openvdb::StringMetadata("yes"));
     const auto got = carved<FloatGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
@@ -271,8 +276,10 @@ TEST_CASE("sampling where vertices are voxels gives what copying gives") {
         const auto grid = random_grid<FloatGrid>(random);
         grid->setTransform(place.transform);
         SeamList sets;
-        sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, place.lattice.shape, Axis::u, n % 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1})));
-        sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, sets[0]->shape_after(sets[0]->seams.size()), Axis::v, n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 2, {1})));
+        sets.push_back(std::make_shared<Seams>(
+            random_seams(random, place.lattice, place.lattice.shape, Axis::u, n % 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1})));
+        sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, sets[0]->shape_after(sets[0]->seams.size()), Axis::v,
+                                                            n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 2, {1})));
         const CarveMap map(place.lattice, sets, 1, {});
         const auto copied = carved<FloatGrid>(grid, place.lattice, map);
         const auto sampled = carve_sampled<FloatGrid>(grid, Mapping(place.lattice, map.reach()), map, Interpolation::cubic);
@@ -280,7 +287,8 @@ TEST_CASE("sampling where vertices are voxels gives what copying gives") {
         const Dense<float> a(*copied, box), b(*sampled, box);
         INFO("case " << n);
         bool equal = true;
-        for (std::size_t v = 0; v < a.voxels.size(); ++v) equal = equal && std::abs(a.voxels[v].value - b.voxels[v].value) <= 1e-4f && a.voxels[v].on == b.voxels[v].on;
+        for (std::size_t v = 0; v < a.voxels.size(); ++v)
+            equal = equal && std::abs(a.voxels[v].value - b.voxels[v].value) <= 1e-4f && a.voxels[v].on == b.voxels[v].on;
         CHECK(equal);
     }
 }
@@ -326,8 +334,9 @@ TEST_CASE("what can't be carved is refused by name") {
           "the seams were found in another lattice: theirs is a box of 8 x 8 x 8 vertices from (0, 0, 0) to (7, 7, 7), spacing 1, axes xyz (" + lattice.hash +
               "), this one a box of 8 x 8 x 8 vertices from (1, 0, 0) to (8, 7, 7), spacing 1, axes xyz (" + other.hash + ")");
     const auto set = std::make_shared<Seams>(seams);
-    CHECK(failure_of([&] { CarveMap(lattice, {set, set}, 1, {}); }) ==
-          "seam set 2 of 2 carves 8 x 8 x 8 vertices, but set 1 leaves 7 x 8 x 8; list the sets in the order in which they were found");
+    CHECK(failure_of([&] {
+              CarveMap(lattice, {set, set}, 1, {});
+          }) == "seam set 2 of 2 carves 8 x 8 x 8 vertices, but set 1 leaves 7 x 8 x 8; list the sets in the order in which they were found");
     CHECK(failure_of([&] { CarveMap(lattice, {set}, 2, {}); }) == "the seams do not hold frame 2; they hold 1");
     CHECK(failure_of([&] { CarveMap(lattice, {set}, 1, 2); }) == "count asks for 2 seams, but the seam set holds 1");
 }
@@ -336,7 +345,8 @@ TEST_CASE("remap.grids shares the grids that do not change, and takes a count of
     const auto lattice = std::make_shared<Lattice>(make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2}));
     const auto seams = std::make_shared<Seams>(straight_seams(*lattice, Axis::u, Seams::Kind::remove, {3, 2}));
     const auto volume = std::make_shared<Volume>();
-    const auto grid = dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x() + 1); });
+    const auto grid =
+        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x() + 1); });
     volume->grids = {grid, FloatGrid::create()};
     const NodeBench::Inputs inputs{{"source", {Payload(volume)}}, {"lattice", {Payload(lattice)}}, {"seams", {Payload(seams)}}};
 

@@ -5,6 +5,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 using namespace fluidcarve;

@@ -45,14 +45,17 @@ public:
     using Inputs = std::map<std::string, std::vector<Payload>>;
     void add(const Inputs& inputs, Context context = {}) { behaviour_.add(ports(inputs).get(), context); }
     void finish(Context context = {}) { behaviour_.finish(ports({}).get(), context); }
+    /// `finish` of a node whose outputs come once. @return as run
+    std::map<std::string, Payload> gathered(const Inputs& inputs, Context context = {}) {
+        const auto made = ports(inputs);
+        behaviour_.finish(made.get(), context);
+        return outputs(made.get());
+    }
     /// @return the outputs by name; null payloads left out
     std::map<std::string, Payload> run(const Inputs& inputs, Context context = {}) {
         const auto made = ports(inputs);
         behaviour_.run(made.get(), context);
-        std::map<std::string, Payload> out;
-        for (const auto& output : type_.outputs)
-            if (const auto payload = output.get(made.get())) out[output.name] = payload;
-        return out;
+        return outputs(made.get());
     }
 
     struct Surveyed : Survey {
@@ -77,13 +80,20 @@ private:
         std::string& faults;
         Check(const Value& value, const std::map<std::string, std::size_t>& connected, std::string& faults)
             : value(value), connected(connected), faults(faults) {}
-        bool stated(std::string_view field) const override { return value.find(field) != nullptr; }
+        bool stated(std::string_view field) const override { return value.find(field) || connected.contains(std::string(field)); }
         std::size_t connections(std::string_view input) const override {
             const auto found = connected.find(std::string(input));
             return found == connected.end() ? 0 : found->second;
         }
         void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
     };
+
+    std::map<std::string, Payload> outputs(const void* made) const {
+        std::map<std::string, Payload> out;
+        for (const auto& output : type_.outputs)
+            if (const auto payload = output.get(made)) out[output.name] = payload;
+        return out;
+    }
 
     std::shared_ptr<void> ports(const Inputs& inputs) const {
         auto out = behaviour_.make_ports();

@@ -66,7 +66,8 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
                 for (int i = 0; i < size; ++i) {
                     after.push_back(before[static_cast<std::size_t>(i)]);
                     for (std::size_t n = 0; n < count; ++n)
-                        if (seams.seams[n].at[column] == i) after.push_back(mean(before[static_cast<std::size_t>(i)], before.at(static_cast<std::size_t>(i + 1))));
+                        if (seams.seams[n].at[column] == i)
+                            after.push_back(mean(before[static_cast<std::size_t>(i)], before.at(static_cast<std::size_t>(i + 1))));
                 }
             }
             for (std::size_t i = 0; i < after.size(); ++i) dense.at(vertex(static_cast<int>(i))) = after[i];
@@ -74,7 +75,8 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
 }
 
 /// A set of arbitrary seams, not even feasible: carving does not ask for it.
-inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count, std::vector<int> frames) {
+inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
+                          std::vector<int> frames) {
     Seams out;
     out.axis = axis;
     out.kind = kind;
@@ -90,8 +92,8 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const st
         for (int i = 0; i + 1 < out.carved(); ++i) free.push_back(i);
         std::shuffle(free.begin(), free.end(), random);
         for (int n = 0; n < count; ++n)
-            out.seams[static_cast<std::size_t>(n)].at[c] =
-                static_cast<std::uint16_t>(kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
+            out.seams[static_cast<std::size_t>(n)].at[c] = static_cast<std::uint16_t>(
+                kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
     }
     return out;
 }
