@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/Interpolation.h>
@@ -9,6 +8,7 @@
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"
 #include "nodes/payloads.h"

@@ -129,7 +129,8 @@ void bench_pipeline() {
     const auto registry = builtin_registry();
     const Scratch scratch;
     Problems problems;
-    const auto document = read_document("pipelines/plume.yaml", {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"), "sheet=" + (scratch / "sheet.png")}, problems);
+    const auto document = read_document(
+        "pipelines/plume.yaml", {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"), "sheet=" + (scratch / "sheet.png")}, problems);
     const auto pipeline = build_pipeline(document, registry, problems);
     if (!problems.empty()) throw std::runtime_error(to_text(problems));
     RunRequest request;

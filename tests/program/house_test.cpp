@@ -15,7 +15,9 @@ TEST_CASE("nodes/ and runtime/ never include each other, but for main") {
 }
 
 TEST_CASE("the algorithms of nodes/ know nothing of the graph but failures and frames") {
-    CHECK(call_shell(R"(grep -rlE '#include "graph/(node_type|registry|pipeline|document|yaml_reader)' nodes --include=*.h | grep -vE 'nodes/(catalogue|precompiled)\.h' | while read f; do
+    CHECK(
+        call_shell(
+            R"(grep -rlE '#include "graph/(node_type|registry|pipeline|document|yaml_reader)' nodes --include=*.h | grep -vE 'nodes/(catalogue|precompiled)\.h' | while read f; do
         grep -q 'NodeType ' "$f" || grep -q 'Registry&' "$f" || grep -q 'Declare<' "$f" || echo "$f"; done)")
-              .out == "");
+            .out == "");
 }

@@ -28,7 +28,8 @@ std::vector<std::string> files_in(const Scratch& scratch) {
 
 /// Settings that send all that a shipped pipeline writes to a folder.
 std::string into(const Scratch& scratch) {
-    return " --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --set sheet=" + (scratch / "sheet.png") + " --progress none ";
+    return " --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --set sheet=" + (scratch / "sheet.png") +
+           " --progress none ";
 }
 
 }  // namespace
@@ -88,7 +89,9 @@ TEST_CASE("exit codes and channels are the contract's") {
     CHECK(fluidcarve_program("--help").code == 0);
     CHECK_THAT(fluidcarve_program("--help").out, Catch::Contains("run") && Catch::Contains("plan"));
 
-    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: vdb.write, source: sim, path: " + (scratch / "out.####.vdb") + "}\n");
+    const auto path =
+        scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-3\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb}\n  out: {type: vdb.write, source: sim, path: " +
+                                    (scratch / "out.####.vdb") + "}\n");
     fs::copy_file(TEST_DATA "/plume/plume.0051.vdb", scratch / "in.0002.vdb");
     CHECK(fluidcarve_program("check " + path).code == 0);
     const auto missing = fluidcarve_program("run " + path);
@@ -112,12 +115,14 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
     const Scratch scratch;
     std::string frames = "1-4000";
     const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: " + frames +
-                                                  "\nnodes:\n  sim: {type: vdb.read, path: " TEST_DATA "/plume/plume.0051.vdb}\n"
+                                                  "\nnodes:\n  sim: {type: vdb.read, path: " TEST_DATA
+                                                  "/plume/plume.0051.vdb}\n"
                                                   "  all: {type: vdb.read, path: \"" +
-                                                  (scratch / "in.####.vdb") + "\", missing: hold}\n" +
-                                                  "  out: {type: vdb.write, source: all, path: \"" + (scratch / "out.####.vdb") + "\"}\n");
+                                                  (scratch / "in.####.vdb") + "\", missing: hold}\n" + "  out: {type: vdb.write, source: all, path: \"" +
+                                                  (scratch / "out.####.vdb") + "\"}\n");
     fs::copy_file(TEST_DATA "/plume/plume.0051.vdb", scratch / "in.0001.vdb");
-    const auto ran = call_shell("(" FLUIDCARVE_PROGRAM " run " + path + " --to out --progress none & pid=$!; sleep 0.4; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
+    const auto ran = call_shell("(" FLUIDCARVE_PROGRAM " run " + path +
+                                " --to out --progress none & pid=$!; sleep 0.4; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
                                 "echo $(( ($(date +%s%N) - begin) / 1000000 )); exit $code)");
     CHECK(ran.code == 130);
     CHECK(std::stoi(ran.out) < 1500);

@@ -2,9 +2,9 @@
 
 #include "tests/support/scratch.h"
 
+#include <sys/wait.h>
 #include <cstdlib>
 #include <string>
-#include <sys/wait.h>
 
 /// One finished call of the program, or of any shell command.
 struct Called {
