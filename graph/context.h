@@ -32,6 +32,9 @@ public:
     /// The whole sequence, whatever part of it is delivered.
     const std::vector<int>& frames() const { return *frames_; }
 
+    /// Whether the body runs for one frame of many; false in `finish` and in nodes that run once.
+    bool per_frame() const { return per_frame_; }
+
     /// Whether anyone reads this output now; bodies may leave other outputs empty.
     bool wants(std::string_view output) const { return !wants_ || wants_(output); }
 
@@ -51,6 +54,7 @@ public:
 
     Context& at(std::size_t place) {
         place_ = place;
+        per_frame_ = true;
         return *this;
     }
     Context& wanting(std::function<bool(std::string_view)> wants) {
@@ -67,6 +71,7 @@ private:
     Host* host_;
     const std::vector<int>* frames_;
     std::size_t place_ = 0;
+    bool per_frame_ = false;
     std::function<bool(std::string_view)> wants_;
     std::uint64_t memory_budget_ = ~std::uint64_t{0};
     std::string work_folder_ = ".fluidcarve";

@@ -176,7 +176,7 @@ private:
             return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
 
         Value replaced = *value;
-        replace_environment(replaced);
+        if (value != &from_environment) replace_environment(replaced);
         if (fits(*type, replaced, name, range)) values_[name] = std::move(replaced);
     }
 

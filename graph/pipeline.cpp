@@ -26,6 +26,7 @@ struct Draft {
     Node node;
     const Value* value = nullptr;                    ///< its map
     std::vector<std::vector<Reference>> references;  ///< per input
+    bool unsure = false;                             ///< something that decides its rate is wrong, here or upstream
 };
 
 class NodeCheckOf : public NodeCheck {
@@ -268,11 +269,14 @@ private:
     }
 
     void infer_rates() {
-        for (auto& [node, value, references] : drafts_) {
+        for (auto& [node, value, references, unsure] : drafts_) {
             auto inputs = Rate::fixed;
+            unsure = !node.params;
+            for (std::size_t n = 0; n < references.size(); ++n) unsure = unsure || references[n].size() != node.inputs[n].size();
             for (const auto& links : node.inputs)
                 for (const auto& link : links) {
                     const auto rate = drafts_[link.node].node.rate;
+                    unsure = unsure || drafts_[link.node].unsure;
                     node.per_frame_input = node.per_frame_input || rate == Rate::frame;
                     inputs = std::max(inputs, rate);
                 }
@@ -291,29 +295,43 @@ private:
     void check_paths(const FrameSet& frames) {
         std::map<std::string, std::pair<Mark, std::string>> used;
         const auto each_path = [&](Shape::Kind kind, const auto& visit) {
-            for (const auto& [node, value, references] : drafts_)
+            for (const auto& [node, value, references, unsure] : drafts_)
                 for (const auto& spec : node.type->params)
-                    if (node.params && spec.shape.kind == kind)
+                    if (!unsure && spec.shape.kind == kind)
                         if (const auto& path = spec.path(node.params.get()); !path.text().empty()) {
                             const auto* const field = value->find(spec.name);
                             visit(node, spec, path, field ? field->value.mark : node.mark);
                         }
         };
-        const auto file = [&](const PathPattern& path) {
+        // Links are followed once per path, not once per frame: its frames lie in one folder, but where the folder has the token.
+        const auto files = [&](const PathPattern& path) {
+            namespace fs = std::filesystem;
+            const bool one_folder = !PathPattern(fs::path(path.text()).parent_path().string()).per_frame();
             std::error_code error;
-            return std::filesystem::weakly_canonical(std::filesystem::absolute(path.at(frames.frames().front()), error), error).string();
+            const auto canonical = [&](const fs::path& folder) { return fs::weakly_canonical(fs::absolute(folder, error), error); };
+            const auto folder = canonical(fs::path(path.at(frames.frames().front())).parent_path() / ".").parent_path();
+            std::vector<std::string> out;
+            for (const auto frame : frames.frames()) {
+                const fs::path file(path.at(frame));
+                out.push_back(((one_folder ? folder : fs::absolute(file, error).lexically_normal().parent_path()) / file.filename()).string());
+                if (!path.per_frame()) break;
+            }
+            return out;
         };
         each_path(Shape::Kind::input_path, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
-            used.emplace(file(path), std::pair(mark, fmt::format("'{}' reads it here", node.name)));
+            for (const auto& file : files(path)) used.emplace(file, std::pair(mark, fmt::format("'{}' reads it here", node.name)));
         });
         each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
             if (node.rate == Rate::frame && !path.per_frame())
                 add(problems_, mark, fmt::format("{} writes a file for every frame: '{}' needs a frame token such as ####", node.type->name, spec.name));
             if (node.rate != Rate::frame && path.per_frame())
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
-            const auto [first, fresh] = used.emplace(file(path), std::pair(mark, fmt::format("'{}' writes it here", node.name)));
-            if (!fresh)
+            for (const auto& file : files(path)) {
+                const auto [first, fresh] = used.emplace(file, std::pair(mark, fmt::format("'{}' writes it here", node.name)));
+                if (fresh) continue;
                 add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
+                break;
+            }
         });
     }
 

@@ -47,7 +47,16 @@ nlohmann::ordered_json json_of(const Mark& mark, const std::string& message) {
     return {{"file", mark.source ? mark.source->name : ""}, {"line", mark.line}, {"column", mark.column}, {"message", message}};
 }
 
-auto key(const Problem& problem) { return std::tuple(problem.at.source ? problem.at.source->name : "", problem.at.line, problem.at.column); }
+/// In the order of places, each once.
+Problems ordered(Problems problems) {
+    const auto key = [](const Problem& problem) {
+        return std::tuple(problem.at.source ? std::string_view(problem.at.source->name) : std::string_view(), problem.at.line, problem.at.column);
+    };
+    std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return key(a) < key(b); });
+    const auto same = [&](const Problem& a, const Problem& b) { return key(a) == key(b) && a.message == b.message && a.also == b.also; };
+    problems.erase(std::unique(problems.begin(), problems.end(), same), problems.end());
+    return problems;
+}
 
 }  // namespace
 
@@ -58,21 +67,18 @@ std::string to_text(const Problem& problem) {
     return out;
 }
 
-std::string to_text(Problems problems) {
-    std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) { return key(a) < key(b); });
+std::string to_text(const Problems& problems) {
+    constexpr std::size_t most = 100;
+    const auto all = ordered(problems);
     std::string out;
-    std::string last;
-    for (const auto& problem : problems) {
-        auto text = to_text(problem);
-        if (text != last) out += text;
-        last = std::move(text);
-    }
+    for (std::size_t n = 0; n < std::min(most, all.size()); ++n) out += to_text(all[n]);
+    if (all.size() > most) out += fmt::format("... and {} more problems\n", all.size() - most);
     return out;
 }
 
 std::string to_json(const Problems& problems) {
     auto out = nlohmann::ordered_json::array();
-    for (const auto& problem : problems) {
+    for (const auto& problem : ordered(problems)) {
         auto entry = json_of(problem.at, problem.message);
         if (!problem.also.empty()) entry["also"] = json_of(problem.also_at, problem.also);
         out.push_back(std::move(entry));
@@ -96,7 +102,7 @@ std::string nearest(std::string_view name, const std::vector<std::string>& candi
         }
         return row[b.size()];
     };
-    if (name.size() > 100) return {};
+    if (name.size() > 100 || candidates.size() > 1000) return {};
     std::string best;
     auto least = std::max<std::size_t>(1, name.size() / 3) + 1;
     for (const auto& candidate : candidates) {
@@ -112,7 +118,9 @@ std::string nearest(std::string_view name, const std::vector<std::string>& candi
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
     if (const auto best = nearest(name, candidates); !best.empty()) return fmt::format("; did you mean '{}'?", best);
     if (candidates.empty()) return {};
-    return fmt::format("; known: {}", fmt::join(candidates, ", "));
+    constexpr std::size_t most = 12;
+    if (candidates.size() <= most) return fmt::format("; known: {}", fmt::join(candidates, ", "));
+    return fmt::format("; known: {} and {} more", fmt::join(candidates.begin(), candidates.begin() + most, ", "), candidates.size() - most);
 }
 
 }  // namespace fluidcarve

@@ -35,10 +35,10 @@ using Problems = std::vector<Problem>;
 /// `file:line:column: message`, the line itself and a caret below it; the same again for the second place.
 std::string to_text(const Problem& problem);
 
-/// All problems in the order of their places, each once, as shown to the user.
-std::string to_text(Problems problems);
+/// All problems in the order of their places, each once, as shown to the user; of very many, the first hundred.
+std::string to_text(const Problems& problems);
 
-/// JSON array of `{file, line, column, message, also?: {file, line, column, message}}`.
+/// All problems, in that order: JSON array of `{file, line, column, message, also?: {file, line, column, message}}`.
 std::string to_json(const Problems& problems);
 
 /// The candidate nearest to `name` by edit distance, or empty if none is near enough to be a slip of the hand.

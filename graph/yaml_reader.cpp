@@ -151,6 +151,9 @@ Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems)
         std::istringstream in(source->text);
         YAML::Parser parser(in);
         parser.HandleNextDocument(builder);
+        Problems ignored;
+        Builder second(source, ignored);
+        if (parser.HandleNextDocument(second)) problems.push_back({whole, "a second YAML document follows; a pipeline file holds one", {}, {}});
     } catch (const Stop&) {
         return {};
     } catch (const YAML::Exception& error) {

@@ -6,6 +6,8 @@
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
 #include "nodes/lattice/box.h"
+#include "nodes/mask/threshold.h"
+#include "nodes/mask/weight.h"
 #include "nodes/payloads.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/remap/grids.h"
@@ -25,6 +27,8 @@ Registry builtin_registry() {
     out.add(energy_vorticity());
     out.add(energy_gradient());
     out.add(energy_combine());
+    out.add(mask_threshold());
+    out.add(mask_weight());
     out.add(lattice_box());
     out.add(seam_greedy());
     out.add(seams_write());

@@ -39,13 +39,16 @@ std::string Volume::names() const {
 void add_payloads(Registry& registry) {
     registry.add(payload_type<FloatGrid>("float", "A grid of numbers.", [](const FloatGrid& grid) { return grid.memUsage(); }));
     registry.add(payload_type<VectorGrid>("vector", "A grid of vectors of three.", [](const VectorGrid& grid) { return grid.memUsage(); }));
+    registry.add(payload_type<MaskGrid>("mask", "A set of voxels: those that are active.", [](const MaskGrid& grid) { return grid.memUsage(); }));
     registry.add(payload_type<AnyGrid>("grid", "Any one grid, points included.", [](const AnyGrid& any) { return any.grid->memUsage(); }));
     registry.add(payload_type<Volume>("volume", "All grids of one frame, in the order of their file.", &bytes_of));
 
     registry.add(conversion<FloatGrid, AnyGrid>([](const Ref<FloatGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
     registry.add(conversion<VectorGrid, AnyGrid>([](const Ref<VectorGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
+    registry.add(conversion<MaskGrid, AnyGrid>([](const Ref<MaskGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
     registry.add(conversion<FloatGrid, Volume>([](const Ref<FloatGrid>& grid) { return volume_of(grid); }));
     registry.add(conversion<VectorGrid, Volume>([](const Ref<VectorGrid>& grid) { return volume_of(grid); }));
+    registry.add(conversion<MaskGrid, Volume>([](const Ref<MaskGrid>& grid) { return volume_of(grid); }));
     registry.add(conversion<AnyGrid, Volume>([](const Ref<AnyGrid>& any) { return volume_of(any->grid); }));
 }
 

@@ -13,6 +13,7 @@ class Registry;
 
 using FloatGrid = openvdb::FloatGrid;
 using VectorGrid = openvdb::Vec3SGrid;
+using MaskGrid = openvdb::MaskGrid;
 
 /// Any one grid; float and vector grids convert to it.
 struct AnyGrid {

@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cstdlib>
 #include <thread>
 
 namespace fluidcarve {
@@ -70,9 +71,10 @@ struct RunArguments {
     std::string memory;
     std::string progress = "auto";
     RunRequest request;
+    const CLI::Option* frames_option = nullptr;  ///< an empty -f, as from an unset variable of a farm's script, is wrong, not "all"
 
     void declare(CLI::App& verb) {
-        verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
+        frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
         verb.add_option("--to", to, "Run this node and what it needs, nothing else")->type_name("NODE");
         verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str();
         verb.add_option("--in-flight", in_flight, "Frames alive at once (default: threads + 1)")->check(CLI::Range(1, 100000));
@@ -100,7 +102,7 @@ struct RunArguments {
             if (!size) return wrong(fmt::format("--memory wants a size such as 8G, not '{}'", memory));
             request.options.memory = *size;
         }
-        if (!frames.empty()) {
+        if (frames_option->count() > 0) {
             std::string fault;
             request.deliver = FrameSet::parse(frames, fault);
             if (!request.deliver) return wrong("-f: " + fault);
@@ -111,7 +113,8 @@ struct RunArguments {
         }
         if (!to.empty() && !pipeline.find(to)) return wrong(fmt::format("--to: there is no node '{}'{}", to, did_you_mean(to, pipeline.node_names())));
         request.to = to;
-        const bool terminal = isatty(STDERR_FILENO) != 0;
+        const char* const no_color = std::getenv("NO_COLOR");
+        const bool terminal = isatty(STDERR_FILENO) != 0 && (!no_color || *no_color == '\0');
         request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
                            : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
                                                                                    : ProgressStyle::json;

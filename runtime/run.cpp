@@ -35,7 +35,9 @@ struct Inputs {
     std::vector<Fault> missing;
 };
 
-Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed) {
+/// @param needed       as flags: the nodes that run
+/// @param in_sequence  as flags: those that run for every frame of the sequence, not only for the delivered ones
+Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver) {
     Inputs out;
     std::set<int> left_out;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -45,7 +47,9 @@ Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed) {
         SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames());
         node.type->survey(node.params.get(), of);
         for (const auto& [frame, message] : of.lost)
-            out.missing.push_back({node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+            if (node.rate == Rate::fixed || in_sequence[n] || !deliver || deliver->contains(frame))
+                out.missing.push_back(
+                    {node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
         left_out.insert(of.left_out.begin(), of.left_out.end());
     }
     for (const auto frame : pipeline.frames.frames())
@@ -69,6 +73,8 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
     if (faults.size() > most) tell(fmt::format("... and {} more; --report FILE.json lists them all", faults.size() - most));
     if (request.quiet) return;
     for (const auto& warning : report.warnings()) tell("warning: " + warning);
+    if (faults.empty() && summary["exit"] == exit_code::done)
+        tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
     if (request.verbose)
         for (const auto& [name, node] : summary["nodes"].items())
             tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(),
@@ -110,7 +116,11 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     std::vector<std::size_t> targets;
     for (std::size_t n = 0; n < plan.targets.size(); ++n)
         if (plan.targets[n]) targets.push_back(n);
-    auto inputs = survey(pipeline, pipeline.upstream_of(targets));
+    std::vector<bool> in_sequence(pipeline.nodes.size(), false);
+    for (const auto& pass : plan.passes)
+        for (const auto& needs : pass.gatherer_needs)
+            for (std::size_t n = 0; n < needs.size(); ++n) in_sequence[n] = in_sequence[n] || needs[n];
+    auto inputs = survey(pipeline, pipeline.upstream_of(targets), in_sequence, request.deliver);
     // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (auto& fault : inputs.missing) report.failed(std::move(fault));
@@ -130,7 +140,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (report.faults().empty()) {
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
         tbb::task_arena arena(request.options.threads);
-        Progress progress(request.progress, plan.passes.size());
+        Progress progress(request.progress, std::max<std::size_t>(1, plan.passes.size()));
         arena.execute([&] {
             Flow flow(pipeline, registry, inputs.frames, request.options, report, progress, cancelled);
             stopped = execute(flow, plan, delivered, progress);

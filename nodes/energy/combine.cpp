@@ -1,5 +1,6 @@
 #include "nodes/energy/combine.h"
 
+#include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
 
 #include <fmt/format.h>
@@ -30,21 +31,6 @@ struct Remap {
     explicit Remap(const EnergyTerm& term) : grid(term.energy.get()), weight(term.weight), low(term.range.low), width(term.range.high - term.range.low) {}
     float operator()(float value) const { return width > 0 ? static_cast<float>(weight * std::clamp((value - low) / width, 0.0, 1.0)) : 0; }
 };
-
-void require_one_transform(const std::vector<EnergyTerm>& terms) {
-    const auto& first = terms[0].energy;
-    for (std::size_t n = 1; n < terms.size(); ++n) {
-        const auto& other = terms[n].energy;
-        if (first->transform() == other->transform()) continue;
-        const auto at = [](const FloatGrid& grid) {
-            const auto size = grid.voxelSize();
-            const auto origin = grid.indexToWorld(openvdb::Vec3d(0));
-            return fmt::format("'{}' (voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}])", grid.getName(), size.x(), size.y(), size.z(),
-                               origin.x(), origin.y(), origin.z());
-        };
-        throw Failure(fmt::format("terms 1 and {} have different transforms: {} and {}; resample one onto the other", n + 1, at(*first), at(*other)));
-    }
-}
 
 struct Combine {
     struct Params {
@@ -138,7 +124,7 @@ Interval active_range(const FloatGrid& grid) {
 }
 
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
-    require_one_transform(terms);
+    for (std::size_t n = 1; n < terms.size(); ++n) require_same_transform(fmt::format("terms 1 and {}", n + 1), *terms[0].energy, *terms[n].energy);
     const auto tree = std::make_shared<openvdb::FloatTree>(terms[0].energy->tree(), 0.0f, openvdb::TopologyCopy());
     for (std::size_t n = 1; n < terms.size(); ++n) tree->topologyUnion(terms[n].energy->tree());
     const std::vector<Remap> remaps(terms.begin(), terms.end());

@@ -1,7 +1,5 @@
 #include "nodes/lattice/alignment.h"
 
-#include "nodes/lattice/mapping.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,11 @@ namespace fluidcarve {
 
 using openvdb::Coord;
 using openvdb::Vec3d;
+
+namespace {
+/// Voxels that a vertex may be off its voxel: corners of a box come rounded, and are taken for whole within 1e-3 of a spacing.
+constexpr double whole = 2e-3;
+}  // namespace
 
 bool Alignment::one_to_one() const {
     Coord sum(0);
@@ -42,7 +45,7 @@ std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Tran
     for (int n = 0; n < 8; ++n) {
         const int i = n & 1 ? far[0] : 0, j = n & 2 ? far[1] : 0, k = n & 4 ? far[2] : 0;
         const auto off = index(i, j, k) - out.voxel(i, j, k).asVec3d();
-        if (std::max({std::abs(off.x()), std::abs(off.y()), std::abs(off.z())}) > Mapping::snap) return std::nullopt;
+        if (std::max({std::abs(off.x()), std::abs(off.y()), std::abs(off.z())}) > whole) return std::nullopt;
     }
     return out;
 }

@@ -3,6 +3,7 @@
 #include "nodes/lattice/lattice.h"
 #include "nodes/payloads.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fluidcarve {
@@ -20,6 +21,8 @@ struct ChoiceNames<AxisOrder> {
 namespace {
 
 using openvdb::Vec3d;
+
+constexpr int most_steps = 65533;  // entries of seams have 16 bits, the entry behind the last included
 
 std::array<int, 3> world_axes(AxisOrder order) {
     const auto name = ParamTraits<AxisOrder>::text(order);
@@ -57,9 +60,9 @@ struct Box {
         for (std::size_t n = 0; n < 3; ++n) {
             const double extent = max[n] - min[n], steps = extent / spacing;
             if (extent < 0) check.fault("max", fmt::format("'max' is below 'min' in {}: {:.10g} < {:.10g}", "xyz"[n], max[n], min[n]));
-            else if (steps > 65533)
-                check.fault("max",
-                            fmt::format("the extent {:.10g} in {} is {:.0f} times the spacing {:.10g}; 65533 is the most", extent, "xyz"[n], steps, spacing));
+            else if (steps > most_steps)
+                check.fault("max", fmt::format("the extent {:.10g} in {} is {:.0f} times the spacing {:.10g}; {} is the most", extent, "xyz"[n], steps, spacing,
+                                               most_steps));
             else if (std::abs(steps - std::round(steps)) > 1e-3)
                 check.fault("max", fmt::format("the extent {:.10g} in {} is no whole multiple of the spacing {:.10g}; the nearest 'max' that fits is {:.10g}",
                                                extent, "xyz"[n], spacing, min[n] + std::round(steps) * spacing));
@@ -107,13 +110,22 @@ struct Box {
         };
         if (params.min) {
             std::array<int, 3> counts;
-            for (std::size_t n = 0; n < 3; ++n) counts[n] = static_cast<int>(std::lround(((*params.max)[n] - (*params.min)[n]) / *params.spacing)) + 1;
-            io.lattice =
-                std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), *params.spacing, axes));
+            // The corners say where the vertices are; a spacing typed with few digits would let them drift apart from the voxels.
+            double spacing = *params.spacing, longest = 0;
+            for (std::size_t n = 0; n < 3; ++n) {
+                const double extent = (*params.max)[n] - (*params.min)[n], steps = std::round(extent / *params.spacing);
+                counts[n] = static_cast<int>(steps) + 1;
+                if (steps > longest) spacing = extent / (longest = steps);
+            }
+            io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), spacing, axes));
             return;
         }
         if (!transform_) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
         const auto counts = box_.dim();
+        if (const int most = std::max({counts.x(), counts.y(), counts.z()}); most > most_steps + 1)
+            throw Failure(
+                fmt::format("the active voxels of grid '{}' span {} x {} x {} voxels; {} along an axis is the most: state 'min', 'max' and 'spacing' of a part",
+                            name_, counts.x(), counts.y(), counts.z(), most_steps + 1));
         io.lattice = std::make_shared<Lattice>(
             make_box(transform_->indexToWorld(box_.min()), shaped({counts.x(), counts.y(), counts.z()}), transform_->voxelSize().x(), axes));
     }

@@ -117,7 +117,7 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
                 const auto* const old = existing.probeConstLeaf(block);
                 if (old && same(*old, *leaf)) continue;
                 if (!constant(*leaf)) {
-                    rows[row].push_back({block, std::move(leaf), {}, false});
+                    rows[row].push_back({block, std::unique_ptr<Leaf>(leaf.release()), {}, false});
                     continue;
                 }
                 Change change{block, nullptr, leaf->getValue(0), leaf->isValueOn(0)};

@@ -2,6 +2,7 @@
 
 #include "nodes/remap/remap.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace fluidcarve {
@@ -33,7 +34,17 @@ struct RemapGrids {
         return static_cast<std::size_t>(std::abs(count));
     }
 
+    /// A source that is the same in all frames is carved once; seams that move would each want another result.
+    static void require_still(const Seams& seams) {
+        const auto columns = static_cast<std::ptrdiff_t>(seams.columns_per_frame());
+        for (const auto& seam : seams.seams)
+            if (!std::equal(seam.at.begin() + columns, seam.at.end(), seam.at.begin()))
+                throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
+    }
+
     static void run(const Params& params, Ports& io, Context& context) {
+        if (!context.per_frame())
+            for (const auto& seams : io.seams) require_still(*seams);
         const CarveMap map(*io.lattice, io.seams, context.frame(), count_of(params, *io.seams.back()));
         if (map.empty()) io.volume = io.source;
         else io.volume = std::make_shared<Volume>(carve_volume(*io.source, *io.lattice, map, params.interpolation));

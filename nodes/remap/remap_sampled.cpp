@@ -174,7 +174,8 @@ private:
             const auto from = [&](double entry, int displacement, double share) {
                 const auto at = [&](int half, double part) {
                     auto source = l;
-                    source[axis] = entry + half / 2;
+                    const int whole = half / 2;
+                    source[axis] = entry + whole;
                     gather(count - 1, source, part, nothing, out, read);
                 };
                 if (displacement % 2 == 0) return at(displacement, share);
@@ -185,7 +186,8 @@ private:
             const Cell cell(step, l);
             if (cell.rigid) {
                 if (cell.columns[0].low % 2 != 0) return from(u, cell.columns[0].low, weight);
-                l[axis] = u + cell.columns[0].low / 2;
+                const int whole = cell.columns[0].low / 2;
+                l[axis] = u + whole;
                 continue;
             }
             for (std::size_t n = 0; n < cell.count; ++n) {

@@ -50,8 +50,8 @@ void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Make
     // Searched serially, so that the place named is always the first.
     const auto bad = std::find(slab.begin(), slab.end(), invalid_energy_code);
     if (bad == slab.end()) return;
-    const auto place = static_cast<int>(bad - slab.begin());
-    const auto at = vertex(axis, place % entries, place / entries % laterals, place / entries / laterals);
+    const auto place = bad - slab.begin();
+    const auto at = vertex(axis, static_cast<int>(place % entries), static_cast<int>(place / entries % laterals), static_cast<int>(place / entries / laterals));
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
     throw Failure(fmt::format("the energy is {} at ({:g}, {:g}, {:g}), vertex ({}, {}, {}); seams need energies from 0 to {:.3g}", make_reader()(at), world.x(),
                               world.y(), world.z(), at[0], at[1], at[2], decode_energy(highest_energy_code)));

@@ -31,11 +31,11 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
 }
 
 void SeamNode::add(const Params& params, const Ports& io, Context& context) {
-    ++added_;
+    const bool first = added_++ == 0;
     const auto& lattice = *io.lattice;
     const int size = lattice.shape[static_cast<std::size_t>(params.axis)];
     // A window that does not fit is better told before the frames are read than after.
-    window_of(params, size);
+    if (first) window_of(params, size);
     if (params.count.of(size) == 0) return;
     if (!energy_) energy_.emplace(lattice.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder());
     if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {

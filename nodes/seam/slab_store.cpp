@@ -8,6 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -39,7 +40,9 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
 }  // namespace
 
 SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
-    const auto bytes = count * entries * sizeof(std::uint16_t);
+    std::size_t bytes = 0;
+    if (__builtin_mul_overflow(count, entries, &bytes) || __builtin_mul_overflow(bytes, sizeof(std::uint16_t), &bytes) || bytes > PTRDIFF_MAX)
+        throw Failure(fmt::format("{} frames of {} energies each are more than any memory holds; use a coarser or smaller lattice", count, entries));
     on_disk_ = bytes > memory_budget;
     if (bytes == 0) return;
     const int file = on_disk_ ? scratch_file(folder, bytes) : -1;

@@ -49,9 +49,14 @@ nodes:
 TEST_CASE("what a param holds is not replaced again") {
     setenv("FLUIDCARVE_TEST_SHOT", "${other}", 1);
     const auto out = read(Scratch(), "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
+    const auto over_param = read(Scratch(),
+                                 "fluidcarve: 1\nenv: [FLUIDCARVE_TEST_SHOT]\nparams:\n  FLUIDCARVE_TEST_SHOT: {type: string, default: a}\nnodes:\n  a: {type: "
+                                 "x, f: \"${FLUIDCARVE_TEST_SHOT}\"}\n");
     unsetenv("FLUIDCARVE_TEST_SHOT");
     CHECK(out.text == "");
     CHECK(out.field("a", "f") == "${other}");
+    CHECK(over_param.text == "");
+    CHECK(over_param.field("a", "f") == "${other}");
 }
 
 TEST_CASE("later layers win: default, extended file, file, environment, command line") {

@@ -156,6 +156,25 @@ TEST_CASE("writers need a frame token exactly where they run per frame, and neve
           "p.yaml:3:30: 'n' reads it here\n  n: {type: toy.count, path: /a/b.##}\n                             ^\n");
 }
 
+TEST_CASE("a later frame of a pattern is not written over either") {
+    CHECK_THAT(problems("fluidcarve: 1\nframes: 1-9\nnodes:\n  n: {type: toy.count, path: /a/b.07}\n  c: {type: toy.count, path: /a/c.##}\n  p: {type: "
+                        "toy.print, number: c, path: /a/b.##}\n"),
+               Catch::Contains("'p' would overwrite a file of the same pipeline") && Catch::Contains("'n' reads it here"));
+}
+
+TEST_CASE("a faulty reader does not make its writer look faulty too") {
+    CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##, late: maybe}\n  p: {type: toy.print, number: n, path: out.##}\n") ==
+          "p.yaml:3:43: toy.count parameter 'late' wants true or false, not 'maybe'\n  n: {type: toy.count, path: a.##, late: maybe}\n"
+          "                                          ^\n");
+}
+
+TEST_CASE("very many problems are cut short, and so is a long list of names") {
+    std::string yaml = "fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n";
+    for (int n = 0; n < 150; ++n) yaml += fmt::format("  node{0}: {{type: toy.add, numbers: zzzzzzzzzzzz}}\n", n);
+    const auto text = problems(yaml);
+    CHECK_THAT(text, Catch::Contains("and 139 more\n") && Catch::EndsWith("... and 50 more problems\n"));
+}
+
 TEST_CASE("the frame set is checked where it stands") {
     CHECK_THAT(problems("fluidcarve: 1\nframes: 10-x\nnodes:\n  n: {type: toy.count, path: a.##}\n"), Catch::StartsWith("p.yaml:2:9: frames: "));
 }

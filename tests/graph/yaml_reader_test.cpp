@@ -67,3 +67,7 @@ TEST_CASE("deep nesting, a large file and broken YAML are refused") {
     CHECK(read("a: [1, 2\nb: 3\n").text == "f.yaml:2:2: not YAML: end of sequence flow not found\nb: 3\n ^\n");
     CHECK(read("? [a]\n: 1\n").text == "f.yaml:1:3: a name is wanted here, not a list of one\n? [a]\n  ^\n");
 }
+
+TEST_CASE("a second document is not passed over") {
+    CHECK(read("a: 1\n---\nb: 2\n").text == "f.yaml: a second YAML document follows; a pipeline file holds one\n");
+}

@@ -129,3 +129,8 @@ TEST_CASE("slabs over the memory budget go to a file that leaves no trace") {
               SlabStore(1, 5'000'000, 1, "/proc/nowhere");
           }).starts_with("0.0 GB of energy exceed the memory budget and find no place in the work folder"));
 }
+
+TEST_CASE("more energy than any memory holds is refused, not wrapped around") {
+    CHECK_THROWS_WITH(SlabStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
+                      "262144 frames of 35184372088832 energies each are more than any memory holds; use a coarser or smaller lattice");
+}

@@ -149,3 +149,26 @@ TEST_CASE("lattice.box says what is wrong with its extent before a run") {
     CHECK(NodeBench(lattice_box(), "{spacing: 1}", {{"fit", 1}}).faults() ==
           "spacing: 'spacing' and 'fit' exclude each other: a fitted box takes its place and spacing from the grid\n");
 }
+
+TEST_CASE("a spacing that was typed with few digits does not move the vertices off the voxels") {
+    const double voxel = 1.0 / 3;
+    const auto box = [&](const std::string& max) {
+        return *NodeBench(lattice_box(), "{min: [0, 0, 0], max: [" + max + ", 5, 2], spacing: 0.333333}").gathered({}).at("lattice").as<Lattice>();
+    };
+    const auto exact = box("9");
+    CHECK(exact.shape == std::array{28, 16, 7});
+    CHECK((exact.position(Vec3d(27, 0, 0)) - Vec3d(9, 0, 0)).length() < 1e-12);
+    CHECK(align(exact, *voxels_of(voxel)).has_value());
+    CHECK(align(box("9.33333"), *voxels_of(voxel)).has_value());
+    CHECK(!align(box("9"), *voxels_of(voxel, Vec3d(0.01, 0, 0))).has_value());
+}
+
+TEST_CASE("a fitted box is refused where its entries would not fit 16 bits") {
+    const auto far = FloatGrid::create();
+    far->setName("density");
+    far->tree().setValue({0, 0, 0}, 1);
+    far->tree().setValue({100000, 0, 0}, 1);
+    CHECK_THROWS_WITH(
+        fitted({Payload(std::make_shared<AnyGrid>(AnyGrid{far}))}),
+        "the active voxels of grid 'density' span 100001 x 1 x 1 voxels; 65534 along an axis is the most: state 'min', 'max' and 'spacing' of a part");
+}

@@ -209,6 +209,20 @@ nodes:
     CHECK(ran.count("print ") == 8);
 }
 
+TEST_CASE("a file that is missing outside of what -f delivers is no matter, unless a gathering node needs it") {
+    const std::string yaml = R"(
+frames: 1-9
+nodes:
+  count: {type: toy.count, path: in.##, fail_at: 4, missing: true}
+  print: {type: toy.print, number: count, path: out.##}
+)";
+    auto ran = run(yaml, deliver("5-6"));
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.count("print ") == 2);
+    ran = run(yaml + "  total: {type: toy.total, number: count}\n", deliver("5-6"));
+    CHECK(ran.code == exit_code::input);
+}
+
 TEST_CASE("a frame that a reader leaves out is left out everywhere") {
     const auto ran = run(R"(
 frames: 1-5
