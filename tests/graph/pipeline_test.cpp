@@ -164,8 +164,8 @@ TEST_CASE("a later frame of a pattern is not written over either") {
 
 TEST_CASE("a faulty reader does not make its writer look faulty too") {
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##, late: maybe}\n  p: {type: toy.print, number: n, path: out.##}\n") ==
-          "p.yaml:3:43: toy.count parameter 'late' wants true or false, not 'maybe'\n  n: {type: toy.count, path: a.##, late: maybe}\n"
-          "                                          ^\n");
+          "p.yaml:3:42: toy.count parameter 'late' wants true or false, not 'maybe'\n  n: {type: toy.count, path: a.##, late: maybe}\n"
+          "                                         ^\n");
 }
 
 TEST_CASE("very many problems are cut short, and so is a long list of names") {

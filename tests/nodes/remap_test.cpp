@@ -269,6 +269,19 @@ TEST_CASE("a step that is removed in a turned lattice does not shine through") {
     CHECK(shining == 0);
 }
 
+TEST_CASE("a freed end is cleared inside a tile, between the voxels too") {
+    const auto grid = FloatGrid::create();
+    grid->tree().addTile(2, Coord(0), 2.0f, true);
+    const auto lattice = make_box(Vec3d(0.5, 0.5, 0.5), {120, 120, 120}, 1.0, {0, 1, 2});
+    const auto got = carved<FloatGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(10, 40))));
+    CHECK(got->tree().getValue(Coord(109, 60, 60)) == 2.0f);
+    CHECK(got->tree().getValue(Coord(110, 60, 60)) == 0.0f);
+    CHECK(got->tree().getValue(Coord(119, 60, 60)) == 0.0f);
+    CHECK(got->tree().getValue(Coord(120, 60, 60)) == 2.0f);
+    CHECK(got->activeVoxelCount() == 128u * 128 * 128 - 10u * 119 * 119);
+    CHECK(got->tree().leafCount() < 1000);
+}
+
 TEST_CASE("sampling where vertices are voxels gives what copying gives") {
     std::mt19937 random(5);
     for (int n = 0; n < 10; ++n) {
