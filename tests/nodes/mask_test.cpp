@@ -87,7 +87,8 @@ TEST_CASE("mask nodes refuse parameters that make no sense") {
     CHECK(NodeBench(mask_threshold(), "{}").faults() == "type: needs 'above', 'below' or both\n");
     CHECK(NodeBench(mask_threshold(), "{above: 2, below: 1}").faults() == "above: parameter 'above' is 2, over 'below', 1: no value fits\n");
     CHECK(NodeBench(mask_threshold(), "{above: auto, below: 1}").faults() == "");
-    CHECK(NodeBench(mask_weight(), "{weights: [1, 2]}", {{"masks", 1}}).faults() == "weights: parameter 'weights' has 2 numbers for 1 masks; state one for each\n");
+    CHECK(NodeBench(mask_weight(), "{weights: [1, 2]}", {{"masks", 1}}).faults() ==
+          "weights: parameter 'weights' has 2 numbers for 1 masks; state one for each\n");
 }
 
 TEST_CASE("the weight node hands each mask its weight, in order") {
