@@ -25,7 +25,8 @@ struct Alignment {
     openvdb::Coord vertex(const openvdb::Coord& voxel) const;
 };
 
-/// The alignment of a lattice and a grid's transform, if every vertex lies within 1e-5 voxels of a voxel centre.
+/// The alignment of a lattice and a grid's transform, if every vertex lies within 2e-3 voxels of a voxel
+/// centre: the corners of a stated box come rounded.
 std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Transform& transform);
 
 }  // namespace fluidcarve
