@@ -18,8 +18,8 @@ Registry payloads() {
 
 TEST_CASE("a volume input takes any one grid, a grid input any typed one; nothing converts back") {
     const auto registry = payloads();
-    CHECK(registry.accepted_names(typeid(Volume)) == "volume, float, vector or grid");
-    CHECK(registry.accepted_names(typeid(AnyGrid)) == "grid, float or vector");
+    CHECK(registry.accepted_names(typeid(Volume)) == "volume, float, vector, mask or grid");
+    CHECK(registry.accepted_names(typeid(AnyGrid)) == "grid, float, vector or mask");
     CHECK(registry.accepted_names(typeid(FloatGrid)) == "float");
     CHECK(registry.accepted_names(typeid(VectorGrid)) == "vector");
 }
