@@ -1,10 +1,9 @@
 #pragma once
 
 #include <openvdb/openvdb.h>
-#include <tbb/parallel_for.h>
 
 #include <cstring>
-#include <memory>
+#include <functional>
 #include <vector>
 
 namespace fluidcarve {
@@ -68,73 +67,19 @@ private:
     std::vector<Cell> cells_;
 };
 
+template <class GridT>
+using LeafOf = typename GridT::TreeType::LeafNodeType;
+
+/// Fills all voxels of a block from the untouched grid, or returns false where the block stays as it is.
+template <class GridT>
+using BlockWorker = std::function<bool(const openvdb::Coord& block, LeafOf<GridT>& out)>;
+
 /// Rewrites the 8^3 blocks of a grid that meet an index box, in parallel. Blocks that come out constant become tiles;
-/// tiles that do not change stay whole.
-/// @param make_worker  makes, once per thread or oftener, a `bool worker(const Coord& block, Leaf& out)`: fills all
-///                     voxels of `out` from the untouched grid, or returns false where the block stays as it is
+/// tiles that do not change stay whole. For the types of grid_types.h.
+/// @param make_worker  called once per thread or oftener
 /// @return the grid itself if no voxel changes, else a copy
-template <class GridT, class MakeWorker>
-typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, const openvdb::CoordBBox& box, MakeWorker&& make_worker) {
-    using TreeT = typename GridT::TreeType;
-    using Leaf = typename TreeT::LeafNodeType;
-    using Value = typename TreeT::ValueType;
-    struct Change {
-        openvdb::Coord block;
-        std::unique_ptr<Leaf> leaf;  ///< null: a tile
-        Value value;
-        bool on;
-    };
-    const openvdb::Coord low(box.min().x() >> 3, box.min().y() >> 3, box.min().z() >> 3);
-    const auto size = openvdb::Coord(box.max().x() >> 3, box.max().y() >> 3, box.max().z() >> 3) - low + openvdb::Coord(1);
-    std::vector<std::vector<Change>> rows(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
-
-    const auto constant = [](const Leaf& leaf) {
-        const bool on = leaf.isValueOn(0);
-        if (on ? !leaf.getValueMask().isOn() : !leaf.getValueMask().isOff()) return false;
-        const Value first = leaf.getValue(0);
-        for (openvdb::Index n = 1; n < Leaf::SIZE; ++n)
-            if (!same_bits(Value(leaf.getValue(n)), first)) return false;
-        return true;
-    };
-    const auto same = [](const Leaf& a, const Leaf& b) {
-        if (a.getValueMask() != b.getValueMask()) return false;
-        for (openvdb::Index n = 0; n < Leaf::SIZE; ++n)
-            if (!same_bits(Value(a.getValue(n)), Value(b.getValue(n)))) return false;
-        return true;
-    };
-
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size()), [&](const tbb::blocked_range<std::size_t>& range) {
-        auto worker = make_worker();
-        auto existing = grid->getConstAccessor();
-        std::unique_ptr<Leaf> leaf;
-        for (auto row = range.begin(); row < range.end(); ++row)
-            for (int z = 0; z < size.z(); ++z) {
-                const openvdb::Coord block((low.x() + static_cast<int>(row) / size.y()) * 8, (low.y() + static_cast<int>(row) % size.y()) * 8,
-                                           (low.z() + z) * 8);
-                if (!leaf) leaf = std::make_unique<Leaf>(block, grid->background(), false);
-                leaf->setOrigin(block);
-                if (!worker(block, *leaf)) continue;
-                const auto* const old = existing.probeConstLeaf(block);
-                if (old && same(*old, *leaf)) continue;
-                if (!constant(*leaf)) {
-                    rows[row].push_back({block, std::unique_ptr<Leaf>(leaf.release()), {}, false});
-                    continue;
-                }
-                Change change{block, nullptr, leaf->getValue(0), leaf->isValueOn(0)};
-                Value value;
-                const bool on = existing.probeValue(block, value);
-                if (old || on != change.on || !same_bits(value, change.value)) rows[row].push_back(std::move(change));
-            }
-    });
-
-    typename GridT::Ptr out;
-    for (auto& row : rows)
-        for (auto& change : row) {
-            if (!out) out = grid->deepCopy();
-            if (change.leaf) out->tree().addLeaf(change.leaf.release());
-            else out->tree().addTile(1, change.block, change.value, change.on);
-        }
-    return out ? typename GridT::ConstPtr(out) : grid;
-}
+template <class GridT>
+typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, const openvdb::CoordBBox& box,
+                                        const std::function<BlockWorker<GridT>()>& make_worker);
 
 }  // namespace fluidcarve

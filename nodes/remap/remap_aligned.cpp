@@ -5,6 +5,7 @@
 #include "nodes/remap/value_blend.h"
 
 #include <cmath>
+#include <memory>
 
 namespace fluidcarve {
 
@@ -123,7 +124,9 @@ private:
 template <class GridT>
 typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid, const Alignment& alignment, const CarveMap& map) {
     if (map.empty()) return grid;
-    return rewrite_blocks<GridT>(grid, voxels(alignment, map.moved()), [&] { return Worker<GridT>(*grid, alignment, map); });
+    return rewrite_blocks<GridT>(grid, voxels(alignment, map.moved()), [&] {
+        return [worker = std::make_shared<Worker<GridT>>(*grid, alignment, map)](const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+    });
 }
 
 #define FLUIDCARVE_INSTANTIATE(GridT) template GridT::ConstPtr carve_aligned<GridT>(const GridT::ConstPtr&, const Alignment&, const CarveMap&);

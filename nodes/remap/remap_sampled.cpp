@@ -8,6 +8,7 @@
 #include <openvdb/tools/Interpolation.h>
 
 #include <cmath>
+#include <memory>
 
 namespace fluidcarve {
 
@@ -221,7 +222,11 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     if (map.empty()) return grid;
     // A component's face reaches the lattice before its voxel's centre does.
     const auto box = index_box(grid->transform(), mapping, map.moved(), 1);
-    return rewrite_blocks<GridT>(grid, box, [&] { return Worker<GridT>(*grid, mapping, map, interpolation); });
+    return rewrite_blocks<GridT>(grid, box, [&] {
+        return [worker = std::make_shared<Worker<GridT>>(*grid, mapping, map, interpolation)](const Coord& block, LeafOf<GridT>& out) {
+            return (*worker)(block, out);
+        };
+    });
 }
 
 #define FLUIDCARVE_INSTANTIATE(GridT) template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation);
