@@ -58,21 +58,19 @@ std::string default_text(const ParamSpec& spec) { return spec.required ? "requir
 std::string value_text(const ParamSpec& spec) { return join({to_text(spec.shape), to_text(spec.unit), range_text(spec.range), default_text(spec)}, "; "); }
 
 std::string takes_text(const Registry& registry, const InputSpec& input) {
-    const auto names = registry.accepted_names(input.type);
+    const auto names = registry.accepted_names(input.type) + (input.optional ? "; optional" : "");
     switch (input.arity) {
         case InputSpec::Arity::one: return names;
-        case InputSpec::Arity::optional: return names + "; optional";
         case InputSpec::Arity::list: return "one or a list, each " + names;
         case InputSpec::Arity::named: break;
     }
     return "{name: node, ...}, each " + names;
 }
 
-const char* arity_text(InputSpec::Arity arity) {
-    switch (arity) {
-        case InputSpec::Arity::one: return "one";
-        case InputSpec::Arity::optional: return "optional";
-        case InputSpec::Arity::list: return "list";
+std::string arity_text(const InputSpec& input) {
+    switch (input.arity) {
+        case InputSpec::Arity::one: return input.optional ? "optional" : "one";
+        case InputSpec::Arity::list: return input.optional ? "optional list" : "list";
         case InputSpec::Arity::named: break;
     }
     return "named";
@@ -117,7 +115,7 @@ std::string example(const Registry& registry, const NodeType& type, std::size_t 
     std::string out = margin + verb_of(type.name) + ":\n" + margin + "  type: " + type.name + "\n";
     std::vector<std::pair<std::string, std::string>> lines;
     for (const auto& input : type.inputs) {
-        if (input.arity == InputSpec::Arity::optional) continue;
+        if (input.optional) continue;
         const auto node = input.arity == InputSpec::Arity::list ? "[a, b]" : input.arity == InputSpec::Arity::named ? "{a: a, b: b}" : input.name;
         lines.emplace_back(input.name + ": " + node, "node or node.output: " + registry.accepted_names(input.type));
     }
@@ -154,7 +152,7 @@ Json json_of(const Registry& registry, const NodeType& type) {
         for (const auto& payload : registry.payloads())
             if (registry.accepts(input.type, payload.type)) accepts.push_back(payload.name);
         out["inputs"].push_back(
-            {{"name", input.name}, {"type", registry.payload(input.type).name}, {"accepts", accepts}, {"arity", arity_text(input.arity)}, {"doc", input.doc}});
+            {{"name", input.name}, {"type", registry.payload(input.type).name}, {"accepts", accepts}, {"arity", arity_text(input)}, {"doc", input.doc}});
     }
     for (const auto& param : type.params) {
         Json entry{{"name", param.name}, {"value", to_text(param.shape)}};

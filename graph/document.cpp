@@ -344,7 +344,10 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     out.mark = root.mark;
     out.frames = part("frames", Value::Kind::null);
     out.nodes = part("nodes", Value::Kind::map);
+    if (root.fields.empty()) return out;
     if (out.nodes.fields.empty() && problems.empty()) add(problems, root.mark, "the pipeline has no nodes");
+    if (const auto* const frames = root.find("frames"); frames && frames->value.kind == Value::Kind::null)
+        add(problems, frames->mark, "'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one");
 
     const auto params = part("params", Value::Kind::map);
     Names known(problems);

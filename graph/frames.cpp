@@ -36,6 +36,17 @@ std::optional<std::int64_t> take_number(std::string_view& text) {
     return out;
 }
 
+/// Whether it was a number's size that was wrong: some digits are more than a frame can have.
+bool beyond_counting(std::string_view text) {
+    while (!text.empty()) {
+        int ignored = 0;
+        const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), ignored);
+        if (error == std::errc::result_out_of_range) return true;
+        text.remove_prefix(error == std::errc{} ? static_cast<std::size_t>(stop - text.data()) : 1);
+    }
+    return false;
+}
+
 /// One part between commas.
 struct FrameRange {
     std::int64_t first = 0;
@@ -55,7 +66,8 @@ struct FrameRange {
 
 std::optional<FrameRange> parse_range(std::string_view part, std::string& fault) {
     const auto wrong = [&](std::string_view why) { return fault = fmt::format("'{}' {}", part.substr(0, 60), why), std::nullopt; };
-    constexpr auto form = "is no frame or range; write 1001, 1001-1084 or 1001-1084x2";
+    const auto form =
+        beyond_counting(part) ? "has a number beyond 2147483647, the most that a frame can be" : "is no frame or range; write 1001, 1001-1084 or 1001-1084x2";
     auto rest = part;
     FrameRange out;
     const auto first = take_number(rest);
@@ -180,7 +192,7 @@ std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& faul
         if (!range) return std::nullopt;
         // Counted with repeats, so that no text takes long.
         total += range->most();
-        if (total > most_frames) return fault = fmt::format("more than {} frames", most_frames), std::nullopt;
+        if (total > most_frames) return fault = fmt::format("'{}' names more than {} frames", trimmed(text).substr(0, 60), most_frames), std::nullopt;
         range->add_to(frames);
         begin = end + 1;
     }

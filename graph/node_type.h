@@ -22,18 +22,23 @@ struct Optional : Ref<T> {  ///< may stay unconnected, then null
 template <class T>
 using List = std::vector<Ref<T>>;  ///< `terms: [a, b]`
 template <class T>
+struct OptionalList : List<T> {  ///< may stay unconnected, then empty
+    using List<T>::operator=;
+};
+template <class T>
 using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< `inputs: {d: a}`
 /// Outputs that a parameter names (`outputs_from`).
 using NamedOutputs = std::map<std::string, Payload>;
 
 struct InputSpec {
-    enum class Arity { one, optional, list, named };
+    enum class Arity { one, list, named };
     std::string name;
     std::string doc;
     Arity arity = Arity::one;
     std::type_index type = typeid(void);
     /// Hands the connected payloads, of `type`, to a node's Ports. `names`: those of a named input.
     std::function<void(void* ports, const std::vector<Payload>&, const std::vector<std::string>& names)> set;
+    bool optional = false;  ///< may stay unconnected
 };
 
 struct OutputSpec {
@@ -70,8 +75,11 @@ class Survey {
 public:
     virtual ~Survey() = default;
     virtual const std::vector<int>& frames() const = 0;
-    virtual void leave_out(int frame) = 0;  ///< for every node; its neighbours become adjacent in time
-    virtual void missing(int frame, const std::string& message) = 0;
+    virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
+    virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
+    virtual void leave_out(int frame) = 0;                            ///< for every node; its neighbours become adjacent in time
+    virtual void missing(int frame, const std::string& message) = 0;  ///< or there, but unreadable
+    virtual void warn(const std::string& message) = 0;
 };
 
 /// A node at work: parameters bound, state of its own if it gathers. Made anew for every run.
@@ -115,11 +123,7 @@ struct PortTraits<Ref<T>> {
     static void set(Ref<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) { port = in.empty() ? nullptr : in[0].as<T>(); }
 };
 template <class T>
-struct PortTraits<Optional<T>> {
-    using type = T;
-    static constexpr auto arity = InputSpec::Arity::optional;
-    static void set(Optional<T>& port, const std::vector<Payload>& in, const std::vector<std::string>&) { port = in.empty() ? nullptr : in[0].as<T>(); }
-};
+struct PortTraits<Optional<T>> : PortTraits<Ref<T>> {};
 template <class T>
 struct PortTraits<List<T>> {
     using type = T;
@@ -130,6 +134,8 @@ struct PortTraits<List<T>> {
     }
 };
 template <class T>
+struct PortTraits<OptionalList<T>> : PortTraits<List<T>> {};
+template <class T>
 struct PortTraits<Named<T>> {
     using type = T;
     static constexpr auto arity = InputSpec::Arity::named;
@@ -138,6 +144,12 @@ struct PortTraits<Named<T>> {
         for (std::size_t n = 0; n < in.size(); ++n) port.emplace_back(names[n], in[n].as<T>());
     }
 };
+template <class M>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<Optional<T>> = true;
+template <class T>
+inline constexpr bool is_optional<OptionalList<T>> = true;
 struct NoParams {};
 template <class Node>
 struct ParamsOf {
@@ -197,7 +209,8 @@ public:
         type_.inputs.push_back({std::move(name), std::move(doc), Traits::arity, typeid(typename Traits::type),
                                 [member](void* ports, const std::vector<Payload>& in, const std::vector<std::string>& names) {
                                     Traits::set(static_cast<Ports*>(ports)->*member, in, names);
-                                }});
+                                },
+                                detail::is_optional<M>});
         return *this;
     }
 

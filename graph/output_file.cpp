@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <unistd.h>
 #include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <set>
@@ -24,11 +27,14 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) throw Failure(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+    if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
-    if (access(folder.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: the folder {} is not writable", path_, folder.string()));
     aside_ = (folder / fmt::format(".{}.{}.{}.part{}", target.stem().string(), getpid(), serial++, target.extension().string())).string();
     const std::lock_guard lock(unfinished_mutex);
+    // Made here and now: what a folder's rights say and what it takes are two things.
+    const int file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));
+    close(file);
     unfinished.insert(aside_);
 }
 

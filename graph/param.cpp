@@ -10,6 +10,16 @@ namespace {
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 
+/// A finite number, and nothing else in the text.
+std::optional<double> parse_number(std::string_view text) {
+    // A plus sign is not from_chars' own.
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    double out = 0;
+    const auto* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, out);
+    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
+}
+
 /// Two or three numbers in brackets, each checked against the reader's range.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader, const char* wanted) {
@@ -28,9 +38,10 @@ template <class P>
 std::optional<P> read_path(const Value& value, ValueReader& reader, std::string folder) {
     if (value.kind != Value::Kind::scalar || value.text.empty()) return reader.unwanted(value, "a path"), std::nullopt;
     P path(value.text, std::move(folder));
-    if (!path.bad_token().empty())
-        return reader.fault(value, fmt::format("has '{}', which is no frame token; use ####, %04d, $F4 or <frame>", path.bad_token())), std::nullopt;
-    return path;
+    if (path.bad_token().empty()) return path;
+    const auto best = nearest(path.bad_token(), {"####", "%04d", "$F4", "<frame04>", "<frame>"});
+    const auto remedy = best.empty() ? "use ####, %04d, $F4 or <frame>" : fmt::format("did you mean '{}'?", best);
+    return reader.fault(value, fmt::format("has '{}', which is no frame token; {}", path.bad_token(), remedy)), std::nullopt;
 }
 
 }  // namespace
@@ -87,12 +98,11 @@ void ValueReader::fault(const Value& value, const std::string& message) {
 
 std::optional<double> ValueReader::number(const Value& value, bool whole) {
     const char* const wanted = whole ? "a whole number" : "a number";
-    double out = 0;
-    const auto* const end = value.text.data() + value.text.size();
-    const auto* const begin = value.text.data() + (value.text.starts_with('+') ? 1 : 0);
-    const auto [stop, error] = std::from_chars(begin, end, out);
-    if (value.kind != Value::Kind::scalar || stop != end || error != std::errc{} || !std::isfinite(out)) return unwanted(value, wanted), std::nullopt;
-    if (whole && (out != std::trunc(out) || std::abs(out) > std::numeric_limits<int>::max())) return unwanted(value, wanted), std::nullopt;
+    const auto parsed = value.kind == Value::Kind::scalar ? parse_number(value.text) : std::nullopt;
+    if (!parsed || (whole && *parsed != std::trunc(*parsed))) return unwanted(value, wanted), std::nullopt;
+    const double out = *parsed;
+    constexpr double most = std::numeric_limits<int>::max();
+    if (whole && std::abs(out) > most) return unwanted(value, fmt::format("a whole number from {} to {}", -most, most)), std::nullopt;
     if (out < range_.min || out > range_.max) {
         const auto bounds = std::isinf(range_.max)   ? fmt::format("at least {}", range_.min)
                             : std::isinf(range_.min) ? fmt::format("at most {}", range_.max)
@@ -117,6 +127,7 @@ std::string ParamTraits<double>::text(double value) { return number_text(value);
 
 std::optional<float> ParamTraits<float>::parse(const Value& value, ValueReader& reader) {
     const auto number = reader.number(value, false);
+    if (number && std::abs(*number) > std::numeric_limits<float>::max()) return reader.unwanted(value, "a number up to 3.4e38"), std::nullopt;
     return number ? std::optional(static_cast<float>(*number)) : std::nullopt;
 }
 
@@ -141,16 +152,10 @@ std::optional<Interval> ParamTraits<Interval>::parse(const Value& value, ValueRe
 std::string ParamTraits<Interval>::text(const Interval& value) { return fmt::format("[{}, {}]", number_text(value.low), number_text(value.high)); }
 
 std::optional<Count> ParamTraits<Count>::parse(const Value& value, ValueReader& reader) {
-    const bool percent = value.kind == Value::Kind::scalar && value.text.ends_with('%');
-    Value digits = value;
-    if (percent) digits.text.pop_back();
-    double number = 0;
-    const auto* const end = digits.text.data() + digits.text.size();
-    const auto [stop, error] = std::from_chars(digits.text.data() + (digits.text.starts_with('+') ? 1 : 0), end, number);
-    if (digits.kind != Value::Kind::scalar || stop != end || error != std::errc{} || !std::isfinite(number) || (!percent && number != std::trunc(number)) ||
-        std::abs(number) > 1e6)
-        return reader.unwanted(value, to_text(shape())), std::nullopt;
-    return Count{number, percent};
+    const bool percent = value.text.ends_with('%');
+    const auto number = value.kind == Value::Kind::scalar ? parse_number(std::string_view(value.text).substr(0, value.text.size() - percent)) : std::nullopt;
+    if (!number || (!percent && *number != std::trunc(*number)) || std::abs(*number) > 1e6) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    return Count{*number, percent};
 }
 
 std::string ParamTraits<Count>::text(const Count& value) { return fmt::format("{}{}", value.value, value.percent ? "%" : ""); }

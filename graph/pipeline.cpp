@@ -151,7 +151,7 @@ private:
         const auto& spec = draft.node.type->inputs[n];
         const auto* const field = draft.value->find(spec.name);
         if (!field) {
-            if (spec.arity != InputSpec::Arity::optional)
+            if (!spec.optional)
                 add(problems_, draft.node.mark,
                     fmt::format("{} needs its input '{}' ({})", draft.node.type->name, spec.name, registry_.accepted_names(spec.type)));
             return;
@@ -303,23 +303,30 @@ private:
                             visit(node, spec, path, field ? field->value.mark : node.mark);
                         }
         };
-        // Links are followed once per path, not once per frame: its frames lie in one folder, but where the folder has the token.
+        namespace fs = std::filesystem;
+        std::error_code error;
+        // Most frames lie in one folder, whose links are followed once.
+        std::map<fs::path, fs::path> folders;
+        const auto resolved = [&](const fs::path& file) {
+            const auto [found, fresh] = folders.try_emplace(file.parent_path());
+            if (fresh) found->second = fs::weakly_canonical(fs::absolute(file, error).parent_path(), error);
+            return (found->second / file.filename()).string();
+        };
         const auto files = [&](const PathPattern& path) {
-            namespace fs = std::filesystem;
-            const bool one_folder = !PathPattern(fs::path(path.text()).parent_path().string()).per_frame();
-            std::error_code error;
-            const auto canonical = [&](const fs::path& folder) { return fs::weakly_canonical(fs::absolute(folder, error), error); };
-            const auto folder = canonical(fs::path(path.at(frames.frames().front())).parent_path() / ".").parent_path();
-            std::vector<std::string> out;
+            std::vector<fs::path> out;
             for (const auto frame : frames.frames()) {
-                const fs::path file(path.at(frame));
-                out.push_back(((one_folder ? folder : fs::absolute(file, error).lexically_normal().parent_path()) / file.filename()).string());
+                out.emplace_back(path.at(frame));
                 if (!path.per_frame()) break;
             }
             return out;
         };
+        used.emplace(resolved(document_.name), std::pair(document_.mark, "this is the pipeline itself"));
         each_path(Shape::Kind::input_path, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
-            for (const auto& file : files(path)) used.emplace(file, std::pair(mark, fmt::format("'{}' reads it here", node.name)));
+            const std::pair here(mark, fmt::format("'{}' reads it here", node.name));
+            for (const auto& file : files(path)) {
+                used.emplace(resolved(file), here);
+                if (fs::is_symlink(file, error)) used.emplace(fs::weakly_canonical(file, error).string(), here);
+            }
         });
         each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
             if (node.rate == Rate::frame && !path.per_frame())
@@ -327,7 +334,7 @@ private:
             if (node.rate != Rate::frame && path.per_frame())
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
             for (const auto& file : files(path)) {
-                const auto [first, fresh] = used.emplace(file, std::pair(mark, fmt::format("'{}' writes it here", node.name)));
+                const auto [first, fresh] = used.emplace(resolved(file), std::pair(mark, fmt::format("'{}' writes it here", node.name)));
                 if (fresh) continue;
                 add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
                 break;

@@ -10,6 +10,13 @@
 namespace fluidcarve {
 namespace {
 
+/// What a user wrote may hold line ends and a terminal's commands.
+std::string one_line(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    return text;
+}
+
 std::string line_of(const Mark& mark) {
     const auto& text = mark.source->text;
     std::size_t begin = 0;
@@ -20,15 +27,13 @@ std::string line_of(const Mark& mark) {
     if (begin == std::string::npos || begin >= text.size()) return {};
     auto line = text.substr(begin, text.find('\n', begin) - begin);
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    std::replace_if(
-        line.begin(), line.end(), [](unsigned char c) { return c < 0x20; }, ' ');
-    return line;
+    return one_line(line);
 }
 
 void put(std::string& out, const Mark& mark, const std::string& message) {
     if (mark.source) out += mark.source->name + ":";
     if (mark.source && mark.line > 0) out += fmt::format("{}:{}:", mark.line, mark.column);
-    out += (out.empty() || out.back() == '\n' ? "" : " ") + message + "\n";
+    out += (out.empty() || out.back() == '\n' ? "" : " ") + one_line(message) + "\n";
     if (!mark.source || mark.line == 0) return;
     // Long lines are shown around the place, so that the caret stays in sight.
     constexpr std::size_t widest = 160;
@@ -107,7 +112,8 @@ std::string nearest(std::string_view name, const std::vector<std::string>& candi
     auto least = std::max<std::size_t>(1, name.size() / 3) + 1;
     for (const auto& candidate : candidates) {
         const auto d = distance(name, candidate);
-        if (d < least) {
+        // A single letter that became another is no slip but another name.
+        if (d < least && d < name.size()) {
             least = d;
             best = candidate;
         }

@@ -111,7 +111,7 @@ Json fields_of(const NodeType& type, const Registry& registry) {
 Json required_of(const NodeType& type) {
     auto out = Json::array({"type"});
     for (const auto& input : type.inputs)
-        if (input.arity != InputSpec::Arity::optional) out.push_back(input.name);
+        if (!input.optional) out.push_back(input.name);
     for (const auto& param : type.params)
         if (param.required) out.push_back(param.name);
     return out;

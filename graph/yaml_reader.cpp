@@ -5,6 +5,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -139,11 +140,12 @@ private:
 Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems) {
     const Mark whole{source, 0, 0};
     if (source->text.size() > most_bytes) {
-        problems.push_back({whole, fmt::format("the file holds {} bytes, more than 1 MiB: not a pipeline", source->text.size()), {}, {}});
+        problems.push_back({whole, "the file holds more than 1 MiB: not a pipeline", {}, {}});
         return {};
     }
-    if (source->text.find('\0') != std::string::npos) {
-        problems.push_back({whole, "binary data: not a pipeline", {}, {}});
+    const auto binary = [](unsigned char c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; };
+    if (std::any_of(source->text.begin(), source->text.end(), binary)) {
+        problems.push_back({whole, "binary data: a pipeline is a text in UTF-8", {}, {}});
         return {};
     }
     Builder builder(source, problems);

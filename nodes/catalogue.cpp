@@ -2,10 +2,23 @@
 
 #include "nodes/energy/combine.h"
 #include "nodes/energy/gradient.h"
+#include "nodes/energy/kinetic.h"
+#include "nodes/energy/remap.h"
+#include "nodes/energy/volume.h"
 #include "nodes/energy/vorticity.h"
+#include "nodes/field/collocate.h"
+#include "nodes/field/curl.h"
+#include "nodes/field/filter.h"
+#include "nodes/field/gradient.h"
+#include "nodes/field/magnitude.h"
+#include "nodes/io/inspect.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
 #include "nodes/lattice/box.h"
+#include "nodes/mask/box.h"
+#include "nodes/mask/combine.h"
+#include "nodes/mask/dilate.h"
+#include "nodes/mask/sphere.h"
 #include "nodes/mask/threshold.h"
 #include "nodes/mask/weight.h"
 #include "nodes/payloads.h"
@@ -22,12 +35,25 @@ Registry builtin_registry() {
     Registry out;
     add_payloads(out);
     add_lattice_payloads(out);
+    out.add(vdb_inspector());
     out.add(vdb_read());
     out.add(vdb_write());
+    out.add(field_gradient());
+    out.add(field_curl());
+    out.add(field_magnitude());
+    out.add(field_collocate());
+    out.add(field_filter());
     out.add(energy_vorticity());
+    out.add(energy_kinetic());
     out.add(energy_gradient());
+    out.add(energy_volume());
     out.add(energy_combine());
+    out.add(energy_remap());
     out.add(mask_threshold());
+    out.add(mask_box());
+    out.add(mask_sphere());
+    out.add(mask_combine());
+    out.add(mask_dilate());
     out.add(mask_weight());
     out.add(lattice_box());
     out.add(seam_greedy());

@@ -3,6 +3,7 @@
 #include "graph/describe.h"
 #include "graph/drawing.h"
 #include "graph/schema.h"
+#include "runtime/inspect.h"
 #include "runtime/interrupt.h"
 #include "runtime/run.h"
 
@@ -197,6 +198,11 @@ int run_command_line(int argc, const char* const* argv, const Registry& registry
     pipeline.declare(*graph_verb);
     graph_verb->add_option("--format", format, "Language of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
 
+    std::vector<std::string> files;
+    auto* const inspect_verb = app.add_subcommand("inspect", "Say what is in data files: grids, types, transforms, ranges, oddities");
+    inspect_verb->add_option("files", files, "Data files (.vdb)")->required()->type_name("FILE");
+    inspect_verb->add_flag("--json", json, "As JSON");
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -207,6 +213,7 @@ int run_command_line(int argc, const char* const* argv, const Registry& registry
     if (*plan_verb) return plan(pipeline, registry);
     if (*nodes_verb) return nodes(type, json, markdown, registry);
     if (*schema_verb) return print(schema(registry)), exit_code::done;
+    if (*inspect_verb) return inspect_files(files, json, half_of_memory(), registry);
     return graph(pipeline, format, registry);
 }
 

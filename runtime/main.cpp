@@ -1,4 +1,12 @@
 #include "nodes/catalogue.h"
 #include "runtime/commands.h"
+#include "runtime/run.h"
 
-int main(int argc, char** argv) { return fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry()); }
+#include <cstdio>
+
+int main(int argc, char** argv) {
+    const int code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+    std::fputs("failed: the results could not be written; is the disk full?\n", stderr);
+    return code == fluidcarve::exit_code::done ? fluidcarve::exit_code::node_failed : code;
+}

@@ -7,28 +7,48 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <set>
 
 namespace fluidcarve {
 namespace {
 
-void tell(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+/// fmt's own print throws where stderr is a file on a full disk.
+void tell(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 
 /// What the readers say of their files before anything runs.
 class SurveyOf : public Survey {
 public:
-    explicit SurveyOf(const std::vector<int>& frames) : frames_(frames) {}
+    /// @param needed  nothing: all of them
+    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
+        : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
     const std::vector<int>& frames() const override { return frames_; }
+    bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
+    bool wants(std::string_view output) const override { return wanted_.contains(output); }
     void leave_out(int frame) override { left_out.insert(frame); }
     void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
+    void warn(const std::string& message) override { warnings.push_back(message); }
 
     std::set<int> left_out;
     std::vector<std::pair<int, std::string>> lost;
+    std::vector<std::string> warnings;
 
 private:
     const std::vector<int>& frames_;
+    const std::optional<FrameSet>& needed_;
+    const std::set<std::string, std::less<>> wanted_;
 };
+
+/// Names of a node's outputs that the nodes of a run read.
+std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node) {
+    std::set<std::string, std::less<>> out;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        for (const auto& links : pipeline.nodes[n].inputs)
+            for (const auto& link : links)
+                if (needed[n] && link.node == node) out.insert(pipeline.nodes[node].outputs[link.output].name);
+    return out;
+}
 
 struct Inputs {
     std::vector<int> frames;  ///< the sequence without the frames that readers leave out
@@ -37,24 +57,46 @@ struct Inputs {
 
 /// @param needed       as flags: the nodes that run
 /// @param in_sequence  as flags: those that run for every frame of the sequence, not only for the delivered ones
-Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver) {
+Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver,
+              Report& report) {
     Inputs out;
     std::set<int> left_out;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!needed[n] || !node.type->survey) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames());
+        const std::optional<FrameSet> read = node.rate == Rate::fixed || in_sequence[n] ? std::nullopt : deliver;
+        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, needed, n));
         node.type->survey(node.params.get(), of);
+        for (const auto& warning : of.warnings) report.warn(n, warning);
         for (const auto& [frame, message] : of.lost)
-            if (node.rate == Rate::fixed || in_sequence[n] || !deliver || deliver->contains(frame))
+            if (of.needs(frame))
                 out.missing.push_back(
                     {node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+        std::vector<int> asked;
+        for (const auto frame : of.left_out)
+            if (deliver && deliver->contains(frame)) asked.push_back(frame);
+        if (!asked.empty()) report.warn(n, fmt::format("left out for want of a file, though -f names them: {}", FrameSet(asked).text()));
         left_out.insert(of.left_out.begin(), of.left_out.end());
     }
     for (const auto frame : pipeline.frames.frames())
         if (!left_out.contains(frame)) out.frames.push_back(frame);
     return out;
+}
+
+/// Where a writer's first file can't be written, no other likely can: told before hours are spent.
+void try_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, int frame, Report& report) {
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (const auto& spec : node.type->params) {
+            if (!needed[n] || spec.shape.kind != Shape::Kind::output_path || spec.path(node.params.get()).text().empty()) continue;
+            try {
+                const OutputFile file(spec.path(node.params.get()).at(frame));
+            } catch (const Failure& failure) {
+                report.failed({node.name, node.type->name, node.rate == Rate::frame ? std::optional(frame) : std::nullopt, failure.what(), failure.kind});
+            }
+        }
+    }
 }
 
 int exit_of(const Report& report, bool cancelled, bool stopped) {
@@ -111,6 +153,11 @@ bool execute(Flow& flow, const Plan& plan, const std::vector<bool>& delivered, P
 }  // namespace
 
 int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled) {
+    try {
+        if (!request.report_path.empty()) const OutputFile file(request.report_path);
+    } catch (const Failure& failure) {
+        return tell(fmt::format("failed: report: {}", failure.what())), exit_code::node_failed;
+    }
     Report report(pipeline);
     const auto plan = make_plan(pipeline, request.to);
     std::vector<std::size_t> targets;
@@ -120,13 +167,13 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     for (const auto& pass : plan.passes)
         for (const auto& needs : pass.gatherer_needs)
             for (std::size_t n = 0; n < needs.size(); ++n) in_sequence[n] = in_sequence[n] || needs[n];
-    auto inputs = survey(pipeline, pipeline.upstream_of(targets), in_sequence, request.deliver);
+    auto inputs = survey(pipeline, pipeline.upstream_of(targets), in_sequence, request.deliver, report);
     // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (auto& fault : inputs.missing) report.failed(std::move(fault));
     if (inputs.frames.empty())
         report.failed({pipeline.nodes[targets.front()].name, pipeline.nodes[targets.front()].type->name, std::nullopt,
-                       "no frame is left: every input file is missing, and missing frames are skipped", Failure::Kind::input});
+                       "no frame is left: of each, some reader that leaves out missing frames has no file", Failure::Kind::input});
 
     std::vector<bool> delivered;
     std::vector<int> delivered_frames;
@@ -134,7 +181,10 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         delivered.push_back(!request.deliver || request.deliver->contains(frame));
         if (delivered.back()) delivered_frames.push_back(frame);
     }
-    if (request.verbose) fmt::print(stderr, "{}", to_text(plan, pipeline, delivered_frames.size()));
+    if (request.verbose) std::fputs(to_text(plan, pipeline, delivered_frames.size()).c_str(), stderr);
+
+    if (report.faults().empty() && !request.options.keep_going)
+        try_outputs(pipeline, pipeline.upstream_of(targets), (delivered_frames.empty() ? inputs.frames : delivered_frames).front(), report);
 
     bool stopped = true;
     if (report.faults().empty()) {

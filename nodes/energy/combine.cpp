@@ -1,27 +1,16 @@
 #include "nodes/energy/combine.h"
 
+#include "nodes/energy/term_ranges.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace fluidcarve {
 namespace {
-
-constexpr Interval nothing{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-
-Interval joined(const Interval& a, const Interval& b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
-
-/// `auto`, `[low, high]`, or one of these per term.
-struct TermRanges {
-    std::vector<Auto<Interval>> each{std::nullopt};
-    bool shared = true;
-    const Auto<Interval>& of(std::size_t term) const { return each.at(shared ? 0 : term); }
-};
 
 /// A term of combined_energy, ready for its voxels.
 struct Remap {
@@ -42,86 +31,30 @@ struct Combine {
         Ref<FloatGrid> energy;
     };
 
-    std::vector<Interval> gathered;
+    GatheredRanges gathered;
 
-    static bool gathers(const Params& params) {
-        return std::any_of(params.range.each.begin(), params.range.each.end(), [](const auto& range) { return !range; });
-    }
+    static bool gathers(const Params& params) { return params.range.gathers(); }
 
     static void check(const Params& params, NodeCheck& check) {
         const auto terms = check.connections("terms");
-        const auto count = [&](const char* field, std::size_t stated, const char* what) {
-            if (stated != terms) check.fault(field, fmt::format("states {} {} for {} terms; state one per term", stated, what, terms));
-        };
-        if (!params.weights.empty()) count("weights", params.weights.size(), "weights");
-        if (!params.range.shared) count("range", params.range.each.size(), "ranges");
+        if (!params.weights.empty() && params.weights.size() != terms)
+            check.fault("weights", fmt::format("states {} weights for {} terms; state one per term", params.weights.size(), terms));
+        params.range.check(terms, check);
     }
 
-    void add(const Params& params, const Ports& io, Context&) {
-        gathered.resize(io.terms.size(), nothing);
-        for (std::size_t n = 0; n < io.terms.size(); ++n)
-            if (!params.range.of(n)) gathered[n] = joined(gathered[n], active_range(*io.terms[n]));
-    }
+    void add(const Params& params, const Ports& io, Context&) { gathered.add(params.range, io.terms); }
 
     void finish(const Params&, Ports&, Context&) {}
 
     void run(const Params& params, Ports& io, Context&) const {
         std::vector<EnergyTerm> terms;
-        for (std::size_t n = 0; n < io.terms.size(); ++n) {
-            const auto& stated = params.range.of(n);
-            terms.push_back({io.terms[n], params.weights.empty() ? 1.0f : params.weights.at(n), stated ? *stated : gathered.at(n)});
-        }
+        for (std::size_t n = 0; n < io.terms.size(); ++n)
+            terms.push_back({io.terms[n], params.weights.empty() ? 1.0f : params.weights.at(n), gathered.of(params.range, n)});
         io.energy = combined_energy(terms);
     }
 };
 
 }  // namespace
-
-template <>
-struct ParamTraits<TermRanges> {
-    using One = ParamTraits<Auto<Interval>>;
-    using Each = ParamTraits<std::vector<Auto<Interval>>>;
-
-    static Shape shape() { return {Shape::Kind::any_of, {}, {One::shape(), Each::shape()}}; }
-
-    static std::optional<TermRanges> parse(const Value& value, ValueReader& reader) {
-        const auto is_number = [](const Value& item) { return item.kind == Value::Kind::scalar && item.text != "auto"; };
-        if (value.kind == Value::Kind::list && std::none_of(value.items.begin(), value.items.end(), is_number)) {
-            auto each = Each::parse(value, reader);
-            return each ? std::optional(TermRanges{std::move(*each), false}) : std::nullopt;
-        }
-        if (value.kind != Value::Kind::list && value.text != "auto") return reader.unwanted(value, to_text(shape())), std::nullopt;
-        const auto one = One::parse(value, reader);
-        return one ? std::optional(TermRanges{{*one}, true}) : std::nullopt;
-    }
-
-    static std::string text(const TermRanges& ranges) { return ranges.shared ? One::text(ranges.each.at(0)) : Each::text(ranges.each); }
-};
-
-Interval active_range(const FloatGrid& grid) {
-    using Leaves = openvdb::tree::LeafManager<const openvdb::FloatTree>;
-    const auto extend = [](Interval range, auto value) {
-        for (; value; ++value) {
-            const double v = *value;
-            // Told apart from any finite range, so that the caller looks for the place.
-            range = std::isfinite(v) ? joined(range, {v, v}) : Interval{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-        }
-        return range;
-    };
-    const Leaves leaves(grid.tree());
-    auto out = tbb::parallel_reduce(
-        leaves.leafRange(), nothing,
-        [&](const Leaves::LeafRange& range, Interval so_far) {
-            for (auto leaf = range.begin(); leaf; ++leaf) so_far = extend(so_far, leaf->cbeginValueOn());
-            return so_far;
-        },
-        joined);
-    auto tiles = grid.cbeginValueOn();
-    tiles.setMaxDepth(decltype(tiles)::LEAF_DEPTH - 1);
-    out = extend(out, tiles);
-    if (std::isinf(out.low) && out.low < out.high) refuse_not_finite(grid, {});
-    return out;
-}
 
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
     for (std::size_t n = 1; n < terms.size(); ++n) require_same_transform(fmt::format("terms 1 and {}", n + 1), *terms[0].energy, *terms[n].energy);

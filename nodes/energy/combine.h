@@ -7,10 +7,6 @@
 
 namespace fluidcarve {
 
-/// Smallest and largest active value; low > high if there is none.
-/// @throws Failure naming the grid and voxel if an active value is not finite
-Interval active_range(const FloatGrid& grid);
-
 /// One energy to be added to others: `weight * clamp((energy - low) / (high - low), 0, 1)`; 0 throughout if low >= high.
 struct EnergyTerm {
     Ref<FloatGrid> energy;

@@ -1,5 +1,6 @@
 #include "nodes/energy/gradient.h"
 
+#include "nodes/field/differences.h"
 #include "nodes/field/stencil.h"
 
 namespace fluidcarve {
@@ -20,12 +21,7 @@ struct Gradient {
 
 FloatGrid::Ptr gradient_energy(const FloatGrid& field, float gain) {
     const auto scale = static_cast<float>(gain / (2 * cubic_voxel_size(field)));
-    const auto out = map_stencil<FloatGrid>(field, 0.0f, [scale](auto& s, const openvdb::Coord& at) {
-        const openvdb::Vec3s change(s.getValue(at.offsetBy(1, 0, 0)) - s.getValue(at.offsetBy(-1, 0, 0)),
-                                    s.getValue(at.offsetBy(0, 1, 0)) - s.getValue(at.offsetBy(0, -1, 0)),
-                                    s.getValue(at.offsetBy(0, 0, 1)) - s.getValue(at.offsetBy(0, 0, -1)));
-        return scale * change.length();
-    });
+    const auto out = map_stencil<FloatGrid>(field, 0.0f, [scale](auto& s, const openvdb::Coord& at) { return scale * gradient_differences(s, at).length(); });
     out->setName("gradient of " + field.getName());
     return out;
 }

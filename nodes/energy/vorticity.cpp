@@ -1,6 +1,7 @@
 #include "nodes/energy/vorticity.h"
 
 #include "nodes/field/collocate.h"
+#include "nodes/field/differences.h"
 #include "nodes/field/stencil.h"
 
 namespace fluidcarve {
@@ -21,13 +22,8 @@ struct Vorticity {
 
 FloatGrid::Ptr vorticity_energy(const Ref<VectorGrid>& velocity, float gain) {
     const auto scale = static_cast<float>(gain / (2 * cubic_voxel_size(*velocity)));
-    // Not tools::curl: that takes a staggered grid for a collocated one, and the corner of an active tile for all of it.
-    const auto out = map_stencil<FloatGrid>(*collocated(velocity), 0.0f, [scale](auto& v, const openvdb::Coord& at) {
-        const openvdb::Vec3s dx = v.getValue(at.offsetBy(1, 0, 0)) - v.getValue(at.offsetBy(-1, 0, 0));
-        const openvdb::Vec3s dy = v.getValue(at.offsetBy(0, 1, 0)) - v.getValue(at.offsetBy(0, -1, 0));
-        const openvdb::Vec3s dz = v.getValue(at.offsetBy(0, 0, 1)) - v.getValue(at.offsetBy(0, 0, -1));
-        return scale * openvdb::Vec3s(dy[2] - dz[1], dz[0] - dx[2], dx[1] - dy[0]).length();
-    });
+    const auto out =
+        map_stencil<FloatGrid>(*collocated(velocity), 0.0f, [scale](auto& v, const openvdb::Coord& at) { return scale * curl_differences(v, at).length(); });
     out->setName("vorticity of " + velocity->getName());
     return out;
 }

@@ -3,6 +3,17 @@
 #include "nodes/field/stencil.h"
 
 namespace fluidcarve {
+namespace {
+
+struct FieldCollocate {
+    struct Params {};
+    struct Ports {
+        Ref<VectorGrid> velocity, collocated;
+    };
+    static void run(const Params&, Ports& io, Context&) { io.collocated = collocated(io.velocity); }
+};
+
+}  // namespace
 
 Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
     if (velocity->getGridClass() != openvdb::GRID_STAGGERED) return velocity;
@@ -15,6 +26,12 @@ Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
     out->setName(velocity->getName());
     out->setVectorType(velocity->getVectorType());
     return out;
+}
+
+NodeType field_collocate() {
+    return Declare<FieldCollocate>("field.collocate", "Brings a staggered velocity from the voxels' faces to their centres.")
+        .input("velocity", &FieldCollocate::Ports::velocity, "Velocity, any unit; one that is not staggered passes as it is.")
+        .output("velocity", &FieldCollocate::Ports::collocated, "The mean of each voxel's two faces along each axis, on the active voxels of `velocity`.");
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/node_type.h"
 #include "nodes/payloads.h"
 
 namespace fluidcarve {
@@ -10,5 +11,7 @@ namespace fluidcarve {
 /// @return the grid itself if it is not staggered
 /// @throws Failure naming the grid and voxel if a value is not finite
 Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity);
+
+NodeType field_collocate();
 
 }  // namespace fluidcarve

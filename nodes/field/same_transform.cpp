@@ -6,15 +6,27 @@
 
 namespace fluidcarve {
 
+std::string place_text(const openvdb::math::Transform& transform) {
+    const auto size = transform.voxelSize();
+    const auto origin = transform.indexToWorld(openvdb::Vec3d(0));
+    return fmt::format("voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}]", size.x(), size.y(), size.z(), origin.x(), origin.y(),
+                       origin.z());
+}
+
 void require_same_transform(const std::string& what, const openvdb::GridBase& first, const openvdb::GridBase& second) {
     if (first.transform() == second.transform()) return;
-    const auto at = [](const openvdb::GridBase& grid) {
-        const auto size = grid.voxelSize();
-        const auto origin = grid.indexToWorld(openvdb::Vec3d(0));
-        return fmt::format("'{}' (voxels of {:.6g} x {:.6g} x {:.6g}, the first at [{:.6g}, {:.6g}, {:.6g}])", grid.getName(), size.x(), size.y(), size.z(),
-                           origin.x(), origin.y(), origin.z());
-    };
-    throw Failure(fmt::format("{} have different transforms: {} and {}; resample one onto the other", what, at(first), at(second)));
+    throw Failure(fmt::format("{} have different transforms: '{}' ({}) and '{}' ({}); resample one onto the other", what, first.getName(),
+                              place_text(first.transform()), second.getName(), place_text(second.transform())));
+}
+
+void OneTransform::require(const std::string& what, const openvdb::GridBase& grid, int frame) {
+    if (!transform_) {
+        transform_ = grid.transform().copy();
+        frame_ = frame;
+    } else if (*transform_ != grid.transform()) {
+        throw Failure(fmt::format("{} has {} in frame {}, but {} in frame {}: no lattice fits both; bake the sequence with a fixed domain, or resample it",
+                                  what, place_text(*transform_), frame_, place_text(grid.transform()), frame));
+    }
 }
 
 }  // namespace fluidcarve

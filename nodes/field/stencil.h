@@ -18,11 +18,12 @@ double cubic_voxel_size(const openvdb::GridBase& grid);
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
 [[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
 
-namespace detail {
-/// Turns the blocks along the border of each active tile into leaves, so that what is left of a tile has only its own values around it.
+/// Turns the blocks along the border of each active tile into leaves, so that what is left of a tile has only its own values
+/// within `reach` voxels.
 template <class Tree>
-void open_tile_borders(Tree& tree) {
+void open_tile_borders(Tree& tree, int reach = 1) {
     constexpr int step = Tree::LeafNodeType::DIM;
+    const int border = (reach + step - 1) / step * step;
     std::vector<openvdb::CoordBBox> boxes;
     auto tile = std::as_const(tree).cbeginValueOn();
     tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
@@ -31,24 +32,20 @@ void open_tile_borders(Tree& tree) {
         const auto last = box.max().offsetBy(1 - step);
         for (int x = box.min().x(); x <= last.x(); x += step)
             for (int y = box.min().y(); y <= last.y(); y += step) {
-                const bool inner = x > box.min().x() && x < last.x() && y > box.min().y() && y < last.y();
-                const int stride = inner ? std::max(last.z() - box.min().z(), step) : step;
-                for (int z = box.min().z(); z <= last.z(); z += stride) tree.touchLeaf({x, y, z});
+                const bool inner = x >= box.min().x() + border && x <= last.x() - border && y >= box.min().y() + border && y <= last.y() - border;
+                for (int z = box.min().z(); z <= last.z(); z += step) {
+                    if (inner && z == box.min().z() + border) z = last.z() - border + step;
+                    tree.touchLeaf({x, y, z});
+                }
             }
     }
 }
-}  // namespace detail
 
-/// A grid on the active voxels of `in`, with its transform: `op(accessor of in, voxel)` at each, `background` elsewhere.
-/// @param op  called from many threads; may look at the 26 neighbours. Within an active tile, away from its border, all voxels
-///            look alike: there it is called once
-/// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
+namespace detail {
+/// Sets the active values of `tree`, those of `in`, to `op(accessor of in, voxel)`: once per tile.
 template <class Out, class In, class Op>
-typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& background, const Op& op) {
+typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, const Op& op) {
     using Tree = typename Out::TreeType;
-    const auto tree = std::make_shared<Tree>(in.tree(), background, openvdb::TopologyCopy());
-    detail::open_tile_borders(*tree);
-
     std::mutex mutex;
     std::optional<openvdb::Coord> lowest;
     const auto value_at = [&](auto& accessor, const openvdb::Coord& at) {
@@ -72,6 +69,26 @@ typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& backg
     auto out = Out::create(tree);
     out->setTransform(in.transform().copy());
     return out;
+}
+}  // namespace detail
+
+/// A grid on the active voxels of `in`, with its transform: `op(accessor of in, voxel)` at each, `background` elsewhere.
+/// @param op  called from many threads; may look at the 26 neighbours. Within an active tile, away from its border, all voxels
+///            look alike: there it is called once
+/// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
+template <class Out, class In, class Op>
+typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& background, const Op& op) {
+    using Tree = typename Out::TreeType;
+    const auto tree = std::make_shared<Tree>(in.tree(), background, openvdb::TopologyCopy());
+    open_tile_borders(*tree);
+    return detail::filled<Out>(tree, in, op);
+}
+
+/// The same for what a voxel's own value decides: `op(value)`; tiles stay tiles.
+template <class Out, class In, class Op>
+typename Out::Ptr map_values(const In& in, const typename Out::ValueType& background, const Op& op) {
+    const auto tree = std::make_shared<typename Out::TreeType>(in.tree(), background, openvdb::TopologyCopy());
+    return detail::filled<Out>(tree, in, [&op](auto& accessor, const openvdb::Coord& at) { return op(accessor.getValue(at)); });
 }
 
 }  // namespace fluidcarve

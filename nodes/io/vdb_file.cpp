@@ -2,6 +2,8 @@
 
 #include "graph/output_file.h"
 #include "graph/problem.h"
+#include "nodes/io/raw_grid.h"
+#include "nodes/io/triplet.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
@@ -57,10 +59,14 @@ public:
 
     /// Without the tree of its parent, if it is an instance.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
-        if (!openvdb::GridBase::isRegistered(from.gridType()))
-            refuse(fmt::format("{}: grid '{}' is of type {}, which OpenVDB {} does not know; leave it out when writing the file", path_, shown(from),
-                               from.gridType(), openvdb::getLibraryVersionString()));
-        const auto grid = openvdb::GridBase::createGrid(from.gridType());
+        const bool known = openvdb::GridBase::isRegistered(from.gridType());
+        if (!known && fileVersion() != openvdb::OPENVDB_FILE_VERSION)
+            refuse(fmt::format(
+                "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it could be kept as it is in a file of version {}, but this one "
+                "has {}: leave it out when writing the file",
+                path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(), static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), fileVersion()));
+        const auto grid =
+            known ? openvdb::GridBase::createGrid(from.gridType()) : std::make_shared<RawGrid>(from.gridType(), from.getBlockPos(), from.getEndPos());
         try {
             grid->setSaveFloatAsHalf(from.saveFloatAsHalf());
             from.seekToGrid(stream_);
@@ -80,6 +86,28 @@ public:
             refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid),
                                GridDescriptor::nameAsString(grid.instanceParentName())));
         return *found;
+    }
+
+    unsigned version() const { return fileVersion(); }
+
+    /// Of a grid, without its tree. Null in files so old that it stands behind the tree.
+    openvdb::math::Transform::ConstPtr transform(const GridDescriptor& grid) {
+        if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return nullptr;
+        try {
+            grid.seekToGrid(stream_);
+            if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) number<std::uint32_t>();
+            skip_metadata();
+            const auto begin = stream_.tellg();
+            text();
+            stream_.seekg(begin);
+            const auto out = openvdb::math::Transform::createLinearTransform();
+            out->read(stream_);
+            return out;
+        } catch (const std::ios_base::failure&) {
+            refuse(fmt::format("{} is damaged: grid '{}' has no transform", path_, shown(grid)));
+        } catch (const openvdb::Exception& error) {
+            refuse(fmt::format("{} is damaged: grid '{}': {}", path_, shown(grid), error.what()));
+        }
     }
 
     static std::string shown(const GridDescriptor& grid) { return GridDescriptor::nameAsString(grid.uniqueName()); }
@@ -124,14 +152,15 @@ private:
     /// Twice over the same bytes: first for the lengths, so that the library allocates no more than the file holds.
     void read_metadata() {
         const auto begin = stream_.tellg();
-        const auto count = number<std::uint32_t>();
-        for (std::uint32_t n = 0; n < count; ++n) {
-            text();
-            text();
-            text();
-        }
+        skip_metadata();
         stream_.seekg(begin);
         metadata_.readMeta(stream_);
+    }
+
+    /// Each entry is three texts: name, type and value.
+    void skip_metadata() {
+        const auto count = number<std::uint32_t>();
+        for (std::uint64_t n = 0; n < std::uint64_t{3} * count; ++n) text();
     }
 
     GridDescriptor descriptor() {
@@ -177,12 +206,14 @@ private:
     std::uint32_t codecs_seen_ = 0;
 };
 
-VdbHeader header_of(const OpenVdb& file) {
+VdbHeader header_of(OpenVdb& file) {
     VdbHeader out;
     out.path = file.path();
+    out.version = file.version();
+    out.metadata = file.metadata();
     for (const auto& grid : file.grids()) {
         const auto end = static_cast<std::uint64_t>(grid.getEndPos());
-        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end});
+        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end, file.transform(grid)});
         out.end = std::max(out.end, end);
     }
     return out;
@@ -193,6 +224,12 @@ std::uint32_t flags(const std::string& codec) {
     if (codec == "none") return COMPRESS_ACTIVE_MASK;
     if (codec == "zip") return COMPRESS_ACTIVE_MASK | COMPRESS_ZIP;
     return COMPRESS_ACTIVE_MASK | COMPRESS_BLOSC;
+}
+
+/// What the library makes of a file's flags for one grid.
+std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) {
+    const bool unzipped = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
+    return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;
 }
 
 std::string name(Codec codec, const Volume& volume) {
@@ -223,7 +260,10 @@ std::vector<std::string> VdbHeader::names() const {
     return out;
 }
 
-VdbHeader read_vdb_header(const std::string& path) { return header_of(OpenVdb(path)); }
+VdbHeader read_vdb_header(const std::string& path) {
+    OpenVdb file(path);
+    return header_of(file);
+}
 
 Volume read_vdb(const std::string& path) {
     OpenVdb file(path);
@@ -247,16 +287,25 @@ openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string&
     return grid;
 }
 
-void write_vdb(const std::string& path, const Volume& volume, Codec codec) {
+void write_vdb(const std::string& path, const Volume& volume, Codec codec, const Placement* placement) {
     initialize();
+    std::vector<openvdb::GridBase::ConstPtr> grids;
+    for (const auto& grid : volume.grids)
+        for (const auto& part : split(grid)) grids.push_back(unplaced(part, placement));
     OutputFile output(path);
     const auto codec_name = name(codec, volume);
+    for (const auto& grid : grids)
+        if (const auto* const raw = RawGrid::of(*grid); raw && raw->compression() != flags_of_grid(flags(codec_name), *grid))
+            throw Failure(
+                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not know, and can't be compressed anew; set "
+                            "'compression: as_read'",
+                            path, grid->getName(), grid->type()));
     if (codec_name == "blosc" && !openvdb::io::Archive::hasBloscCompression())
         throw Failure(fmt::format("cannot write {}: this OpenVDB was built without blosc; set 'compression: zip'", path));
     try {
         openvdb::io::File file(output.aside());
         file.setCompression(flags(codec_name));
-        file.write(volume.grids, volume.metadata);
+        file.write(grids, volume.metadata);
     } catch (const openvdb::Exception& error) {
         throw Failure(fmt::format("cannot write {}: {}", path, error.what()));
     }
@@ -269,7 +318,7 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec) {
     const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
         return written.name == grid->getName() && written.type == grid->type();
     };
-    if (!std::equal(header.grids.begin(), header.grids.end(), volume.grids.begin(), volume.grids.end(), same))
+    if (!std::equal(header.grids.begin(), header.grids.end(), grids.begin(), grids.end(), same))
         throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path, fmt::join(header.names(), ", "), volume.names()));
     output.commit();
 }

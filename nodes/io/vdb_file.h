@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/io/origin.h"
 #include "nodes/payloads.h"
 
 #include <cstddef>
@@ -16,10 +17,13 @@ struct VdbHeader {
         std::string name;         ///< without it
         std::string type;         ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
         std::uint64_t end = 0;    ///< first byte behind the grid
+        openvdb::math::Transform::ConstPtr transform;
     };
     std::string path;
-    std::vector<Entry> grids;  ///< in file order
-    std::uint64_t end = 0;     ///< first byte behind the last grid: the least size of a whole file
+    unsigned version = 0;       ///< of the file format
+    openvdb::MetaMap metadata;  ///< the file's own
+    std::vector<Entry> grids;   ///< in file order
+    std::uint64_t end = 0;      ///< first byte behind the last grid: the least size of a whole file
 
     /// Where in `grids` the first of this name is or, if there is none, that of this unique name.
     /// @throws Failure (input) listing the grids
@@ -33,7 +37,8 @@ struct VdbHeader {
 VdbHeader read_vdb_header(const std::string& path);
 
 /// All grids, in the order of VdbHeader::grids, loaded at once (nothing is left to load later, from many threads).
-/// Shared trees stay shared; half floats are widened and the grid's half flag is set.
+/// Shared trees stay shared; half floats are widened and the grid's half flag is set. A grid of a type that OpenVDB doesn't
+/// know is a RawGrid.
 /// @throws Failure (input) as read_vdb_header, or naming the grid that can't be read
 Volume read_vdb(const std::string& path);
 
@@ -50,8 +55,10 @@ enum class Codec {
 };
 
 /// Writes aside, reads the header back (OpenVDB does not notice a full disk), then renames: the file appears whole or not at all.
-/// Everything but the writer's own statistics (metadata `file_*`) reads back as it was.
-/// @throws Failure if the file can't be written or did not come out whole
-void write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read);
+/// Everything but the writer's own statistics (metadata `file_*`) reads back as it was. Grids go back to where and what
+/// they were in their file (origin.h): placements are undone, triplets are three grids again.
+/// @param placement  what to undo instead, in all grids; null: what the reader of each did
+/// @throws Failure if the file can't be written or did not come out whole, or a RawGrid does not fit the codec
+void write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read, const Placement* placement = nullptr);
 
 }  // namespace fluidcarve

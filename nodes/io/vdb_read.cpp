@@ -1,6 +1,8 @@
 #include "nodes/io/vdb_read.h"
 
-#include "nodes/io/vdb_file.h"
+#include "nodes/field/same_transform.h"
+#include "nodes/io/profile.h"
+#include "nodes/io/triplet.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@ namespace {
 
 enum class Missing { error, skip, hold };
 enum class GridKind { scalar, vector };
+enum class Application { detect, none, blender, houdini, embergen, bifrost };
 
 struct GridChoice {
     std::string name;  ///< in the file; empty: the output's
@@ -82,6 +85,13 @@ private:
     }
 };
 
+template <>
+struct ChoiceNames<Application> {
+    static constexpr std::array names = {std::pair{"auto", Application::detect},       std::pair{"none", Application::none},
+                                         std::pair{"blender", Application::blender},   std::pair{"houdini", Application::houdini},
+                                         std::pair{"embergen", Application::embergen}, std::pair{"bifrost", Application::bifrost}};
+};
+
 namespace {
 
 /// "vec3s" for "Tree_vec3s_5_4_3"; other trees keep their whole name.
@@ -91,15 +101,91 @@ std::string short_type(std::string type) {
     return type.substr(before.size(), type.size() - before.size() - after.size());
 }
 
-Payload typed(const openvdb::GridBase::ConstPtr& grid, GridKind kind) {
-    return kind == GridKind::scalar ? Payload(openvdb::gridConstPtrCast<FloatGrid>(grid)) : Payload(openvdb::gridConstPtrCast<VectorGrid>(grid));
-}
+/// One file, and where in it is what the pipeline names.
+class Contents {
+public:
+    Contents(const std::string& path, Application application)
+        : header_(read_vdb_header(path)),
+          profile_(application == Application::detect ? detected_profile(header_) : profile(ParamTraits<Application>::text(application))) {}
+
+    const VdbHeader& header() const { return header_; }
+
+    /// Places in the header: one, or three of a triplet.
+    /// @throws Failure (input) if there is no such grid, or one of another type
+    std::vector<std::size_t> places(const std::string& output, const GridChoice& choice) const {
+        const auto name = choice.name.empty() ? name_in_file(header_, profile_, output) : choice.name;
+        const auto has = [&](const std::string& each) {
+            return std::any_of(header_.grids.begin(), header_.grids.end(), [&](const auto& grid) { return grid.name == each || grid.unique_name == each; });
+        };
+        const auto parts = triplet_names(name);
+        if (choice.kind == GridKind::vector && !has(name) && std::all_of(parts.begin(), parts.end(), has))
+            return {place(parts[0], GridKind::scalar), place(parts[1], GridKind::scalar), place(parts[2], GridKind::scalar)};
+        return {place(name, choice.kind)};
+    }
+
+    /// The output that is made of grids at those places.
+    Payload typed(const std::vector<openvdb::GridBase::ConstPtr>& grids, const GridChoice& choice, const Placement& placement) const {
+        if (choice.kind == GridKind::scalar) return Payload(openvdb::gridConstPtrCast<FloatGrid>(placed(grids[0], placement)));
+        openvdb::GridBase::ConstPtr vectors = grids[0];
+        if (grids.size() == 3) vectors = merged(make_triplet(base(grids[0]->getName()), {as_float(grids[0]), as_float(grids[1]), as_float(grids[2])}));
+        else if (profile_ && profile_->staggered && vectors->getGridClass() == openvdb::GRID_UNKNOWN) vectors = staggered(*vectors);
+        return Payload(openvdb::gridConstPtrCast<VectorGrid>(placed(vectors, placement)));
+    }
+
+private:
+    static FloatGrid::ConstPtr as_float(const openvdb::GridBase::ConstPtr& grid) { return openvdb::gridConstPtrCast<FloatGrid>(grid); }
+    static std::string base(const std::string& component) { return component.substr(0, component.size() - 2); }
+
+    static openvdb::GridBase::ConstPtr staggered(const openvdb::GridBase& grid) {
+        openvdb::MetaMap metadata(grid);
+        metadata.removeMeta(openvdb::GridBase::META_GRID_CLASS);
+        metadata.insertMeta(openvdb::GridBase::META_GRID_CLASS, openvdb::StringMetadata(openvdb::GridBase::gridClassToString(openvdb::GRID_STAGGERED)));
+        return grid.copyGridReplacingMetadata(metadata);
+    }
+
+    std::size_t place(const std::string& name, GridKind kind) const {
+        const auto found = header_.place(name);
+        const auto& type = header_.grids[found].type;
+        const auto& wanted = kind == GridKind::scalar ? FloatGrid::gridType() : VectorGrid::gridType();
+        if (type == wanted) return found;
+        const auto remedy = type == FloatGrid::gridType()    ? "; state it as float"
+                            : type == VectorGrid::gridType() ? "; state it as vector"
+                                                             : "; only float and vec3s grids can be named, others travel within the volume";
+        throw Failure(fmt::format("{}: grid '{}' is of type {}, not {}{}", header_.path, name, short_type(type), short_type(wanted), remedy),
+                      Failure::Kind::input);
+    }
+
+    VdbHeader header_;
+    const Profile* profile_;
+};
+
+/// Whether the frames of a sequence have one transform each grid; finds the first that has not.
+class Steadiness {
+public:
+    void look(const VdbHeader& header, int frame, Survey& survey) {
+        for (const auto& grid : header.grids) {
+            if (!grid.transform || told_) continue;
+            const auto [first, is_new] = first_.try_emplace(grid.unique_name, frame, grid.transform);
+            if (is_new || *first->second.second == *grid.transform) continue;
+            told_ = true;
+            survey.warn(fmt::format("grid '{}' has {} in frame {}, but {} in frame {} (an adaptive domain?): no lattice fits both; bake with a fixed domain",
+                                    grid.unique_name, place_text(*first->second.second), first->second.first, place_text(*grid.transform), frame));
+        }
+    }
+
+private:
+    std::map<std::string, std::pair<int, openvdb::math::Transform::ConstPtr>> first_;
+    bool told_ = false;
+};
 
 struct VdbRead {
     struct Params {
         InputPath path;
         std::map<std::string, GridChoice> grids;
         Missing missing = Missing::error;
+        Application profile = Application::detect;
+        Vec3 translate{};
+        double scale = 1;
     };
     struct Ports {
         Ref<Volume> volume;
@@ -114,33 +200,48 @@ struct VdbRead {
     }
 
     static void survey(const Params& params, Survey& survey) {
-        bool any = false;
-        for (const int frame : survey.frames()) any = any || there(params, frame);
-        if (!any && !survey.frames().empty()) {
-            const auto first = survey.frames().front();
+        const auto& frames = survey.frames();
+        const bool any = std::any_of(frames.begin(), frames.end(), [&](int frame) { return there(params, frame); });
+        if (!any && !frames.empty()) {
+            const auto needed = std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
+            const auto first = needed == frames.end() ? frames.front() : *needed;
             const auto path = params.path.at(first);
             return survey.missing(first, survey.frames().size() == 1 || !params.path.per_frame()
                                              ? fmt::format("{} does not exist", path)
                                              : fmt::format("{} does not exist, nor does any other frame", path));
         }
-        if (params.missing == Missing::hold) return;
+        Steadiness steadiness;
         for (const int frame : survey.frames()) {
-            if (there(params, frame)) continue;
-            if (params.missing == Missing::skip) survey.leave_out(frame);
-            else survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
+            if (there(params, frame)) look(params, frame, survey, steadiness);
+            else if (params.missing == Missing::skip) survey.leave_out(frame);
+            else if (params.missing == Missing::error) survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
         }
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
         const auto path = params.path.at(params.missing == Missing::hold ? held(params, context) : context.frame());
-        const auto header = read_vdb_header(path);
-        std::map<std::string, std::size_t> places;
+        const Contents contents(path, params.profile);
+        const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
+        std::map<std::string, std::vector<std::size_t>> places;
         for (const auto& [output, choice] : params.grids)
-            if (context.wants(output)) places[output] = place(header, choice.name.empty() ? output : choice.name, choice.kind);
+            if (context.wants(output)) places[output] = contents.places(output, choice);
 
-        if (context.wants("volume")) io.volume = std::make_shared<Volume>(read_vdb(path));
-        for (const auto& [output, n] : places)
-            io.grids[output] = typed(io.volume ? io.volume->grids.at(n) : read_vdb_grid(path, header.grids[n].unique_name), params.grids.at(output).kind);
+        std::map<std::size_t, openvdb::GridBase::ConstPtr> grids;
+        if (context.wants("volume")) {
+            auto volume = std::make_shared<Volume>(read_vdb(path));
+            for (std::size_t n = 0; n < volume->grids.size(); ++n) grids[n] = volume->grids[n];
+            for (auto& grid : volume->grids) grid = placed(grid, placement);
+            io.volume = std::move(volume);
+        }
+        for (const auto& [output, all] : places) {
+            std::vector<openvdb::GridBase::ConstPtr> made_of;
+            for (const auto n : all) {
+                auto& grid = grids[n];
+                if (!grid) grid = read_vdb_grid(path, contents.header().grids[n].unique_name);
+                made_of.push_back(grid);
+            }
+            io.grids[output] = contents.typed(made_of, params.grids.at(output), placement);
+        }
     }
 
 private:
@@ -158,16 +259,17 @@ private:
         return context.frame();
     }
 
-    static std::size_t place(const VdbHeader& header, const std::string& name, GridKind kind) {
-        const auto found = header.place(name);
-        const auto& type = header.grids[found].type;
-        const auto& wanted = kind == GridKind::scalar ? FloatGrid::gridType() : VectorGrid::gridType();
-        if (type == wanted) return found;
-        const auto remedy = type == FloatGrid::gridType()    ? "; state it as float"
-                            : type == VectorGrid::gridType() ? "; state it as vector"
-                                                             : "; only float and vec3s grids can be named, others travel within the volume";
-        throw Failure(fmt::format("{}: grid '{}' is of type {}, not {}{}", header.path, name, short_type(type), short_type(wanted), remedy),
-                      Failure::Kind::input);
+    /// A file that can't be read, or lacks a grid, is told before the run, not when its turn comes.
+    static void look(const Params& params, int frame, Survey& survey, Steadiness& steadiness) {
+        if (!survey.needs(frame)) return;
+        try {
+            const Contents contents(params.path.at(frame), params.profile);
+            for (const auto& [output, choice] : params.grids)
+                if (survey.wants(output)) contents.places(output, choice);
+            steadiness.look(contents.header(), frame, survey);
+        } catch (const Failure& failure) {
+            survey.missing(frame, failure.what());
+        }
     }
 };
 
@@ -178,9 +280,16 @@ NodeType vdb_read() {
         .required("path", &VdbRead::Params::path, "File, or sequence with a frame token such as ####.")
         .param("grids", &VdbRead::Params::grids,
                "Grids to offer as outputs, each by its type: `density: float`; or under another name: `velocity: {name: vel, type: vector}`. "
-               "Of several grids of one name, `name[1]` is the second.")
+               "Of several grids of one name, `name[1]` is the second. "
+               "A vector `vel` is also read from three floats `vel.x`, `vel.y`, `vel.z`, and written back as they came.")
         .param("missing", &VdbRead::Params::missing,
                "What to do about a frame without a file: stop; leave the frame out of the whole run; or hold the nearest earlier frame, else the next.")
+        .param("profile", &VdbRead::Params::profile,
+               "Whose files these are: where a file has no grid of a name under `grids`, the application's name for it is tried (`velocity`: Houdini's `vel`, "
+               "Bifrost's `voxel_velocity`), and Blender's velocities are staggered whatever their class. Auto goes by the grids and marks of each file.")
+        .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
+               "Where the file's origin is in the shot's world; the writer takes it back. Values, velocities too, are not changed.")
+        .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")
         .output("volume", &VdbRead::Ports::volume, "All grids of the file, in its order, with all metadata.")
         .outputs_from("grids", &VdbRead::Ports::grids, [](const VdbRead::Params& params) {
             std::vector<std::pair<std::string, std::type_index>> out;

@@ -16,12 +16,18 @@ struct VdbWrite {
     struct Params {
         OutputPath path;
         Codec compression = Codec::as_read;
+        Auto<Vec3> translate;
+        Auto<double> scale;
     };
     struct Ports {
         Ref<Volume> source;
     };
 
-    static void run(const Params& params, Ports& io, Context& context) { write_vdb(params.path.at(context.frame()), *io.source, params.compression); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        const auto at = params.translate.value_or(Vec3{});
+        const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
+        write_vdb(params.path.at(context.frame()), *io.source, params.compression, params.translate || params.scale ? &placement : nullptr);
+    }
 };
 
 }  // namespace
@@ -30,8 +36,10 @@ NodeType vdb_write() {
     return Declare<VdbWrite>("vdb.write", "Writes OpenVDB files: all grids of a volume, or one grid. A file appears whole or not at all.")
         .input("source", &VdbWrite::Ports::source, "What to write; nothing is changed on the way, half floats stay half.")
         .required("path", &VdbWrite::Params::path, "File; with a frame token such as #### if the source comes per frame. Folders are made.")
-        .param("compression", &VdbWrite::Params::compression,
-               "As the source's file was (blosc if it came from none), or one of OpenVDB's. All keep every bit.");
+        .param("compression", &VdbWrite::Params::compression, "As the source's file was (blosc if it came from none), or one of OpenVDB's. All keep every bit.")
+        .param("translate", &VdbWrite::Params::translate, Unit::world, any_number(),
+               "Undoes this placement of a reader. Auto undoes what the reader of each grid did; grids that nodes made stay in the shot's world.")
+        .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6), "As `translate`.");
 }
 
 }  // namespace fluidcarve

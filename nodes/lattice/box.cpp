@@ -1,5 +1,6 @@
 #include "nodes/lattice/box.h"
 
+#include "nodes/field/same_transform.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/payloads.h"
 
@@ -28,8 +29,6 @@ std::array<int, 3> world_axes(AxisOrder order) {
     const auto name = ParamTraits<AxisOrder>::text(order);
     return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
 }
-
-std::string text(const Vec3d& at) { return fmt::format("({:g}, {:g}, {:g})", at.x(), at.y(), at.z()); }
 
 struct Box {
     struct Params {
@@ -74,23 +73,17 @@ struct Box {
     void gather(const openvdb::GridBase& grid, int frame) {
         const auto box = grid.evalActiveVoxelBoundingBox();
         if (box.empty()) return;
-        if (!transform_) {
-            transform_ = grid.transform().copy();
-            frame_ = frame;
-            name_ = grid.getName();
-            require_uniform();
-        } else if (*transform_ != grid.transform()) {
-            throw Failure(fmt::format(
-                "grid '{}' has voxel size {} at {} in frame {}, but {} at {} in frame {}; a box fits only grids that keep their transform", name_,
-                grid.voxelSize().x(), text(grid.indexToWorld(Vec3d(0))), frame, transform_->voxelSize().x(), text(transform_->indexToWorld(Vec3d(0))), frame_));
-        }
+        const bool first = !transform_.transform();
+        transform_.require(fmt::format("grid '{}'", grid.getName()), grid, frame);
+        if (first) require_uniform(grid, frame);
+        name_ = grid.getName();
         box_.expand(box);
     }
 
-    void require_uniform() const {
-        bool straight = transform_->isLinear();
+    static void require_uniform(const openvdb::GridBase& grid, int frame) {
+        bool straight = grid.transform().isLinear();
         if (straight) {
-            const auto matrix = transform_->baseMap()->getAffineMap()->getMat4();
+            const auto matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
             const double size = matrix(0, 0);
             for (int row = 0; row < 3; ++row)
                 for (int column = 0; column < 3; ++column)
@@ -100,7 +93,7 @@ struct Box {
         if (!straight)
             throw Failure(fmt::format(
                 "grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
-                name_, frame_));
+                grid.getName(), frame));
     }
 
     void finish(const Params& params, Ports& io, Context&) {
@@ -120,19 +113,19 @@ struct Box {
             io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), spacing, axes));
             return;
         }
-        if (!transform_) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
+        if (!transform_.transform()) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
+        const auto& transform = *transform_.transform();
         const auto counts = box_.dim();
         if (const int most = std::max({counts.x(), counts.y(), counts.z()}); most > most_steps + 1)
             throw Failure(
                 fmt::format("the active voxels of grid '{}' span {} x {} x {} voxels; {} along an axis is the most: state 'min', 'max' and 'spacing' of a part",
                             name_, counts.x(), counts.y(), counts.z(), most_steps + 1));
         io.lattice = std::make_shared<Lattice>(
-            make_box(transform_->indexToWorld(box_.min()), shaped({counts.x(), counts.y(), counts.z()}), transform_->voxelSize().x(), axes));
+            make_box(transform.indexToWorld(box_.min()), shaped({counts.x(), counts.y(), counts.z()}), transform.voxelSize().x(), axes));
     }
 
-    openvdb::math::Transform::Ptr transform_;
+    OneTransform transform_;
     openvdb::CoordBBox box_;
-    int frame_ = 0;
     std::string name_;
 };
 

@@ -7,23 +7,10 @@
 #include <cairo.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace fluidcarve {
 namespace {
-
-constexpr std::array<Colour, 11> heat_steps{{{0, 0, 4},
-                                             {22, 11, 57},
-                                             {66, 10, 104},
-                                             {106, 23, 110},
-                                             {147, 38, 103},
-                                             {188, 55, 84},
-                                             {221, 81, 58},
-                                             {243, 120, 25},
-                                             {252, 165, 10},
-                                             {246, 215, 70},
-                                             {252, 255, 164}}};
 
 struct Destroy {
     void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
@@ -47,16 +34,6 @@ struct Canvas::Page {
         return ink(type.colour);
     }
 };
-
-Colour heat(double fraction) {
-    const double place = std::clamp(std::isnan(fraction) ? 0 : fraction, 0.0, 1.0) * (heat_steps.size() - 1);
-    const auto step = std::min(static_cast<std::size_t>(place), heat_steps.size() - 2);
-    const double rest = place - static_cast<double>(step);
-    const auto mix = [&](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(std::lround(a + (b - a) * rest)); };
-    const auto& low = heat_steps[step];
-    const auto& high = heat_steps[step + 1];
-    return {mix(low.red, high.red), mix(low.green, high.green), mix(low.blue, high.blue)};
-}
 
 Canvas::Canvas(int width, int height, Colour background) : page_(std::make_unique<Page>()) {
     page_->surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
@@ -93,6 +70,22 @@ void Canvas::outline(const Rect& rect, Colour colour, bool dashed) {
     cairo_set_line_width(context, 1);
     cairo_rectangle(context, rect.x + 0.5, rect.y + 0.5, std::max(rect.width - 1, 0.0), std::max(rect.height - 1, 0.0));
     cairo_stroke(context);
+}
+
+void Canvas::lines(const Rect& within, const std::vector<Line>& lines, double width, Colour colour) {
+    auto* const context = page_->ink(colour);
+    cairo_save(context);
+    cairo_rectangle(context, within.x, within.y, within.width, within.height);
+    cairo_clip(context);
+    cairo_set_dash(context, nullptr, 0, 0);
+    cairo_set_line_width(context, width);
+    cairo_set_line_cap(context, CAIRO_LINE_CAP_ROUND);
+    for (const auto& line : lines) {
+        cairo_move_to(context, line.x0, line.y0);
+        cairo_line_to(context, line.x1, line.y1);
+    }
+    cairo_stroke(context);
+    cairo_restore(context);
 }
 
 void Canvas::picture(const Rect& rect, const Picture& picture) {

@@ -1,22 +1,12 @@
 #pragma once
 
-#include <cstdint>
+#include "nodes/preview/colours.h"
+
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace fluidcarve {
-
-struct Colour {
-    std::uint8_t red = 0;
-    std::uint8_t green = 0;
-    std::uint8_t blue = 0;
-    bool operator==(const Colour&) const = default;
-};
-
-/// A dark to bright colour for 0 to 1: black, violet, red, orange, pale yellow, lightness rising evenly, so that equal
-/// steps look equal, in grey too. Values outside are clamped.
-Colour heat(double fraction);
 
 /// Rows of pixels from the top down.
 struct Picture {
@@ -53,6 +43,14 @@ public:
     void fill(const Rect& rect, Colour colour);
     /// A line one pixel wide just inside the rectangle.
     void outline(const Rect& rect, Colour colour, bool dashed);
+    struct Line {
+        double x0 = 0;
+        double y0 = 0;
+        double x1 = 0;
+        double y1 = 0;
+    };
+    /// Straight lines with round ends, cut off at the border of `within`.
+    void lines(const Rect& within, const std::vector<Line>& lines, double width, Colour colour);
     /// Enlarges by whole steps pixel by pixel, otherwise smoothly.
     void picture(const Rect& rect, const Picture& picture);
     /// @param y  of the baseline

@@ -1,69 +1,31 @@
 #include "nodes/preview/projection.h"
 
-#include <tbb/parallel_for.h>
+#include "nodes/preview/lines_of_sight.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace fluidcarve {
-namespace {
 
-float size_of(float value) { return value; }
-float size_of(const openvdb::Vec3s& value) { return value.length(); }
+namespace {
 
 int floor_div(int a, int b) { return a / b - (a % b < 0 ? 1 : 0); }
 
-Window in_cells(const Window& window, int cell) {
-    Window out;
-    for (const int side : {0, 1}) {
-        out.first[side] = floor_div(window.first[side], cell);
-        out.last[side] = floor_div(window.last[side], cell);
-    }
-    return out;
-}
-
-void raise(float& value, float other) {
-    if (std::isnan(value) || other > value) value = other;
-}
-
-Projection blank(int cell, const Window& cells) {
-    Projection out;
-    out.cell = cell;
-    out.cells = cells;
+Projection blank(int cell, const Area& cells, Projection::Keep keep) {
+    Projection out{cell, cells, {}, keep};
     out.values.assign(static_cast<std::size_t>(cells.size(0)) * cells.size(1), std::numeric_limits<float>::quiet_NaN());
     return out;
 }
 
-float& value_at(Projection& out, int right, int up) {
-    return out.values[static_cast<std::size_t>(up - out.cells.first[1]) * out.cells.size(0) + (right - out.cells.first[0])];
-}
-
 template <class Grid>
 Projection project(const Grid& grid, View view, const openvdb::CoordBBox& box, int most) {
-    const auto [right, up] = picture_axes(view);
-    const auto window = window_of(box, view);
-    int cell = 1;
-    while (std::max(window.size(0), window.size(1)) / cell >= most) cell *= 2;
-    auto out = blank(cell, in_cells(window, cell));
-
-    // Leaves behind each other share pixels, so they are one task.
-    using Leaf = typename Grid::TreeType::LeafNodeType;
-    const int block = std::max<int>(Leaf::DIM, cell);
-    std::map<std::pair<int, int>, std::vector<const Leaf*>> lines;
-    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-        const auto bounds = leaf->getNodeBoundingBox();
-        if (box.hasOverlap(bounds)) lines[{floor_div(bounds.min()[right], block), floor_div(bounds.min()[up], block)}].push_back(&*leaf);
-    }
-    std::vector<const std::vector<const Leaf*>*> tasks;
-    for (const auto& [place, leaves] : lines) tasks.push_back(&leaves);
-    tbb::parallel_for(std::size_t{0}, tasks.size(), [&, right = right, up = up](std::size_t n) {
-        for (const auto* leaf : *tasks[n])
-            for (auto value = leaf->cbeginValueOn(); value; ++value) {
-                const auto at = value.getCoord();
-                if (box.isInside(at)) raise(value_at(out, floor_div(at[right], cell), floor_div(at[up], cell)), size_of(*value));
-            }
+    auto out = blank_projection(box, view, most);
+    for_each_leaf_in_sight(grid.tree(), view, box, out.cell, [&](const auto& leaf) {
+        for (auto value = leaf.cbeginValueOn(); value; ++value) {
+            const auto at = value.getCoord();
+            if (box.isInside(at)) out.see(at, view, seen_value(*value));
+        }
     });
 
     auto tile = grid.tree().cbeginValueOn();
@@ -73,9 +35,9 @@ Projection project(const Grid& grid, View view, const openvdb::CoordBBox& box, i
         tile.getBoundingBox(bounds);
         bounds.intersect(box);
         if (bounds.empty()) continue;
-        const auto covered = in_cells(window_of(bounds, view), cell);
+        const auto covered = in_cells(face_of(bounds, view), out.cell);
         for (int y = covered.first[1]; y <= covered.last[1]; ++y)
-            for (int x = covered.first[0]; x <= covered.last[0]; ++x) raise(value_at(out, x, y), size_of(*tile));
+            for (int x = covered.first[0]; x <= covered.last[0]; ++x) out.see(x, y, seen_value(*tile));
     }
     return out;
 }
@@ -91,7 +53,7 @@ std::array<int, 2> picture_axes(View view) {
     return {0, 1};
 }
 
-void Window::include(const Window& other) {
+void Area::include(const Area& other) {
     if (other.empty()) return;
     if (empty()) *this = other;
     for (const int side : {0, 1}) {
@@ -100,17 +62,44 @@ void Window::include(const Window& other) {
     }
 }
 
-Window window_of(const openvdb::CoordBBox& box, View view) {
+Area face_of(const openvdb::CoordBBox& box, View view) {
     const auto [right, up] = picture_axes(view);
     return {{box.min()[right], box.min()[up]}, {box.max()[right], box.max()[up]}};
+}
+
+Area in_cells(const Area& area, int cell) {
+    Area out;
+    for (const int side : {0, 1}) {
+        out.first[side] = floor_div(area.first[side], cell);
+        out.last[side] = floor_div(area.last[side], cell);
+    }
+    return out;
+}
+
+void Projection::see(int right, int up, float value) {
+    auto& seen = values[place(right, up)];
+    const bool better = keep == Keep::greatest ? value > seen : std::abs(value) > std::abs(seen);
+    if (better || std::isnan(seen)) seen = value;
+}
+
+void Projection::see(const openvdb::Coord& voxel, View view, float value) {
+    const auto [right, up] = picture_axes(view);
+    see(floor_div(voxel[right], cell), floor_div(voxel[up], cell), value);
+}
+
+Projection blank_projection(const openvdb::CoordBBox& box, View view, int most, Projection::Keep keep) {
+    const auto area = face_of(box, view);
+    int cell = 1;
+    while (std::max(area.size(0), area.size(1)) / cell >= most) cell *= 2;
+    return blank(cell, in_cells(area, cell), keep);
 }
 
 Projection maximum_projection(const FloatGrid& grid, View view, const openvdb::CoordBBox& box, int most) { return project(grid, view, box, most); }
 
 Projection maximum_projection(const VectorGrid& grid, View view, const openvdb::CoordBBox& box, int most) { return project(grid, view, box, most); }
 
-Projection fitted(const Projection& projection, int cell, const Window& cells) {
-    auto out = blank(cell, cells);
+Projection fitted(const Projection& projection, int cell, const Area& cells) {
+    auto out = blank(cell, cells, projection.keep);
     const int factor = cell / projection.cell;
     const auto& from = projection.cells;
     for (int y = from.first[1]; y <= from.last[1]; ++y)
@@ -118,7 +107,7 @@ Projection fitted(const Projection& projection, int cell, const Window& cells) {
             const int right = floor_div(x, factor);
             const int up = floor_div(y, factor);
             if (right < cells.first[0] || right > cells.last[0] || up < cells.first[1] || up > cells.last[1]) continue;
-            raise(value_at(out, right, up), projection.at(x, y));
+            out.see(right, up, projection.at(x, y));
         }
     return out;
 }

@@ -22,6 +22,9 @@ using Tick = std::function<void(double fraction)>;
 /// @param number  how many seams were found before; ties lean to one side for even numbers, to the other for odd
 using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
 
+/// Where a found seam is kept; none: in memory.
+using KeepSeam = std::function<SeamEntries(SeamEntries)>;
+
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
     std::vector<double> wall_s;  ///< per seam
@@ -33,6 +36,6 @@ struct FoundSeams {
 /// @param count   how many, at least 0
 /// @param window  original entries. An insertion stands between an entry and the next: it leaves out the lattice's last.
 /// @throws Failure if the window holds fewer seams, saying how many are possible
-FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick);
+FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr);
 
 }  // namespace fluidcarve

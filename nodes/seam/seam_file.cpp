@@ -72,9 +72,7 @@ Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) 
     const auto columns = seams.columns_per_frame() * seams.frames.size();
     if (grid.activeVoxelCount() != columns)
         throw wrong(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid.getName(), grid.activeVoxelCount(), columns));
-    Seams::Seam out;
-    out.energy = energy->value();
-    out.at.resize(columns);
+    std::vector<std::uint16_t> entries(columns);
     auto values = grid.getConstAccessor();
     each_column(seams, [&](const Coord& at, std::size_t column) {
         float value = 0;
@@ -82,9 +80,9 @@ Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) 
         if (!active || !(value >= 0 && value <= static_cast<float>(highest)) || value != std::floor(value))
             throw wrong(fmt::format("grid '{}' has {} at ({}, {}, {}), but wants a whole number from 0 to {}", grid.getName(),
                                     active ? fmt::format("{}", value) : "nothing", at.x(), at.y(), at.z(), highest));
-        out.at[column] = static_cast<std::uint16_t>(value);
+        entries[column] = static_cast<std::uint16_t>(value);
     });
-    return out;
+    return {std::move(entries), energy->value()};
 }
 
 void require_distinct(const Seams& seams) {

@@ -36,6 +36,7 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
     const int size = lattice.shape[static_cast<std::size_t>(params.axis)];
     // A window that does not fit is better told before the frames are read than after.
     if (first) window_of(params, size);
+    transform_.require("the energy", *io.energy, context.frame());
     if (params.count.of(size) == 0) return;
     if (!energy_) energy_.emplace(lattice.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder());
     if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {
@@ -66,10 +67,20 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
             throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice.description, text(active_box_)));
         // An energy that is the same for all frames comes once.
         for (std::size_t t = added_; t < frames.size(); ++t) std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
-        auto found = find_seams(*energy_, out->kind, std::abs(count), window, find, [&](double fraction) {
-            context.check_cancelled();
-            context.progress(fraction);
-        });
+        // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
+        const auto columns = out->columns_per_frame() * frames.size();
+        const auto seam_bytes = static_cast<std::uint64_t>(std::abs(count)) * columns * sizeof(std::uint16_t);
+        const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t);
+        KeepSeam keep;
+        if (energy_bytes + seam_bytes > context.memory_budget())
+            keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
+        auto found = find_seams(
+            *energy_, out->kind, std::abs(count), window, find,
+            [&](double fraction) {
+                context.check_cancelled();
+                context.progress(fraction);
+            },
+            keep);
         energy_.reset();
         out->seams = std::move(found.seams);
         seconds = std::move(found.wall_s);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/node_type.h"
+#include "nodes/field/same_transform.h"
 #include "nodes/payloads.h"
 #include "nodes/seam/find_seams.h"
 
@@ -47,6 +48,7 @@ protected:
 
 private:
     std::optional<EnergyVolume> energy_;
+    OneTransform transform_;
     std::size_t added_ = 0;
     bool any_active_ = false;
     bool any_met_ = false;

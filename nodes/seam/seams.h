@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/lattice/lattice.h"
+#include "nodes/seam/seam_entries.h"
 
 #include <array>
 #include <cstddef>
@@ -18,7 +19,7 @@ struct Seams {
     struct Seam {
         /// `remove`: index in the space as it is when this seam is carved; `insert`: the original index that is doubled.
         /// Size columns_per_frame() * frames, lateral fastest, then k, then t.
-        std::vector<std::uint16_t> at;
+        SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
     };
 

@@ -1,15 +1,19 @@
 // Measures against named rivals, each line a ratio within this run: machines are noisy, ratios less so.
 //
-//   build/bench [--large]      --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 2 GB)
+//   build/bench [--large]      --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB)
 
 #include "nodes/catalogue.h"
+#include "nodes/energy/combine.h"
+#include "nodes/energy/gradient.h"
+#include "nodes/energy/vorticity.h"
 #include "nodes/io/vdb_file.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/remap.h"
 #include "nodes/seam/energy_code.h"
+#include "nodes/seam/energy_slab.h"
 #include "nodes/seam/greedy.h"
 #include "runtime/run.h"
-#include "tests/support/scratch.h"
+#include "tests/support/program.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/GridTransformer.h>
@@ -44,21 +48,26 @@ double with_threads(int threads, const std::function<double()>& measure) {
     return arena.execute(measure);
 }
 
-void line(const std::string& what, double figure, const std::string& rest) { fmt::print("{:<56} {:>8.2f}   {}\n", what, figure, rest); }
+void line(const std::string& what, double figure, const std::string& rest = {}) { fmt::print("{:<64} {:>8.2f}   {}\n", what, figure, rest); }
 
-/// `count` seams that wander by one entry, through the middle of a lattice.
-Seams wandering(const Lattice& lattice, int frames, int count) {
+void scaling(const std::string& what, const std::function<double()>& measure) {
+    const double one = with_threads(1, measure), two = with_threads(2, measure);
+    line(what + ": 1 thread / 2 threads", one / two, fmt::format("{:.3f} s, {:.3f} s", one, two));
+}
+
+/// `count` seams that wander by one entry, the first of them an eighth of the way into a lattice: whatever their number, as many
+/// voxels move.
+Seams wandering(const Lattice& lattice, int count) {
     Seams out;
     out.shape = lattice.shape;
     out.lattice = lattice.description;
     out.lattice_hash = lattice.hash;
-    for (int t = 0; t < frames; ++t) out.frames.push_back(t + 1);
+    out.frames = {1};
     for (int n = 0; n < count; ++n) {
-        Seams::Seam seam;
-        for (int t = 0; t < frames; ++t)
-            for (int k = 0; k < out.shape[2]; ++k)
-                for (int j = 0; j < out.lateral(); ++j) seam.at.push_back(static_cast<std::uint16_t>(out.carved() / 2 - count / 2 + (j / 3 + k / 5 + t) % 2));
-        out.seams.push_back(std::move(seam));
+        std::vector<std::uint16_t> at;
+        for (int k = 0; k < out.shape[2]; ++k)
+            for (int j = 0; j < out.lateral(); ++j) at.push_back(static_cast<std::uint16_t>(out.carved() / 8 + (j / 3 + k / 5) % 2));
+        out.seams.push_back({std::move(at), 0});
     }
     return out;
 }
@@ -75,28 +84,47 @@ FloatGrid::Ptr dense_field(const std::array<int, 3>& shape) {
     return grid;
 }
 
-void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid) {
-    const auto box = grid->evalActiveVoxelBoundingBox();
+Lattice lattice_around(const FloatGrid& grid) {
+    const auto box = grid.evalActiveVoxelBoundingBox();
     const auto size = box.dim();
-    const double spacing = grid->voxelSize().x();
-    const auto lattice = make_box(grid->indexToWorld(box.min()), {size.x(), size.y(), size.z()}, spacing, {0, 1, 2});
+    return make_box(grid.indexToWorld(box.min()), {size.x(), size.y(), size.z()}, grid.voxelSize().x(), {0, 1, 2});
+}
+
+void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid) {
+    const auto lattice = lattice_around(*grid);
     const auto carve = [&](int count) {
-        const auto seams = std::make_shared<const Seams>(wandering(lattice, 1, count));
-        return seconds(5, [&] { carve_grid(grid, lattice, CarveMap(lattice, {seams}, 1, std::nullopt), Interpolation::linear); });
+        const auto seams = std::make_shared<const Seams>(wandering(lattice, count));
+        const CarveMap map(lattice, {seams}, 1, std::nullopt);
+        return seconds(9, [&] { carve_grid(grid, lattice, map, Interpolation::linear); });
     };
     const auto resample = seconds(3, [&] {
         auto out = FloatGrid::create(grid->background());
         auto moved = grid->transform().copy();
-        moved->postTranslate(openvdb::Vec3d(0.3 * spacing));
+        moved->postTranslate(openvdb::Vec3d(0.3 * grid->voxelSize().x()));
         out->setTransform(moved);
         openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*grid, *out);
     });
     const double twelve = carve(12);
     line(fmt::format("{}: resampleToMatch / remap of 12 seams", name), resample / twelve,
          fmt::format("{:.1f} M voxels/s", static_cast<double>(grid->activeVoxelCount()) / twelve / 1e6));
-    line(fmt::format("{}: remap of 40 seams / of 1 seam", name), carve(std::min(40, size.x() / 2)) / carve(1), "");
-    const auto scaling = [&](int threads) { return with_threads(threads, [&] { return carve(12); }); };
-    line(fmt::format("{}: remap on 1 thread / on 2", name), scaling(1) / scaling(2), "");
+    line(fmt::format("{}: remap of {} seams / of 1", name, std::min(40, lattice.shape[0] / 2)), carve(std::min(40, lattice.shape[0] / 2)) / carve(1));
+    scaling(fmt::format("{}: remap of 12 seams", name), [&] { return carve(12); });
+}
+
+/// What a frame costs before its seams are found: vorticity, gradient, their sum, and the samples at the lattice's vertices.
+void bench_energy(const std::string& name, const std::string& path) {
+    const auto density = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(path, "density"));
+    const auto velocity = openvdb::gridConstPtrCast<VectorGrid>(read_vdb_grid(path, "velocity"));
+    const auto lattice = lattice_around(*density);
+    std::vector<std::uint16_t> slab(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
+                                    static_cast<std::size_t>(lattice.shape[2]));
+    const auto energy = [&] {
+        return seconds(9, [&] {
+            const std::vector<EnergyTerm> terms{{vorticity_energy(velocity, 1), 0.5f, {0, 1000}}, {gradient_energy(*density, 1), 0.5f, {0, 10}}};
+            sample_energy(*combined_energy(terms), lattice, Axis::u, slab);
+        });
+    };
+    scaling(name + ": energy of a frame", energy);
 }
 
 void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
@@ -110,27 +138,37 @@ void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
         }
     }
     const auto name = fmt::format("{}x{}x{} x {}", shape[0], shape[1], shape[2], frames);
-    const auto solve = [&](int threads) {
-        return with_threads(threads, [&] { return seconds(1, [&] { greedy_seam(energy, {0, shape[0] - 1}, 0, 16, [](double) {}); }); });
-    };
+    const auto solve = [&] { return seconds(3, [&] { greedy_seam(energy, {0, shape[0] - 1}, 0, 16, [](double) {}); }); };
     volatile std::uint64_t sum = 0;
-    const double read = seconds(1, [&] {
+    const double read = seconds(3, [&] {
         std::uint64_t total = 0;
         for (std::size_t t = 0; t < frames; ++t)
             for (const auto code : energy.slab(t)) total += code;
         sum = total;
     });
-    const double two = solve(2);
+    const double two = with_threads(2, solve);
     line(fmt::format("{}: seam.greedy, 16 starts / reading it once", name), two / read, fmt::format("{:.2f} s a seam", two));
-    line(fmt::format("{}: seam.greedy on 1 thread / on 2", name), solve(1) / two, "");
+    scaling(fmt::format("{}: seam.greedy, 16 starts", name), solve);
+}
+
+/// The frames of tests/data/plume forth and back, as a sequence of `count` in a folder.
+PathPattern looped_plume(const Scratch& scratch, int count) {
+    for (int frame = 1; frame <= count; ++frame) {
+        const int step = (frame - 1) % 10;
+        std::filesystem::create_symlink(fmt::format(SOURCE_ROOT "/tests/data/plume/plume.{:04}.vdb", step <= 5 ? 51 + step : 61 - step),
+                                        scratch / fmt::format("in.{:04}.vdb", frame));
+    }
+    return PathPattern(scratch / "in.####.vdb");
 }
 
 void bench_pipeline() {
-    const auto registry = builtin_registry();
+    constexpr int frames = 16;
     const Scratch scratch;
+    const auto in = looped_plume(scratch, frames);
+    const auto registry = builtin_registry();
     Problems problems;
-    const auto document = read_document(
-        "pipelines/plume.yaml", {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"), "sheet=" + (scratch / "sheet.png")}, problems);
+    const auto file = scratch.write("p.yaml", fmt::format("fluidcarve: 1\nextends: {}/pipelines/plume.yaml\nframes: 1-{}\n", SOURCE_ROOT, frames));
+    const auto document = read_document(file, {"sim=" + in.text(), "out=" + (scratch / "out.####.vdb")}, problems);
     const auto pipeline = build_pipeline(document, registry, problems);
     if (!problems.empty()) throw std::runtime_error(to_text(problems));
     RunRequest request;
@@ -138,20 +176,44 @@ void bench_pipeline() {
     request.options.in_flight = 3;
     request.options.memory = std::uint64_t{1} << 32;
     request.to = "out";
+    request.report_path = scratch / "report.json";
     request.quiet = true;
     const double run = seconds(3, [&] { run_pipeline(pipeline, registry, request, [] { return false; }); });
-    const PathPattern in("tests/data/plume/plume.####.vdb");
     const double floor = seconds(3, [&] {
-        for (const auto frame : pipeline.frames.frames()) {
-            openvdb::io::File file(in.at(frame));
-            file.open(false);
-            const auto grids = file.getGrids();
-            const auto metadata = file.getMetadata();
-            file.close();
+        for (int frame = 1; frame <= frames; ++frame) {
+            openvdb::io::File from(in.at(frame));
+            from.open(false);
+            const auto grids = from.getGrids();
+            const auto metadata = from.getMetadata();
+            from.close();
             openvdb::io::File(scratch / "floor.vdb").write(*grids, *metadata);
         }
     });
-    line("plume.yaml without its picture / reading and writing it", run / floor, fmt::format("{:.2f} s for {} frames", run, pipeline.frames.frames().size()));
+    const auto report = nlohmann::json::parse(Scratch::read(request.report_path));
+    double work = 0;
+    for (const auto& node : report["nodes"]) work += node["wall_s"].get<double>();
+    std::string shares;
+    for (const auto& [name, node] : report["nodes"].items()) shares += fmt::format(" {} {:.0f} %", name, 100 * node["wall_s"].get<double>() / work);
+    line("plume.yaml, 16 frames, no picture / reading and writing them", run / floor, fmt::format("{:.2f} s:{}", run, shares));
+}
+
+/// Peak memory of read -> vorticity -> write, as the program reports it.
+double peak_memory(int frames) {
+    const Scratch scratch;
+    const auto in = looped_plume(scratch, frames);
+    const auto file = scratch.write("p.yaml", fmt::format("fluidcarve: 1\nframes: 1-{}\nnodes:\n"
+                                                          "  sim:  {{type: vdb.read, path: {}, grids: {{velocity: vector}}}}\n"
+                                                          "  spin: {{type: energy.vorticity, velocity: sim.velocity}}\n"
+                                                          "  out:  {{type: vdb.write, source: spin, path: {}}}\n",
+                                                          frames, in.text(), scratch / "out.####.vdb"));
+    const auto ran = fluidcarve_program(fmt::format("run -q {} --threads 2 --report {}", file, scratch / "report.json"));
+    if (ran.code != 0) throw std::runtime_error(ran.err);
+    return nlohmann::json::parse(Scratch::read(scratch / "report.json"))["peak_rss_bytes"].get<double>();
+}
+
+void bench_memory() {
+    const double few = peak_memory(16), many = peak_memory(160);
+    line("read, vorticity, write: peak memory of 160 frames / of 16", many / few, fmt::format("{:.1f} MB, {:.1f} MB", many / 1e6, few / 1e6));
 }
 
 }  // namespace
@@ -159,9 +221,11 @@ void bench_pipeline() {
 int main(int argc, char** argv) {
     openvdb::initialize();
     const bool large = argc > 1 && std::strcmp(argv[1], "--large") == 0;
-    fmt::print("{:<56} {:>8}\n", "", "ratio");
+    fmt::print("{:<64} {:>8}\n", "", "ratio");
     bench_pipeline();
-    bench_remap("plume density", openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid("tests/data/plume/plume.0056.vdb", "density")));
+    bench_memory();
+    bench_energy("plume", SOURCE_ROOT "/tests/data/plume/plume.0056.vdb");
+    bench_remap("plume density", openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(SOURCE_ROOT "/tests/data/plume/plume.0056.vdb", "density")));
     bench_remap("dense 161x52x165", dense_field({161, 52, 165}));
     bench_greedy({161, 52, 165}, 20);
     if (large) bench_greedy({322, 105, 331}, 84);

@@ -115,7 +115,49 @@ TEST_CASE("a file that is no pipeline is refused in words") {
           "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
     CHECK(problems("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
     CHECK(problems("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
-    CHECK(problems(std::string("a\0b", 3)) == "p.yaml: binary data: not a pipeline\n");
+    CHECK(problems("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' wants a map, not nothing\nnodes:\n^\n");
+    CHECK(problems(std::string("a\0b", 3)) == "p.yaml: binary data: a pipeline is a text in UTF-8\n");
+    CHECK(problems("Dear all,\nplease find attached the pipeline that I told you about\n") ==
+          "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not 'Dear all, please find attached the pipeline that I told you ...'\n"
+          "Dear all,\n^\n");
+    CHECK(problems("  # a comment\n---\n") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+}
+
+TEST_CASE("a folder or a missing file is named, and nothing else is wrong with it") {
+    const Scratch scratch;
+    const auto refusal = [&](const std::string& path) {
+        Problems problems;
+        read_document(path, {"size=3", "a.b=3"}, problems);
+        return to_text(problems);
+    };
+    CHECK(refusal(scratch.path()) == "cannot read " + scratch.path() + ": it is a folder\n");
+    CHECK(refusal(scratch / "none.yaml") == "cannot read " + scratch / "none.yaml" + ": it does not exist\n");
+    CHECK(refusal(scratch.write("empty.yaml", "")) ==
+          scratch / "empty.yaml" + ": the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+}
+
+TEST_CASE("a file of any size is refused by its limit, and not read to its end") {
+    const Scratch scratch;
+    const auto path = scratch.write("large.yaml", "");
+    std::filesystem::resize_file(path, std::uintmax_t{1} << 32);
+    Problems problems;
+    read_document(path, {}, problems);
+    CHECK(to_text(problems) == path + ": the file holds more than 1 MiB: not a pipeline\n");
+}
+
+TEST_CASE("what a user wrote can't command a terminal or break a message's lines") {
+    CHECK(problems("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:2:1: a pipeline has no field 'no [31mde x'; known: fluidcarve, params, env, extends, frames, nodes\n\"no\\e[31mde\\nx\": 1\n^\n");
+}
+
+TEST_CASE("a frame set that was left empty is not taken for one frame") {
+    CHECK(problems("fluidcarve: 1\nframes:\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:2:1: 'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one\nframes:\n^\n");
+    const Scratch scratch;
+    scratch.write("base.yaml", "fluidcarve: 1\nframes: 1-5\nnodes:\n  a: {type: x}\n");
+    const auto out = read(scratch, "fluidcarve: 1\nextends: base.yaml\nframes:\n");
+    CHECK(out.text == "");
+    CHECK(out.document.frames.kind == Value::Kind::null);
 }
 
 TEST_CASE("params are checked against their declaration") {
@@ -128,6 +170,12 @@ TEST_CASE("params are checked against their declaration") {
     CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
           "        ^\n");
+    for (const std::string bad : {"+-5", "%", "nan", "inf%", "1.5", "1e999", "0x10", "5 %"})
+        CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad + "\"}\nnodes:\n  a: {type: x}\n") ==
+              "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '" + bad + "'\n  n: {type: count, default: \"" + bad +
+                  "\"}\n                            ^\n");
+    for (const std::string good : {"+5", "-5", "-12.5%", "+10%"})
+        CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good + "\"}\nnodes:\n  a: {type: x}\n") == "");
 }
 
 TEST_CASE("an unknown or unset name in a value is named where it stands") {

@@ -22,7 +22,7 @@ NodeType toy_type(const std::string& name) {
     NodeType out;
     out.name = name;
     out.doc = "A <toy> & more.";
-    out.inputs = {{"in", "In.", InputSpec::Arity::list, typeid(Water), {}}};
+    out.inputs = {{"in", "In.", InputSpec::Arity::list, typeid(Water), {}, false}};
     out.outputs = {{"out", "Out.", typeid(Water), {}}};
     return out;
 }

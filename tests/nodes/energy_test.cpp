@@ -1,9 +1,15 @@
 #include "nodes/energy/combine.h"
 #include "nodes/energy/gradient.h"
+#include "nodes/energy/kinetic.h"
+#include "nodes/energy/remap.h"
+#include "nodes/energy/volume.h"
 #include "nodes/energy/vorticity.h"
+#include "nodes/field/active_range.h"
 #include "nodes/field/collocate.h"
+#include "nodes/io/vdb_file.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/sampled.h"
 
 #include <catch2/catch.hpp>
 
@@ -14,24 +20,17 @@ using openvdb::Vec3d;
 using openvdb::Vec3s;
 using test::failure_of;
 using test::NodeBench;
+using test::rotation;
 
 namespace {
 
 constexpr double voxel = 0.25;
 const CoordBBox cube({-9, -9, -9}, {9, 9, 9});
 
-/// `value(world position)` at each voxel of a box; component c of a staggered grid on its face.
 template <class Grid, class Value>
 typename Grid::Ptr sampled(const CoordBBox& box, const Value& value) {
-    const auto out = Grid::create();
-    out->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
-    out->setName("sampled");
-    auto accessor = out->getAccessor();
-    for (auto at = box.begin(); at; ++at) accessor.setValue(*at, value(out->indexToWorld((*at).asVec3d())));
-    return out;
+    return test::sampled<Grid>(box, voxel, value);
 }
-
-Vec3s rotation(const Vec3d& omega, const Vec3d& p) { return Vec3s(omega.cross(p)); }
 
 /// The largest |grid - wanted| over the voxels that are `margin` or more inside the box.
 template <class Wanted>
@@ -79,19 +78,8 @@ TEST_CASE("a Gaussian vortex shows its known profile, to the second order of the
 
 TEST_CASE("a staggered velocity is collocated before its curl is taken") {
     const Vec3d omega(0.3, -0.4, 1.2);
-    const auto staggered = VectorGrid::create();
-    staggered->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
-    staggered->setGridClass(openvdb::GRID_STAGGERED);
+    const auto staggered = test::sampled_staggered(cube, voxel, [&](const Vec3d& p) { return rotation(omega, p); });
     staggered->setName("velocity");
-    for (auto at = cube.begin(); at; ++at) {
-        Vec3s faces;
-        for (int c = 0; c < 3; ++c) {
-            auto face = (*at).asVec3d();
-            face[c] -= 0.5;
-            faces[c] = rotation(omega, face * voxel)[c];
-        }
-        staggered->tree().setValue(*at, faces);
-    }
     const auto centred = collocated(staggered);
     CHECK(centred->getGridClass() == openvdb::GRID_UNKNOWN);
     CHECK(centred->getName() == "velocity");
@@ -274,4 +262,199 @@ TEST_CASE("the gain of a single energy scales it and may not be negative") {
     CHECK(node.run({{"field", {Payload(Ref<FloatGrid>(field))}}}).at("energy").as<FloatGrid>()->tree().getValue({0, 0, 0}) == Approx(3));
     CHECK(NodeBench(energy_gradient(), "gain: -1").faults() == "gain must be at least 0, not -1\n");
     CHECK(NodeBench(energy_vorticity(), "gain: -1").faults() == "gain must be at least 0, not -1\n");
+}
+
+TEST_CASE("kinetic energy is the square of the speed, of the collocated velocity") {
+    const auto jet = sampled<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(2, -3, float(p.x())); });
+    const auto energy = kinetic_energy(jet, 2);
+    CHECK(largest_error(
+              *energy, cube, [](const Vec3d& p) { return 2 * (4 + 9 + p.x() * p.x()); }, 0) < 1e-5);
+    CHECK(energy->activeVoxelCount() == cube.volume());
+    CHECK(energy->background() == 0);
+    CHECK(energy->transform() == jet->transform());
+    CHECK(energy->getName() == "kinetic energy of sampled");
+    const auto staggered = test::sampled_staggered(cube, voxel, [](const Vec3d& p) { return Vec3s(float(p.x()), float(p.y()), 0); });
+    CHECK(largest_error(*kinetic_energy(staggered, 1), cube, [](const Vec3d& p) { return p.x() * p.x() + p.y() * p.y(); }) < 1e-5);
+}
+
+TEST_CASE("kinetic energy keeps active tiles, whatever the shape of the voxels") {
+    const auto velocity = VectorGrid::create();
+    velocity->transform().postScale({1, 2, 1});
+    velocity->tree().addTile(2, {0, 0, 0}, Vec3s(1, 2, 2), true);
+    const auto energy = kinetic_energy(velocity, 1);
+    CHECK(energy->tree().activeTileCount() == 1);
+    CHECK(energy->tree().leafCount() == 0);
+    CHECK(energy->tree().getValue({9, 9, 9}) == 9);
+    CHECK(kinetic_energy(VectorGrid::create(), 1)->empty());
+}
+
+TEST_CASE("a speed whose square no float holds is refused") {
+    const auto velocity = VectorGrid::create();
+    velocity->setName("velocity");
+    velocity->tree().setValue({1, 2, 3}, Vec3s(1e20f, 0, 0));
+    CHECK(failure_of([&] { kinetic_energy(velocity, 1); }) ==
+          "grid 'velocity' has a value that is not finite (NaN or infinite) beside voxel [1, 2, 3]; repair it where it comes from");
+    velocity->tree().setValue({1, 2, 4}, Vec3s(0, std::numeric_limits<float>::quiet_NaN(), 0));
+    CHECK(failure_of([&] { kinetic_energy(velocity, 1); }) ==
+          "grid 'velocity' has a value that is not finite (NaN or infinite) at voxel [1, 2, 4]; repair it where it comes from");
+    CHECK(NodeBench(energy_kinetic(), "gain: -1").faults() == "gain must be at least 0, not -1\n");
+}
+
+namespace {
+
+/// One frame of the plume: inputs of energy.volume.
+struct PlumeFrame {
+    Ref<VectorGrid> velocity;
+    Ref<FloatGrid> density, temperature;
+
+    explicit PlumeFrame(int frame) {
+        const auto path = fmt::format("{}/plume/plume.{:04}.vdb", TEST_DATA, frame);
+        velocity = openvdb::gridPtrCast<VectorGrid>(read_vdb_grid(path, "velocity"));
+        density = openvdb::gridPtrCast<FloatGrid>(read_vdb_grid(path, "density"));
+        temperature = openvdb::gridPtrCast<FloatGrid>(read_vdb_grid(path, "temperature"));
+    }
+    NodeBench::Inputs inputs() const { return {{"velocity", {Payload(velocity)}}, {"fields", {Payload(density), Payload(temperature)}}}; }
+};
+
+Payload only(const std::map<std::string, Payload>& outputs) { return outputs.at("energy"); }
+
+/// The terms of energy.volume, by nodes of their own.
+NodeBench::Inputs plume_terms(const PlumeFrame& frame) {
+    const NodeBench::Inputs flow{{"velocity", {Payload(frame.velocity)}}};
+    const auto gradient = [](const Ref<FloatGrid>& field) { return only(NodeBench(energy_gradient()).run({{"field", {Payload(field)}}})); };
+    return {
+        {"terms",
+         {only(NodeBench(energy_vorticity()).run(flow)), only(NodeBench(energy_kinetic()).run(flow)), gradient(frame.density), gradient(frame.temperature)}}};
+}
+
+}  // namespace
+
+TEST_CASE("energy.volume is bit for bit what vorticity, kinetic, gradient and combine nodes give") {
+    const auto [volume_yaml, combine_yaml] =
+        GENERATE(std::pair("{vorticity: 2, kinetic: 0.5, gradient: 3}", "{weights: [2, 0.5, 3, 3]}"), std::pair("{}", "{}"),
+                 std::pair("{kinetic: 0.25, range: [auto, [0, 4], auto, [0, 0.5]]}", "{weights: [1, 0.25, 1, 1], range: [auto, [0, 4], auto, [0, 0.5]]}"),
+                 std::pair("{gradient: 2, range: [0, 1]}", "{weights: [1, 1, 2, 2], range: [0, 1]}"));
+    NodeBench volume(energy_volume(), volume_yaml, {{"velocity", 1}, {"fields", 2}});
+    NodeBench combine(energy_combine(), combine_yaml, {{"terms", 4}});
+    REQUIRE(volume.faults() == "");
+    REQUIRE(volume.gathers() == combine.gathers());
+    const std::vector<PlumeFrame> frames{PlumeFrame(51), PlumeFrame(54), PlumeFrame(56)};
+    if (volume.gathers()) {
+        for (const auto& frame : frames) volume.add(frame.inputs()), combine.add(plume_terms(frame));
+        volume.finish();
+        combine.finish();
+    }
+    for (const auto& frame : frames) {
+        const auto one = only(volume.run(frame.inputs())).as<FloatGrid>(), other = only(combine.run(plume_terms(frame))).as<FloatGrid>();
+        CHECK(test::difference(*one, *other) == "");
+        CHECK(one->transform() == frame.velocity->transform());
+        CHECK(active_range(*one).high > active_range(*one).low);
+    }
+}
+
+TEST_CASE("energy.volume takes a velocity alone, and fields alone") {
+    const PlumeFrame frame(53);
+    NodeBench flow(energy_volume(), "{kinetic: 3, range: [[0, 2], [0, 8]]}", {{"velocity", 1}});
+    REQUIRE(flow.faults() == "");
+    CHECK(test::difference(*only(flow.run({{"velocity", {Payload(frame.velocity)}}})).as<FloatGrid>(),
+                           *combined_energy({{vorticity_energy(frame.velocity, 1), 1, {0, 2}}, {kinetic_energy(frame.velocity, 1), 3, {0, 8}}})) == "");
+    NodeBench look(energy_volume(), "{gradient: 3, range: [0, 2]}", {{"fields", 1}});
+    REQUIRE(look.faults() == "");
+    CHECK(test::difference(*only(look.run({{"fields", {Payload(frame.density)}}})).as<FloatGrid>(),
+                           *combined_energy({{gradient_energy(*frame.density, 1), 3, {0, 2}}})) == "");
+}
+
+TEST_CASE("energy.volume's parameters are checked against its inputs") {
+    const auto faults = [](const std::string& yaml, const std::map<std::string, std::size_t>& connected) {
+        return NodeBench(energy_volume(), yaml, connected).faults();
+    };
+    CHECK(faults("{}", {}) == "type: needs 'velocity', 'fields' or both\n");
+    CHECK(faults("{kinetic: 2, vorticity: 1, gradient: 1}", {{"fields", 1}}) ==
+          "vorticity: 'vorticity' weighs a term of 'velocity', which is not connected\n"
+          "kinetic: 'kinetic' weighs a term of 'velocity', which is not connected\n");
+    CHECK(faults("{kinetic: 2, gradient: 1}", {{"velocity", 1}}) == "gradient: 'gradient' weighs a term of 'fields', which is not connected\n");
+    CHECK(faults("range: [auto, [0, 1]]", {{"velocity", 1}, {"fields", 1}}) == "range: states 2 ranges for 3 terms; state one per term\n");
+    CHECK(faults("gradient: -1", {{"fields", 1}}) == "gradient must be at least 0, not -1\n");
+}
+
+namespace {
+
+/// 0 to 4 in steps of 1 along x, active from 1 to 4; a tile of 8 beside it.
+FloatGrid::Ptr steps() {
+    const auto out = FloatGrid::create(0);
+    out->setName("steps");
+    for (int x = 1; x < 5; ++x) out->tree().setValue({x, 0, 0}, float(x));
+    out->tree().addTile(1, {64, 0, 0}, 8.0f, true);
+    return out;
+}
+
+/// The values at x = 0 (background), 1 to 4, and in the tile.
+std::vector<float> values(const FloatGrid& grid) {
+    std::vector<float> out;
+    for (const int x : {0, 1, 2, 3, 4, 70}) out.push_back(grid.tree().getValue({x, 0, 0}));
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("a remap is straight, clamped, bent and inverted, to the last bit where that is exact") {
+    using Values = std::vector<float>;
+    const auto remapped = [](const Interval& range, const RemapCurve& curve) { return values(*remapped_energy(*steps(), range, curve)); };
+    CHECK(remapped({0, 8}, {}) == Values{0, 0.125f, 0.25f, 0.375f, 0.5f, 1});
+    CHECK(remapped({2, 4}, {}) == Values{0, 0, 0, 0.5f, 1, 1});
+    CHECK(remapped({2, 4}, {.clamp = false}) == Values{-1, -0.5f, 0, 0.5f, 1, 3});
+    CHECK(remapped({0, 4}, {.to = {-2, 6}}) == Values{-2, 0, 2, 4, 6, 6});
+    CHECK(remapped({0, 4}, {.gamma = 2}) == Values{0, 0.0625f, 0.25f, 0.5625f, 1, 1});
+    CHECK(remapped({0, 4}, {.gamma = 0.5}) == Values{0, 0.5f, std::sqrt(0.5f), float(std::sqrt(0.75)), 1, 1});
+    CHECK(remapped({0, 4}, {.invert = true}) == Values{1, 0.75f, 0.5f, 0.25f, 0, 0});
+    CHECK(remapped({0, 4}, {.to = {10, 20}, .gamma = 2, .invert = true}) == Values{20, 19.375f, 17.5f, 14.375f, 10, 10});
+    CHECK(remapped({0, 4}, {.to = {-2, 6}, .clamp = false, .invert = true}) == Values{6, 4, 2, 0, -2, -10});
+    CHECK(remapped({4, 4}, {.to = {3, 5}}) == Values{3, 3, 3, 3, 3, 3});
+    CHECK(remapped({4, 4}, {.to = {3, 5}, .clamp = false, .invert = true}) == Values{5, 5, 5, 5, 5, 5});
+    CHECK(remapped({0, 4}, {.to = {0.1, 0.7}}).at(4) == 0.7f);
+}
+
+TEST_CASE("a remap keeps what is active, tiles as tiles, and remaps the background") {
+    const auto in = steps();
+    in->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    const auto out = remapped_energy(*in, {0, 8}, {.invert = true});
+    CHECK(out->tree().hasSameTopology(in->tree()));
+    CHECK(out->background() == 1);
+    CHECK(out->transform() == in->transform());
+    CHECK(out->getName() == "remap of steps");
+    in->tree().setValue({3, 0, 0}, std::numeric_limits<float>::infinity());
+    CHECK(failure_of([&] {
+              remapped_energy(*in, {0, 8}, {});
+          }) == "grid 'steps' has a value that is not finite (NaN or infinite) at voxel [3, 0, 0]; repair it where it comes from");
+}
+
+TEST_CASE("energy.remap finds its range over the whole sequence, unless it is stated") {
+    const auto frame = [](float a, float b) {
+        auto grid = FloatGrid::create();
+        grid->tree().setValue({0, 0, 0}, a);
+        grid->tree().setValue({1, 0, 0}, b);
+        return NodeBench::Inputs{{"energy", {Payload(Ref<FloatGrid>(grid))}}};
+    };
+    NodeBench node(energy_remap(), "{to: [0, 100], gamma: 2}");
+    REQUIRE(node.faults() == "");
+    REQUIRE(node.gathers());
+    node.add(frame(2, 3));
+    node.add(frame(6, 5));
+    node.finish();
+    const auto out = only(node.run(frame(4, 6))).as<FloatGrid>();
+    CHECK(out->tree().getValue({0, 0, 0}) == 25);
+    CHECK(out->tree().getValue({1, 0, 0}) == 100);
+
+    NodeBench stated(energy_remap(), "range: [0, 10]");
+    CHECK_FALSE(stated.gathers());
+    CHECK(only(stated.run(frame(5, 20))).as<FloatGrid>()->tree().getValue({0, 0, 0}) == 0.5f);
+}
+
+TEST_CASE("energy.remap refuses parameters that make no sense") {
+    const auto faults = [](const std::string& yaml) { return NodeBench(energy_remap(), yaml).faults(); };
+    CHECK(faults("{clamp: false, gamma: 2}") == "gamma: 'gamma' bends only what is clamped: leave it at 1, or 'clamp' at true\n");
+    CHECK(faults("{clamp: false, invert: true}") == "");
+    CHECK(faults("gamma: 0") == "gamma must be from 0.01 to 100, not 0\n");
+    CHECK(faults("to: [1, 0]") == "to has its low end 1 above its high end 0\n");
+    CHECK(faults("range: wide") == "range wants [low, high], not 'wide'\n");
 }

@@ -54,7 +54,7 @@ struct Columns {
     }
 };
 
-double cost(EnergyVolume& energy, const std::vector<std::uint16_t>& at) {
+double cost(EnergyVolume& energy, std::span<const std::uint16_t> at) {
     double out = 0;
     for (std::size_t c = 0; c < at.size(); ++c)
         out += decode_energy(energy.slab(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + at[c]]);

@@ -125,9 +125,12 @@ TEST_CASE("lattice.box fits the voxels that are active in any frame") {
 
 TEST_CASE("lattice.box refuses to fit what has no one box") {
     const CoordBBox active(Coord(0), Coord(3));
-    CHECK(failure_of([&] {
-              fitted({grid_of(active, voxels_of(0.5)), grid_of(active, voxels_of(0.25))});
-          }) == "grid 'density' has voxel size 0.25 at (0, 0, 0) in frame 8, but 0.5 at (0, 0, 0) in frame 7; a box fits only grids that keep their transform");
+    CHECK(
+        failure_of([&] {
+            fitted({grid_of(active, voxels_of(0.5)), grid_of(active, voxels_of(0.25))});
+        }) ==
+        "grid 'density' has voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in frame 7, but voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 0] in frame 8: "
+        "no lattice fits both; bake the sequence with a fixed domain, or resample it");
     CHECK(failure_of([&] { fitted({grid_of(CoordBBox(), voxels_of(0.5))}); }) ==
           "the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
     const auto turned = voxels_of(0.5);

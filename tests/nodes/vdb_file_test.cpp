@@ -3,6 +3,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/points/PointAttribute.h>
@@ -190,6 +191,34 @@ TEST_CASE("a file cut off anywhere is refused") {
     }
 }
 
+TEST_CASE("a file cut off is an input's fault, and the message says where it ends") {
+    const Scratch scratch;
+    const auto whole = Scratch::read(std::string(TEST_DATA) + "/vdb/cortex_points.vdb");
+    // The header ends where the only grid begins.
+    constexpr std::size_t header = 0xbc;
+    std::vector<std::size_t> sizes;
+    for (std::size_t size = 0; size < 200; ++size) sizes.push_back(size);
+    for (std::size_t n = 0; n < 60; ++n) sizes.push_back(200 + (whole.size() - 200) * n / 60);
+    sizes.push_back(whole.size() - 1);
+    const auto path = scratch / "cut.vdb";
+    for (const auto size : sizes) {
+        scratch.write("cut.vdb", whole.substr(0, size));
+        const auto wanted =
+            path + (size < header ? fmt::format(" is cut off: it ends within its header, at byte {}; copy or write it again", size)
+                                  : fmt::format(" is cut off: grid 'points' ends at byte {}, the file at {}; copy or write it again", whole.size(), size));
+        const std::function<void()> readers[] = {[&] { read_vdb_header(path); }, [&] { read_vdb(path); }, [&] { read_vdb_grid(path, "points"); }};
+        for (const auto& read : readers) {
+            std::string told;
+            try {
+                read();
+            } catch (const Failure& failure) {
+                told = failure.kind == Failure::Kind::input ? failure.what() : "not the input's fault";
+            }
+            CHECK(told == wanted);
+        }
+    }
+}
+
 TEST_CASE("what is wrong with a file is said in words") {
     const Scratch scratch;
     const auto whole = Scratch::read(std::string(TEST_DATA) + "/vdb/cortex_points.vdb");
@@ -212,10 +241,12 @@ TEST_CASE("what is wrong with a file is said in words") {
     changed.replace(positions, 24, 24, '\0');
     scratch.write("unfinished.vdb", changed);
     is("unfinished.vdb", " is unfinished or damaged: it does not say where grid 'points' ends; wait for its writer, or write it again");
-    changed = whole;
-    changed[changed.find("Tree_ptdataidx32")] = 'X';
+    changed = Scratch::read(std::string(TEST_DATA) + "/vdb/cortex_sphere.vdb");
+    changed[changed.find("Tree_float")] = 'X';
     scratch.write("strange.vdb", changed);
-    is("strange.vdb", ": grid 'points' is of type Xree_ptdataidx32_5_4_3, which OpenVDB 10.0.1 does not know; leave it out when writing the file");
+    is("strange.vdb",
+       ": grid 'ls_sphere' is of type Xree_float_5_4_3, which OpenVDB 10.0.1 does not know; it could be kept as it is in a file of version 224, "
+       "but this one has 222: leave it out when writing the file");
     changed = whole;
     changed[8] = '\xff';
     scratch.write("newer.vdb", changed);

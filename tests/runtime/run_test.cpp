@@ -236,6 +236,42 @@ nodes:
     CHECK(ran.count("print 4 = 4 of 12") == 1);
 }
 
+TEST_CASE("a frame that -f names and a reader leaves out is warned of") {
+    const std::string yaml = R"(
+frames: 1-5
+nodes:
+  count: {type: toy.count, path: in.##, skip: 3}
+  print: {type: toy.print, number: count, path: out.##}
+)";
+    const nlohmann::json warned = {{{"node", "count"}, {"message", "left out for want of a file, though -f names them: 3"}}};
+    auto ran = run(yaml, deliver("3"));
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.log.empty());
+    CHECK(ran.report["frames"].empty());
+    CHECK(ran.report["warnings"] == warned);
+    ran = run(yaml, deliver("2-3"));
+    CHECK(ran.report["frames"] == nlohmann::json({2}));
+    CHECK(ran.report["warnings"] == warned);
+    ran = run(yaml, deliver("4"));
+    CHECK(ran.report["warnings"].empty());
+}
+
+TEST_CASE("an output that can't be written is told before anything runs, or frame by frame with --keep-going") {
+    const std::string yaml = R"(
+frames: 1-3
+nodes:
+  count: {type: toy.count, path: in.##}
+  print: {type: toy.print, number: count, path: /proc/nowhere/out.##}
+)";
+    auto ran = run(yaml, deliver("2-3"));
+    CHECK(ran.code == exit_code::node_failed);
+    CHECK(ran.log.empty());
+    CHECK(failures(ran) ==
+          std::vector<std::string>{"print 2: cannot write /proc/nowhere/out.02: the folder /proc/nowhere cannot be made: No such file or directory"});
+    ran = run(yaml, keep_going());
+    CHECK(ran.count("print ") == 3);
+}
+
 TEST_CASE("a run that is asked to stop ends with what is in flight") {
     std::atomic<int> asked{0};
     const auto ran = run(R"(

@@ -62,9 +62,13 @@ public:
         std::vector<int> all;
         std::set<int> left_out;
         std::map<int, std::string> absent;
+        std::vector<std::string> warnings;
         const std::vector<int>& frames() const override { return all; }
         void leave_out(int frame) override { left_out.insert(frame); }
         void missing(int frame, const std::string& message) override { absent[frame] = message; }
+        bool needs(int) const override { return true; }
+        bool wants(std::string_view) const override { return true; }
+        void warn(const std::string& message) override { warnings.push_back(message); }
     };
     Surveyed survey(std::vector<int> frames) const {
         Surveyed out;

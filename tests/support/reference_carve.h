@@ -86,13 +86,13 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const st
     out.lattice_hash = lattice.hash;
     const auto columns = out.columns_per_frame() * out.frames.size();
     out.seams.resize(static_cast<std::size_t>(count));
-    for (auto& seam : out.seams) seam.at.resize(columns);
+    for (auto& seam : out.seams) seam.at = std::vector<std::uint16_t>(columns);
     for (std::size_t c = 0; c < columns; ++c) {
         std::vector<int> free;
         for (int i = 0; i + 1 < out.carved(); ++i) free.push_back(i);
         std::shuffle(free.begin(), free.end(), random);
         for (int n = 0; n < count; ++n)
-            out.seams[static_cast<std::size_t>(n)].at[c] = static_cast<std::uint16_t>(
+            out.seams[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
                 kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
     }
     return out;

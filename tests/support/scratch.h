@@ -1,6 +1,7 @@
 #pragma once
 
 #include <unistd.h>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -10,7 +11,7 @@
 class Scratch {
 public:
     Scratch() {
-        static int serial = 0;
+        static std::atomic<int> serial{0};
         path_ = std::filesystem::temp_directory_path() / ("fluidcarve-test-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
         std::filesystem::create_directories(path_);
     }

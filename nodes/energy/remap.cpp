@@ -1,0 +1,64 @@
+#include "nodes/energy/remap.h"
+
+#include "nodes/field/active_range.h"
+#include "nodes/field/stencil.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+struct EnergyRemap {
+    struct Params : RemapCurve {
+        Auto<Interval> range;
+    };
+    struct Ports {
+        Ref<FloatGrid> energy, remapped;
+    };
+
+    Interval gathered = empty_range;
+
+    static bool gathers(const Params& params) { return !params.range; }
+
+    static void check(const Params& params, NodeCheck& check) {
+        if (!params.clamp && params.gamma != 1) check.fault("gamma", "'gamma' bends only what is clamped: leave it at 1, or 'clamp' at true");
+    }
+
+    void add(const Params&, const Ports& io, Context&) { gathered = joined(gathered, active_range(*io.energy)); }
+
+    void finish(const Params&, Ports&, Context&) {}
+
+    void run(const Params& params, Ports& io, Context&) const { io.remapped = remapped_energy(*io.energy, params.range.value_or(gathered), params); }
+};
+
+}  // namespace
+
+FloatGrid::Ptr remapped_energy(const FloatGrid& field, const Interval& range, const RemapCurve& curve) {
+    const auto remap = [&](float value) {
+        double t = range.low < range.high ? (value - range.low) / (range.high - range.low) : 0;
+        if (curve.clamp) t = std::clamp(t, 0.0, 1.0);
+        if (curve.gamma != 1) t = std::pow(t, curve.gamma);
+        return static_cast<float>(curve.invert ? std::lerp(curve.to.high, curve.to.low, t) : std::lerp(curve.to.low, curve.to.high, t));
+    };
+    const auto out = map_values<FloatGrid>(field, remap(field.background()), remap);
+    out->setName("remap of " + field.getName());
+    return out;
+}
+
+NodeType energy_remap() {
+    return Declare<EnergyRemap>("energy.remap", "Brings an energy's values into another interval, straight or bent, upside down if need be.")
+        .input("energy", &EnergyRemap::Ports::energy, "An energy, density or any other field.")
+        .param("range", &EnergyRemap::Params::range, Unit::none, any_number(),
+               "What becomes `to`, in the unit of `energy`; auto: the smallest and largest active value of the sequence, found in a pass of its own. Where "
+               "they are "
+               "the same, all counts as the low end.")
+        .param("to", &RemapCurve::to, Unit::none, any_number(), "Where the ends of `range` go.")
+        .param("gamma", &RemapCurve::gamma, Unit::none, between(0.01, 100),
+               "Exponent between the ends: below 1 lifts low values, above 1 lowers them. Only with `clamp`.")
+        .param("clamp", &RemapCurve::clamp, "Values beyond `range` go to the ends of `to`; false: beyond them, in a straight line.")
+        .param("invert", &RemapCurve::invert, "The low end of `range` goes to the high end of `to`: empty space gets the most.")
+        .output("energy", &EnergyRemap::Ports::remapped, "On the active voxels of `energy`; everywhere else its background, remapped too.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,81 @@
+#include "nodes/energy/volume.h"
+
+#include "nodes/energy/gradient.h"
+#include "nodes/energy/kinetic.h"
+#include "nodes/energy/term_ranges.h"
+#include "nodes/energy/vorticity.h"
+#include "nodes/field/collocate.h"
+
+namespace fluidcarve {
+namespace {
+
+struct VolumeEnergy {
+    struct Params : VolumeWeights {
+        TermRanges range;
+    };
+    struct Ports {
+        Optional<VectorGrid> velocity;
+        OptionalList<FloatGrid> fields;
+        Ref<FloatGrid> energy;
+    };
+
+    GatheredRanges gathered;
+
+    static bool gathers(const Params& params) { return params.range.gathers(); }
+
+    static void check(const Params& params, NodeCheck& check) {
+        const auto velocities = check.connections("velocity"), fields = check.connections("fields");
+        if (velocities + fields == 0) return check.fault("type", "needs 'velocity', 'fields' or both");
+        const auto needs = [&](const char* weight, std::size_t connections, const char* input) {
+            if (connections == 0 && check.stated(weight)) check.fault(weight, fmt::format("'{}' weighs a term of '{}', which is not connected", weight, input));
+        };
+        needs("vorticity", velocities, "velocity");
+        needs("kinetic", velocities, "velocity");
+        needs("gradient", fields, "fields");
+        params.range.check(2 * velocities + fields, check);
+    }
+
+    void add(const Params& params, const Ports& io, Context&) {
+        std::vector<Ref<FloatGrid>> energies;
+        for (const auto& term : volume_terms(io.velocity, io.fields, params)) energies.push_back(term.energy);
+        gathered.add(params.range, energies);
+    }
+
+    void finish(const Params&, Ports&, Context&) {}
+
+    void run(const Params& params, Ports& io, Context&) const {
+        auto terms = volume_terms(io.velocity, io.fields, params);
+        for (std::size_t n = 0; n < terms.size(); ++n) terms[n].range = gathered.of(params.range, n);
+        io.energy = combined_energy(terms);
+    }
+};
+
+}  // namespace
+
+std::vector<EnergyTerm> volume_terms(const Ref<VectorGrid>& velocity, const std::vector<Ref<FloatGrid>>& fields, const VolumeWeights& weights) {
+    std::vector<EnergyTerm> out;
+    if (velocity) {
+        const auto centred = collocated(velocity);
+        out.push_back({vorticity_energy(centred, 1), weights.vorticity, {}});
+        out.push_back({kinetic_energy(centred, 1), weights.kinetic, {}});
+    }
+    for (const auto& field : fields) out.push_back({gradient_energy(*field, 1), weights.gradient, {}});
+    return out;
+}
+
+NodeType energy_volume() {
+    return Declare<VolumeEnergy>("energy.volume", "The paper's energy for smoke and fire: high where the flow spins, is fast, or its fields change.")
+        .input("velocity", &VolumeEnergy::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
+        .input("fields", &VolumeEnergy::Ports::fields, "The fields that are seen: density, temperature, flame; on grids of the velocity's transform.")
+        .param("vorticity", &VolumeWeights::vorticity, Unit::none, at_least(0), "Weight of |curl velocity|.")
+        .param("kinetic", &VolumeWeights::kinetic, Unit::none, at_least(0), "Weight of velocity . velocity; lambda 1 in the paper.")
+        .param("gradient", &VolumeWeights::gradient, Unit::none, at_least(0), "Weight of |grad field|, for each field; lambda 2 in the paper.")
+        .param(
+            "range", &VolumeEnergy::Params::range,
+            "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
+            "found in a pass of its own; or an interval for all terms; or a list with one of these per term: vorticity, kinetic, then the gradient of each "
+            "field. A term that is constant counts as 0.")
+        .output("energy", &VolumeEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in any input.");
+}
+
+}  // namespace fluidcarve

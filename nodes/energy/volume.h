@@ -1,0 +1,27 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/energy/combine.h"
+#include "nodes/payloads.h"
+
+#include <vector>
+
+namespace fluidcarve {
+
+/// The paper's lambdas, and a weight for the vorticity too.
+struct VolumeWeights {
+    float vorticity = 1;
+    float kinetic = 1;   ///< lambda 1
+    float gradient = 1;  ///< lambda 2, of each field
+};
+
+/// The energy of smoke and fire, |curl u| + lambda1 u . u + lambda2 sum |grad s| (paper 5.1.3, eq. 10), as terms of
+/// combined_energy: vorticity_energy and kinetic_energy of the velocity, then gradient_energy of each field. Their ranges are
+/// left to the caller, who knows the sequence.
+/// @param velocity  may be null: no such terms
+/// @throws Failure as the energies
+std::vector<EnergyTerm> volume_terms(const Ref<VectorGrid>& velocity, const std::vector<Ref<FloatGrid>>& fields, const VolumeWeights& weights);
+
+NodeType energy_volume();
+
+}  // namespace fluidcarve

@@ -1,0 +1,35 @@
+#include "nodes/field/curl.h"
+
+#include "nodes/field/collocate.h"
+#include "nodes/field/differences.h"
+#include "nodes/field/stencil.h"
+
+namespace fluidcarve {
+namespace {
+
+struct FieldCurl {
+    struct Params {};
+    struct Ports {
+        Ref<VectorGrid> velocity, curl;
+    };
+    static void run(const Params&, Ports& io, Context&) { io.curl = curl_field(io.velocity); }
+};
+
+}  // namespace
+
+VectorGrid::Ptr curl_field(const Ref<VectorGrid>& velocity) {
+    const auto scale = static_cast<float>(1 / (2 * cubic_voxel_size(*velocity)));
+    const auto out = map_stencil<VectorGrid>(*collocated(velocity), openvdb::Vec3s(0),
+                                             [scale](auto& v, const openvdb::Coord& at) { return scale * curl_differences(v, at); });
+    out->setName("curl of " + velocity->getName());
+    out->setVectorType(openvdb::VEC_COVARIANT);
+    return out;
+}
+
+NodeType field_curl() {
+    return Declare<FieldCurl>("field.curl", "The axis and rate of a flow's spin.")
+        .input("velocity", &FieldCurl::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
+        .output("curl", &FieldCurl::Ports::curl, "curl velocity, 1/s, on the active voxels of `velocity`.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,102 @@
+#include "nodes/field/filter.h"
+
+#include "nodes/field/stencil.h"
+
+#include <openvdb/tools/Filter.h>
+
+#include <cmath>
+
+namespace fluidcarve {
+
+template <>
+struct ChoiceNames<FilterMode> {
+    static constexpr std::array names = {std::pair{"mean", FilterMode::mean}, std::pair{"median", FilterMode::median},
+                                         std::pair{"gaussian", FilterMode::gaussian}};
+};
+
+namespace {
+
+using Tree = openvdb::FloatTree;
+
+bool all_finite(const Tree& tree) {
+    const auto finite = [](auto value) {
+        for (; value; ++value)
+            if (!std::isfinite(*value)) return false;
+        return true;
+    };
+    auto tiles = tree.cbeginValueAll();
+    tiles.setMaxDepth(decltype(tiles)::LEAF_DEPTH - 1);
+    if (!std::isfinite(tree.background()) || !finite(tiles)) return false;
+    using Leaves = openvdb::tree::LeafManager<const Tree>;
+    const Leaves leaves(tree);
+    return tbb::parallel_reduce(
+        leaves.leafRange(), true,
+        [&](const Leaves::LeafRange& range, bool so_far) {
+            for (auto leaf = range.begin(); leaf && so_far; ++leaf) so_far = finite(leaf->cbeginValueAll());
+            return so_far;
+        },
+        [](bool a, bool b) { return a && b; });
+}
+
+/// The lowest active voxel with a value that is not finite within `width` voxels of it.
+std::optional<openvdb::Coord> lowest_near_not_finite(const Tree& tree, int width) {
+    if (all_finite(tree)) return std::nullopt;
+    std::optional<openvdb::Coord> lowest;
+    const openvdb::tree::ValueAccessor<const Tree> accessor(tree);
+    for (auto value = tree.cbeginValueOn(); value; ++value) {
+        const auto at = value.getCoord();
+        if (lowest && *lowest < at) continue;
+        const auto cube = value.isVoxelValue() ? openvdb::CoordBBox(at.offsetBy(-width), at.offsetBy(width)) : openvdb::CoordBBox(at, at);
+        for (auto near = cube.begin(); near; ++near)
+            if (!std::isfinite(accessor.getValue(*near))) {
+                lowest = at;
+                break;
+            }
+    }
+    return lowest;
+}
+
+struct FieldFilter {
+    struct Params {
+        FilterMode mode = FilterMode::mean;
+        int width = 1;
+        int iterations = 1;
+    };
+    struct Ports {
+        Ref<FloatGrid> field, filtered;
+    };
+    static void run(const Params& params, Ports& io, Context&) { io.filtered = filtered_field(*io.field, params.mode, params.width, params.iterations); }
+};
+
+}  // namespace
+
+FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width, int iterations) {
+    const auto out = field.deepCopy();
+    // Not the filter's own setProcessTiles: that looks for other values beyond a tile's faces only, and a cube has corners.
+    open_tile_borders(out->tree(), width * iterations * (mode == FilterMode::gaussian ? 4 : 1));
+    const auto refuse = [&](int near) {
+        if (const auto lowest = lowest_near_not_finite(out->tree(), near)) refuse_not_finite(field, *lowest);
+    };
+    refuse(width);
+    openvdb::tools::Filter<FloatGrid> filter(*out);
+    switch (mode) {
+        case FilterMode::mean: filter.mean(width, iterations); break;
+        case FilterMode::median: filter.median(width, iterations); break;
+        case FilterMode::gaussian: filter.gaussian(width, iterations); break;
+    }
+    refuse(0);
+    out->setName(ParamTraits<FilterMode>::text(mode) + " of " + field.getName());
+    return out;
+}
+
+NodeType field_filter() {
+    return Declare<FieldFilter>("field.filter", "Smooths a field, so that an energy made of it follows its large shapes.")
+        .input("field", &FieldFilter::Ports::field, "Density, an energy or any other field.")
+        .param("mode", &FieldFilter::Params::mode,
+               "mean of a cube of voxels; median of it, which removes specks and keeps edges; gaussian, as four means in a row, within 5 % of the true one.")
+        .param("width", &FieldFilter::Params::width, Unit::voxels, between(1, 64), "From the middle of the cube to its sides: 1 is 3 x 3 x 3 voxels.")
+        .param("iterations", &FieldFilter::Params::iterations, Unit::none, between(1, 100), "How often the filter is applied.")
+        .output("filtered", &FieldFilter::Ports::filtered, "In the unit of `field`, on its active voxels; beyond them its values count as they are.");
+}
+
+}  // namespace fluidcarve

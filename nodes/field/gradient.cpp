@@ -1,0 +1,35 @@
+#include "nodes/field/gradient.h"
+
+#include "nodes/field/differences.h"
+#include "nodes/field/stencil.h"
+
+namespace fluidcarve {
+namespace {
+
+struct FieldGradient {
+    struct Params {};
+    struct Ports {
+        Ref<FloatGrid> field;
+        Ref<VectorGrid> gradient;
+    };
+    static void run(const Params&, Ports& io, Context&) { io.gradient = gradient_field(*io.field); }
+};
+
+}  // namespace
+
+VectorGrid::Ptr gradient_field(const FloatGrid& field) {
+    const auto scale = static_cast<float>(1 / (2 * cubic_voxel_size(field)));
+    const auto out =
+        map_stencil<VectorGrid>(field, openvdb::Vec3s(0), [scale](auto& s, const openvdb::Coord& at) { return scale * gradient_differences(s, at); });
+    out->setName("gradient of " + field.getName());
+    out->setVectorType(openvdb::VEC_COVARIANT);
+    return out;
+}
+
+NodeType field_gradient() {
+    return Declare<FieldGradient>("field.gradient", "Where and how steeply a field rises.")
+        .input("field", &FieldGradient::Ports::field, "Density, temperature or any other field.")
+        .output("gradient", &FieldGradient::Ports::gradient, "grad field, units of `field` per world unit, on its active voxels.");
+}
+
+}  // namespace fluidcarve

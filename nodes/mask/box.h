@@ -1,0 +1,17 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// The voxels whose centres lie in a box along the world's axes, its border included.
+/// @param like  gives the transform
+/// @param min, max  corners, world units, min <= max
+/// @return a mask named "box"
+/// @throws Failure as convex_mask
+MaskGrid::Ptr box_mask(const openvdb::GridBase& like, const openvdb::Vec3d& min, const openvdb::Vec3d& max);
+
+NodeType mask_box();
+
+}  // namespace fluidcarve

@@ -1,0 +1,46 @@
+#include "nodes/mask/dilate.h"
+
+#include "nodes/field/stencil.h"
+
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tools/Prune.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace fluidcarve {
+namespace {
+
+struct MaskDilate {
+    struct Params {
+        int voxels = 0;
+    };
+    struct Ports {
+        Ref<MaskGrid> mask, dilated;
+    };
+    static void run(const Params& params, Ports& io, Context&) { io.dilated = dilated_mask(*io.mask, params.voxels); }
+};
+
+}  // namespace
+
+MaskGrid::Ptr dilated_mask(const MaskGrid& mask, int voxels) {
+    using namespace openvdb::tools;
+    const auto out = mask.deepCopy();
+    // The library would voxelise every tile; with the borders open it need not know what is within.
+    open_tile_borders(out->tree(), std::max(std::abs(voxels), 1));
+    if (voxels > 0) dilateActiveValues(out->tree(), voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
+    if (voxels < 0) erodeActiveValues(out->tree(), -voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
+    prune(out->tree());
+    out->setName((voxels < 0 ? "erosion of " : "dilation of ") + mask.getName());
+    return out;
+}
+
+NodeType mask_dilate() {
+    return Declare<MaskDilate>("mask.dilate", "Grows or shrinks a mask: a margin around what must be spared.")
+        .input("mask", &MaskDilate::Ports::mask, "A mask.")
+        .required("voxels", &MaskDilate::Params::voxels, Unit::voxels, between(-256, 256),
+                  "How far along each axis and diagonal; above 0 the mask grows, below 0 it shrinks.")
+        .output("mask", &MaskDilate::Ports::dilated, "The mask, grown or shrunk.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// The voxels whose centres lie in a ball, its border included.
+/// @param like  gives the transform
+/// @param center, radius  world units, radius >= 0
+/// @return a mask named "sphere"
+/// @throws Failure as convex_mask
+MaskGrid::Ptr sphere_mask(const openvdb::GridBase& like, const openvdb::Vec3d& center, double radius);
+
+NodeType mask_sphere();
+
+}  // namespace fluidcarve

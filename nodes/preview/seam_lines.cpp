@@ -1,0 +1,131 @@
+#include "nodes/preview/seam_lines.h"
+
+#include "nodes/remap/carve_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Vec3d;
+
+/// One dimension of the columns with a rim of half a vertex at both ends.
+class Rimmed {
+public:
+    explicit Rimmed(int size) : size_(size) {}
+    int size() const { return size_ + 2; }
+    int column(int n) const { return std::clamp(n - 1, 0, size_ - 1); }
+    double coordinate(int n) const { return std::clamp(n - 1.0, -0.5, size_ - 0.5); }
+
+private:
+    int size_;
+};
+
+/// The seams of one frame as seen in a picture.
+class Surfaces {
+public:
+    Surfaces(const Lattice& lattice, const Seams& seams, std::size_t t, const openvdb::math::Transform& space, View view, int plane)
+        : lattice_(lattice), seams_(seams), t_(t), space_(space), view_(view), plane_(plane), laterals_(seams.lateral()), slices_(seams.shape[2]) {}
+
+    std::vector<PictureLine> lines() {
+        struct Reach {
+            double low, high;
+        };
+        std::vector<Reach> reach;
+        for (int k = 0; k < slices_.size(); ++k)
+            for (int lateral = 0; lateral < laterals_.size(); ++lateral) {
+                const auto first = depth(place(-0.5, lateral, k));
+                const auto last = depth(place(seams_.carved() - 0.5, lateral, k));
+                reach.push_back({std::min(first, last), std::max(first, last)});
+            }
+        const auto row = static_cast<std::size_t>(laterals_.size());
+        for (int k = 0; k + 1 < slices_.size(); ++k)
+            for (int lateral = 0; lateral + 1 < laterals_.size(); ++lateral) {
+                const auto* const near = &reach[static_cast<std::size_t>(k) * row + static_cast<std::size_t>(lateral)];
+                const double low = std::min({near[0].low, near[1].low, near[row].low, near[row + 1].low});
+                const double high = std::max({near[0].high, near[1].high, near[row].high, near[row + 1].high});
+                if (low <= 0 && high >= 0) cross(lateral, k);
+            }
+        return std::move(lines_);
+    }
+
+private:
+    Vec3d place(double entry, int lateral, int k) const {
+        const double other = laterals_.coordinate(lateral), z = slices_.coordinate(k);
+        return space_.worldToIndex(lattice_.position(seams_.axis == Axis::u ? Vec3d(entry, other, z) : Vec3d(other, entry, z)));
+    }
+    double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
+
+    /// Original coordinates along the carved axis of all seams in one column.
+    void entries(int lateral, int k, std::vector<std::uint16_t>& out) {
+        const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
+                            static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(slices_.column(k)) + t_ * seams_.columns_per_frame();
+        out.clear();
+        for (const auto& seam : seams_.seams) out.push_back(seam.at[column]);
+        if (seams_.kind == Seams::Kind::remove) to_original(out, sorted_);
+    }
+
+    /// All seams between four neighbouring columns, each as two triangles.
+    void cross(int lateral, int k) {
+        constexpr std::array<std::array<int, 2>, 4> corners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+        for (std::size_t c = 0; c < 4; ++c) entries(lateral + corners[c][0], k + corners[c][1], entries_[c]);
+        const double behind = seams_.kind == Seams::Kind::insert ? 0.5 : 0;
+        for (std::size_t n = 0; n < seams_.seams.size(); ++n) {
+            std::array<Vec3d, 4> at;
+            for (std::size_t c = 0; c < 4; ++c) at[c] = place(entries_[c][n] + behind, lateral + corners[c][0], k + corners[c][1]);
+            cross(at[0], at[1], at[2]);
+            cross(at[0], at[2], at[3]);
+        }
+    }
+
+    void cross(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+        const auto [right, up] = picture_axes(view_);
+        std::array<std::array<double, 2>, 2> ends{};
+        std::size_t found = 0;
+        for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+            const double below = depth(from), above = depth(to);
+            if ((below < 0) == (above < 0)) continue;
+            const auto at = from + (to - from) * (below / (below - above));
+            // Index coordinates are those of voxel centres.
+            ends[found++] = {at[right] + 0.5, at[up] + 0.5};
+        }
+        // Where a vertex lies in the plane itself, one of its triangles only touches it.
+        if (found == 2 && std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) > 1e-6) lines_.push_back({ends[0], ends[1]});
+    }
+
+    const Lattice& lattice_;
+    const Seams& seams_;
+    std::size_t t_;
+    const openvdb::math::Transform& space_;
+    View view_;
+    int plane_;
+    Rimmed laterals_, slices_;
+    std::array<std::vector<std::uint16_t>, 4> entries_;
+    std::vector<std::uint16_t> sorted_;
+    std::vector<PictureLine> lines_;
+};
+
+}  // namespace
+
+bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transform& space, View view) {
+    const Vec3d middle(0.5 * (lattice.shape[0] - 1), 0.5 * (lattice.shape[1] - 1), 0.5 * (lattice.shape[2] - 1));
+    const auto step = axis == Axis::u ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
+    const auto along = space.worldToIndex(lattice.position(middle + step)) - space.worldToIndex(lattice.position(middle));
+    return std::abs(along[static_cast<int>(view)]) > 0.9 * along.length();
+}
+
+std::size_t require_seams(const Lattice& lattice, const Seams& seams, int frame) {
+    // With none of the seams asked for, the map only looks at whether they fit.
+    CarveMap(lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0);
+    return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) - seams.frames.begin());
+}
+
+std::vector<PictureLine> seam_lines(const Lattice& lattice, const Seams& seams, int frame, const openvdb::math::Transform& space, View view, int plane) {
+    return Surfaces(lattice, seams, require_seams(lattice, seams, frame), space, view, plane).lines();
+}
+
+}  // namespace fluidcarve

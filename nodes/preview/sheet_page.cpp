@@ -1,0 +1,226 @@
+#include "nodes/preview/sheet_page.h"
+
+#include "nodes/preview/panel_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr Colour paper{30, 31, 35};
+constexpr Colour nothing{16, 16, 20};  // not a colour of a scale: no active voxel
+constexpr Colour bright{238, 238, 238};
+constexpr Colour dim{166, 170, 178};
+constexpr Colour active_line{84, 112, 132};
+constexpr Colour before_line{150, 155, 163};
+constexpr Canvas::Type title{20, true, bright};
+constexpr Canvas::Type heading{14, true, bright};
+constexpr Canvas::Type plain{12, false, dim};
+
+constexpr double margin = 20;
+constexpr double label = 128;  // names of rows
+constexpr double numbers = 62;
+constexpr double bar = 12;
+constexpr double panels_left = margin + label + 8 + numbers + 6 + bar + 10;
+constexpr double header = 68;
+constexpr double band_head = 24;  // names of frames
+constexpr double caption = 22;
+constexpr double row_gap = 8;
+constexpr double band_gap = 22;
+constexpr double line_height = 16;
+
+class Drawing {
+public:
+    Drawing(const SheetPage& page, const PanelLayout& layout)
+        : page_(page), layout_(layout), canvas_(static_cast<int>(std::ceil(layout.page_width())), static_cast<int>(height()), paper) {
+        for (const auto scale : {SheetRow::Scale::value, SheetRow::Scale::change, SheetRow::Scale::energy}) ranges_.push_back(range_of(page.rows, scale));
+    }
+
+    Canvas draw() {
+        const double room = canvas_.width() - 2 * margin;
+        canvas_.text(margin, 36, shortened(page_.title, title, room), title);
+        canvas_.text(margin, 56, shortened(page_.summary, plain, room), plain);
+        double y = header;
+        for (std::size_t band = 0; band < layout_.bands(); ++band) {
+            draw_band(band * layout_.across(), y);
+            y += band_height() + band_gap;
+        }
+        draw_legend(y - band_gap + 18);
+        return std::move(canvas_);
+    }
+
+private:
+    double head_of(const SheetRow& row) const {
+        const bool captions = std::any_of(row.panels.begin(), row.panels.end(), [](const SheetPanel& panel) { return !panel.caption.empty(); });
+        return captions ? caption : row_gap;
+    }
+    double band_height() const {
+        double out = band_head;
+        for (const auto& row : page_.rows) out += head_of(row) + layout_.row();
+        return out;
+    }
+    double height() const {
+        const auto bands = static_cast<double>(layout_.bands());
+        return header + bands * (band_height() + band_gap) - band_gap + 32;
+    }
+    const ScaleRange& range(const SheetRow& row) const { return ranges_[static_cast<std::size_t>(row.scale)]; }
+
+    void draw_band(std::size_t first, double y) {
+        const auto last = std::min(first + layout_.across(), page_.frames.size());
+        for (auto frame = first; frame < last; ++frame) canvas_.text(left_of(frame - first), y + 16, page_.frames[frame], heading);
+        y += band_head;
+        double bar_top = 0;
+        for (std::size_t n = 0; n < page_.rows.size(); ++n) {
+            const auto& row = page_.rows[n];
+            y += head_of(row);
+            if (n == 0 || page_.rows[n - 1].scale != row.scale) bar_top = y;
+            draw_label(row, y);
+            for (auto frame = first; frame < last; ++frame) draw_panel(row, row.panels[frame], left_of(frame - first), y);
+            y += layout_.row();
+            if (n + 1 == page_.rows.size() || page_.rows[n + 1].scale != row.scale) draw_bar(row, bar_top, y);
+        }
+    }
+
+    double left_of(std::size_t column) const { return panels_left + static_cast<double>(column) * (layout_.column() + PanelLayout::gap); }
+
+    void draw_label(const SheetRow& row, double y) {
+        double line = y + 12;
+        for (const auto& text : wrapped(row.name, heading, label)) canvas_.text(margin, line, text, heading), line += line_height + 2;
+        for (const auto& text : wrapped(row.what, plain, label)) canvas_.text(margin, line, text, plain), line += line_height;
+    }
+
+    void draw_bar(const SheetRow& row, double top, double bottom) {
+        const Canvas::Rect rect{panels_left - 10 - bar, top, bar, bottom - top};
+        const auto& [low, high] = range(row);
+        Picture ramp{1, static_cast<int>(rect.height), {}};
+        for (int y = 0; y < ramp.height; ++y)
+            ramp.pixels.push_back(colour_of(static_cast<float>(high - (high - low) * y / std::max(ramp.height - 1, 1)), row.scale, range(row)));
+        canvas_.picture(rect, ramp);
+        const int steps = rect.height >= 200 ? 4 : 2;
+        for (int n = 0; n <= steps; ++n) {
+            const double y = std::round(bottom - (rect.height - 1) * n / steps);
+            canvas_.fill({rect.x - 4, y - 1, 4, 1}, dim);
+            const double baseline = std::clamp(y + 4, top + 10, bottom);
+            canvas_.text(rect.x - 6, baseline, fmt::format("{:.3g}", low + (high - low) * n / steps), plain, Canvas::Align::right);
+        }
+    }
+
+    void draw_panel(const SheetRow& row, const SheetPanel& panel, double x, double y) {
+        const Canvas::Rect whole{x, y, layout_.column(), layout_.row()};
+        const auto picture = layout_.picture(x, y);
+        canvas_.text(x, y - 7, shortened(panel.caption, plain, layout_.column()), plain);
+        canvas_.fill(whole, nothing);
+        if (!panel.projection.empty()) {
+            const auto shown = fitted(panel.projection, layout_.cell(), layout_.cells());
+            Picture pixels{shown.cells.size(0), shown.cells.size(1), {}};
+            for (int up = shown.cells.last[1]; up >= shown.cells.first[1]; --up)
+                for (int right = shown.cells.first[0]; right <= shown.cells.last[0]; ++right)
+                    pixels.pixels.push_back(colour_of(shown.at(right, up), row.scale, range(row)));
+            canvas_.picture(picture, pixels);
+        }
+        if (!panel.before.empty()) canvas_.outline(layout_.place(picture, panel.before), before_line, true);
+        if (!panel.active.empty()) canvas_.outline(layout_.place(picture, panel.active), active_line, false);
+        std::vector<Canvas::Line> lines;
+        for (const auto& [from, to] : panel.seams)
+            lines.push_back({layout_.right(picture, from[0]), layout_.up(picture, from[1]), layout_.right(picture, to[0]), layout_.up(picture, to[1])});
+        const double width = std::clamp(std::floor(layout_.zoom()) / 2 - 0.5, 1.0, 2.0);
+        // A dark rim keeps them apart from bright energy.
+        canvas_.lines(whole, lines, width + 1.5, nothing);
+        canvas_.lines(whole, lines, width, seam_colour);
+        if (!panel.note.empty()) canvas_.text(x + layout_.column() / 2, y + layout_.row() / 2 + 4, panel.note, plain, Canvas::Align::centre);
+    }
+
+    void draw_legend(double y) {
+        const auto any = [&](const auto& has) {
+            return std::any_of(page_.rows.begin(), page_.rows.end(),
+                               [&](const SheetRow& row) { return std::any_of(row.panels.begin(), row.panels.end(), has); });
+        };
+        double x = margin;
+        const auto entry = [&](Colour colour, bool dashed, const std::string& text) {
+            canvas_.outline({x, y - 4, 20, 1}, colour, dashed);
+            canvas_.text(x + 26, y, text, plain);
+            x += 26 + canvas_.text_width(text, plain) + 18;
+        };
+        if (any([](const SheetPanel& panel) { return !panel.active.empty(); })) entry(active_line, false, "box of active voxels");
+        if (any([](const SheetPanel& panel) { return !panel.before.empty(); })) entry(before_line, true, "that of before");
+        if (any([](const SheetPanel& panel) { return !panel.seams.empty(); })) entry(seam_colour, false, "seams");
+        const auto [right, up] = picture_axes(page_.view);
+        canvas_.text(canvas_.width() - margin, y, fmt::format("{} to the right, {} up", "xyz"[right], "xyz"[up]), plain, Canvas::Align::right);
+    }
+
+    std::string shortened(std::string text, const Canvas::Type& type, double width) {
+        if (canvas_.text_width(text, type) <= width) return text;
+        while (!text.empty() && canvas_.text_width(text + "...", type) > width) text.pop_back();
+        return text + "...";
+    }
+
+    std::vector<std::string> wrapped(const std::string& text, const Canvas::Type& type, double width) {
+        std::vector<std::string> out(1);
+        for (std::size_t begin = 0; begin < text.size();) {
+            const auto end = std::min(text.find(' ', begin), text.size());
+            const auto word = text.substr(begin, end - begin);
+            const auto longer = out.back().empty() ? word : out.back() + " " + word;
+            if (out.back().empty() || canvas_.text_width(longer, type) <= width) out.back() = longer;
+            else out.push_back(word);
+            begin = end + 1;
+        }
+        return out;
+    }
+
+    const SheetPage& page_;
+    const PanelLayout& layout_;
+    Canvas canvas_;
+    std::vector<ScaleRange> ranges_;
+};
+
+/// The cells in which lines run.
+Area around(const std::vector<PictureLine>& lines) {
+    Area out;
+    for (const auto& line : lines)
+        for (const auto& end : {line.from, line.to}) {
+            const std::array<int, 2> voxel{static_cast<int>(std::floor(end[0])), static_cast<int>(std::floor(end[1]))};
+            out.include({voxel, voxel});
+        }
+    return out;
+}
+
+}  // namespace
+
+ScaleRange range_of(const std::vector<SheetRow>& rows, SheetRow::Scale scale) {
+    ScaleRange out{0, 0};
+    for (const auto& row : rows)
+        if (row.scale == scale)
+            for (const auto& panel : row.panels)
+                for (const double value : panel.projection.values)
+                    if (std::isfinite(value)) out = {std::min(out.low, value), std::max(out.high, value)};
+    if (scale == SheetRow::Scale::change) out = {std::min(out.low, -out.high), std::max(out.high, -out.low)};
+    if (out.low == out.high) out = {scale == SheetRow::Scale::change ? -1.0 : 0.0, 1};
+    return out;
+}
+
+Colour colour_of(float value, SheetRow::Scale scale, const ScaleRange& range) {
+    if (std::isnan(value)) return nothing;
+    if (scale == SheetRow::Scale::change) return diverging(value / range.high);
+    return heat((value - range.low) / (range.high - range.low));
+}
+
+Canvas draw_sheet(const SheetPage& page) {
+    Area area;
+    int cell = 1;
+    for (const auto& row : page.rows)
+        for (const auto& panel : row.panels) {
+            area.include(panel.active);
+            area.include(panel.before);
+            area.include(around(panel.seams));
+            if (!panel.projection.empty()) cell = std::max(cell, panel.projection.cell);
+        }
+    if (area.empty()) area = {{0, 0}, {0, 0}};
+    const PanelLayout layout(area, cell, page.frames.size(), page.rows.size(), panels_left + margin);
+    return Drawing(page, layout).draw();
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,153 @@
+#include "nodes/preview/sheet_rows.h"
+
+#include "nodes/preview/difference.h"
+#include "nodes/preview/slice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Calls `body` with a grid, or two of one type, as what they are.
+template <class Body, class... Grids>
+Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&... others) {
+    if (first.isType<FloatGrid>()) return body(static_cast<const FloatGrid&>(first), static_cast<const FloatGrid&>(others)...);
+    return body(static_cast<const VectorGrid&>(first), static_cast<const VectorGrid&>(others)...);
+}
+
+std::string size_text(const openvdb::CoordBBox& box) {
+    if (box.empty()) return {};
+    const auto size = box.dim();
+    return fmt::format("{} x {} x {} voxels", size.x(), size.y(), size.z());
+}
+
+std::string seams_text(const Seams& seams) {
+    const auto count = seams.seams.size();
+    return fmt::format("{} seam{} {} across {}", count, count == 1 ? "" : "s", seams.kind == Seams::Kind::remove ? "removed" : "inserted", to_text(seams.axis));
+}
+
+}  // namespace
+
+void SheetRows::plan(const Shown& frame) {
+    using What = Kind::What;
+    for (const bool sliced : {false, true}) {
+        if (wish_.show == (sliced ? SheetWish::Show::maximum : SheetWish::Show::slice)) continue;
+        kinds_.push_back({What::before, sliced});
+        if (frame.data.after) kinds_.push_back({What::after, sliced});
+        if (frame.data.after && wish_.difference) kinds_.push_back({What::difference, sliced});
+    }
+    if (frame.data.energy) kinds_.push_back({What::energy, true});
+    panels_.resize(kinds_.size());
+    face_ = frame.data.seams && seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
+}
+
+void SheetRows::add(SheetFrame data) {
+    if (data.seams) require_seams(*data.lattice, *data.seams, data.number);
+    Shown frame{std::move(data), {}, {}, {}};
+    frame.space = frame.data.before->constTransformPtr();
+    frame.before = frame.data.before->evalActiveVoxelBoundingBox();
+    if (frame.data.after) frame.after = frame.data.after->evalActiveVoxelBoundingBox();
+    if (!frame.before.empty()) active_.expand(frame.before);
+    if (frames_.empty()) plan(frame);
+    for (std::size_t row = 0; row < kinds_.size(); ++row) panels_[row].push_back(kinds_[row].sliced ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
+    if (wish_.show == SheetWish::Show::maximum) frame.data.before = frame.data.after = nullptr;
+    frames_.push_back(std::move(frame));
+    if (wish_.slice) slice(frames_.size() - 1, *wish_.slice);
+}
+
+void SheetRows::slice(std::size_t place, int plane) {
+    auto& frame = frames_[place];
+    for (std::size_t row = 0; row < kinds_.size(); ++row)
+        if (kinds_[row].sliced) panels_[row][place] = panel(kinds_[row], frame, plane);
+    frame.data.before = frame.data.after = nullptr;
+    frame.data.energy = nullptr;
+}
+
+SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const {
+    SheetPanel out;
+    const auto& [data, space, before, after] = frame;
+    const auto view = wish_.view;
+    const auto part = [&](const openvdb::CoordBBox& box) { return plane ? slice_of(box, view, *plane) : box; };
+    const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
+        const auto box = part(active);
+        // Where the same row stands above as a maximum, that one says the size.
+        if (!kind.sliced || wish_.show == SheetWish::Show::slice) out.caption = size_text(active);
+        if (!active.empty()) out.active = face_of(active, view);
+        if (box.empty()) out.note = "no active voxels";
+        else out.projection = typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
+    };
+    switch (kind.what) {
+        case Kind::What::before: show(*data.before, before); break;
+        case Kind::What::after:
+            show(*data.after, after);
+            if (!before.empty()) out.before = face_of(before, view);
+            break;
+        case Kind::What::difference: {
+            auto both = before;
+            if (!after.empty()) both.expand(after);
+            const auto box = part(both);
+            if (!box.empty())
+                out.projection = typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); }, *data.before, *data.after);
+            const auto& values = out.projection.values;
+            if (std::none_of(values.begin(), values.end(), [](float value) { return value < 0 || value > 0; })) out.note = "no difference";
+            break;
+        }
+        case Kind::What::energy:
+            out.projection = slice_in(*data.energy, *space, view, *plane);
+            if (out.projection.empty()) out.note = "no active voxels";
+            if (data.seams && !face_) out.seams = seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
+            break;
+    }
+    return out;
+}
+
+std::string SheetRows::name_of(const Kind& kind) const {
+    switch (kind.what) {
+        case Kind::What::before: return "before";
+        case Kind::What::after: return "after";
+        case Kind::What::difference: return "difference";
+        case Kind::What::energy: break;
+    }
+    return frames_.front().data.seams ? "seams over energy" : "energy";
+}
+
+std::string SheetRows::text_of(const Kind& kind, int plane) const {
+    const char axis = "xyz"[static_cast<int>(wish_.view)];
+    const auto slice = fmt::format("slice at {} = {}", axis, plane);
+    if (kind.what == Kind::What::difference) return kind.sliced ? "after - before, " + slice : fmt::format("after - before, largest along {}", axis);
+    if (kind.what != Kind::What::energy) return kind.sliced ? slice : fmt::format("maximum along {}", axis);
+    if (!frames_.front().data.seams) return slice;
+    if (face_) return slice + "; seams face this view, choose another axis";
+    const auto& panels = panels_.back();
+    const bool crossed = std::any_of(panels.begin(), panels.end(), [](const SheetPanel& panel) { return !panel.seams.empty(); });
+    return crossed ? slice : slice + "; no seam crosses it";
+}
+
+SheetPage SheetRows::page(std::size_t total) {
+    const auto middle = active_.empty() ? 0 : active_.getCenter()[static_cast<int>(wish_.view)];
+    const int plane = wish_.slice ? *wish_.slice : static_cast<int>(std::floor(middle));
+    const auto count = frames_.size();
+    if (!wish_.slice)
+        for (std::size_t place = 0; place < count; ++place) slice(place, plane);
+
+    SheetPage out;
+    out.title = wish_.grid;
+    out.summary = fmt::format("{} of {} frame{}", count, total, total == 1 ? "" : "s");
+    if (frames_.front().data.seams) out.summary += "; " + seams_text(*frames_.front().data.seams);
+    out.view = wish_.view;
+    for (const auto& frame : frames_) out.frames.push_back(frame.data.name);
+    for (std::size_t row = 0; row < kinds_.size(); ++row) {
+        const auto& kind = kinds_[row];
+        const auto scale = kind.what == Kind::What::energy       ? SheetRow::Scale::energy
+                           : kind.what == Kind::What::difference ? SheetRow::Scale::change
+                                                                 : SheetRow::Scale::value;
+        out.rows.push_back({name_of(kind), text_of(kind, plane), scale, std::move(panels_[row])});
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,42 @@
+#include "nodes/preview/slice.h"
+
+namespace fluidcarve {
+
+namespace {
+
+/// The index box in one space of all that lies in a grid's index box.
+openvdb::CoordBBox box_in(const openvdb::CoordBBox& box, const openvdb::math::Transform& from, const openvdb::math::Transform& to) {
+    const auto half = openvdb::Vec3d(0.5);
+    const auto world = from.indexToWorld(openvdb::BBoxd(box.min().asVec3d() - half, box.max().asVec3d() + half));
+    const auto index = to.worldToIndex(world);
+    return {openvdb::Coord::round(index.min()), openvdb::Coord::round(index.max())};
+}
+
+}  // namespace
+
+openvdb::CoordBBox slice_of(const openvdb::CoordBBox& box, View view, int plane) {
+    const auto axis = static_cast<int>(view);
+    if (box.empty() || plane < box.min()[axis] || plane > box.max()[axis]) return {};
+    auto out = box;
+    out.min()[axis] = out.max()[axis] = plane;
+    return out;
+}
+
+Projection slice_in(const FloatGrid& grid, const openvdb::math::Transform& space, View view, int plane, int most) {
+    const auto active = grid.evalActiveVoxelBoundingBox();
+    if (active.empty()) return {};
+    const bool same = grid.transform() == space;
+    const auto box = slice_of(same ? active : box_in(active, grid.transform(), space), view, plane);
+    if (box.empty()) return {};
+    if (same) return maximum_projection(grid, view, box, most);
+
+    auto out = blank_projection(box, view, most);
+    const auto values = grid.getConstAccessor();
+    for (auto at = box.begin(); at; ++at) {
+        float value = 0;
+        if (values.probeValue(grid.transform().worldToIndexCellCentered(space.indexToWorld(*at)), value)) out.see(*at, view, value);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve
