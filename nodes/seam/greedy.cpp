@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace fluidcarve {
@@ -17,19 +18,23 @@ using Entry = std::uint16_t;
 /// Columns fetched ahead of their turn. A seam drifts by at most an entry per column, so its line is known by then.
 constexpr std::size_t ahead = 12;
 
-/// Seams that advance together through all columns, so that the energy is read once for all of them.
+/// Most seams that race at once: what they leave behind takes a quarter of a byte for each in every column.
+constexpr std::size_t group = 64;
+
+/// Seams that advance together through all columns, so that the energy is read once for all of them. Each leaves behind
+/// its steps: by how much, -1 to 1, its entry differs from that of the nearest column before.
 class Sweep {
 public:
     /// @param starts  the entry of each seam in the first column
-    /// @param kept    frames of entries to keep: 2 to race, all of them to record
-    Sweep(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, std::size_t kept)
+    Sweep(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts)
         : energy_(energy),
           first_(static_cast<unsigned>(window.first)),
           last_(static_cast<unsigned>(window.last)),
           below_first_(number % 2 == 0),
           starts_(starts),
-          kept_(kept),
-          entries_(kept * energy.columns_per_frame() * starts.size()),
+          step_bytes_((starts.size() + 3) / 4),
+          entries_(2 * energy.columns_per_frame() * starts.size()),
+          steps_(energy.frames() * energy.columns_per_frame() * step_bytes_),
           sums_(starts.size(), 0.0) {}
 
     void run(const Tick& tick) {
@@ -40,11 +45,23 @@ public:
     }
 
     const std::vector<double>& sums() const { return sums_; }
-    /// `[t][column]`, if there is but one seam and all frames are kept.
-    std::vector<Entry> take_entries() { return std::move(entries_); }
+
+    /// `[t][column]` of one seam.
+    std::vector<Entry> entries(std::size_t seam) const {
+        const auto laterals = static_cast<std::size_t>(energy_.laterals()), columns = energy_.columns_per_frame();
+        std::vector<Entry> out(energy_.frames() * columns);
+        out[0] = starts_[seam];
+        for (std::size_t n = 1; n < out.size(); ++n) {
+            const auto c = n % columns;
+            const auto nearest = c % laterals > 0 ? out[n - 1] : c >= laterals ? out[n - laterals] : out[n - columns];
+            const int step = (steps_[n * step_bytes_ + seam / 4] >> (2 * (seam % 4)) & 3) - 1;
+            out[n] = static_cast<Entry>(nearest + step);
+        }
+        return out;
+    }
 
 private:
-    Entry* frame(std::size_t t) { return entries_.data() + t % kept_ * energy_.columns_per_frame() * starts_.size(); }
+    Entry* frame(std::size_t t) { return entries_.data() + t % 2 * energy_.columns_per_frame() * starts_.size(); }
 
     void pass_frame(std::size_t t) {
         const auto seams = starts_.size(), laterals = static_cast<std::size_t>(energy_.laterals()), columns = energy_.columns_per_frame();
@@ -62,7 +79,8 @@ private:
                 start(column, now);
                 continue;
             }
-            pass_column(column, now + c * seams, nearest, under ? under : nearest, earlier ? earlier : nearest);
+            pass_column(column, now + c * seams, nearest, under ? under : nearest, earlier ? earlier : nearest,
+                        steps_.data() + (t * columns + c) * step_bytes_);
         }
     }
 
@@ -73,7 +91,7 @@ private:
         }
     }
 
-    void pass_column(const std::uint16_t* column, Entry* out, const Entry* a, const Entry* b, const Entry* c) {
+    void pass_column(const std::uint16_t* column, Entry* out, const Entry* a, const Entry* b, const Entry* c, std::uint8_t* steps) {
         for (std::size_t s = 0; s < starts_.size(); ++s) {
             // Neighbours are within 2 of each other, so that what they allow is 1 to 3 entries.
             const unsigned most = std::max({a[s], b[s], c[s]}), least = std::min({a[s], b[s], c[s]});
@@ -81,6 +99,7 @@ private:
             const unsigned stay = std::clamp<unsigned>(a[s], low, high), middle = (low + high) / 2;
             const auto best = std::min({key(column, low, stay), key(column, middle, stay), key(column, high, stay)});
             out[s] = static_cast<Entry>(best);
+            steps[s / 4] = static_cast<std::uint8_t>(steps[s / 4] | (out[s] - a[s] + 1) << (2 * (s % 4)));
             sums_[s] += decode_energy(static_cast<std::uint16_t>(best >> 32));
             __builtin_prefetch(column + ahead * energy_.stride() + out[s]);
         }
@@ -96,8 +115,9 @@ private:
     const unsigned first_, last_;
     const bool below_first_;
     const std::span<const Entry> starts_;
-    const std::size_t kept_;
+    const std::size_t step_bytes_;
     std::vector<Entry> entries_;
+    std::vector<std::uint8_t> steps_;  ///< `[t][column]`, two bits per seam
     std::vector<double> sums_;
 };
 
@@ -108,29 +128,38 @@ std::vector<Entry> spread(Window window, int starts) {
     return out;
 }
 
-/// The start of the cheapest seam.
-Entry race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const Tick& tick) {
+/// The cheapest of seams that race in as many sweeps as there are threads; of equals the first.
+Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
-    std::vector<double> sums(starts.size());
+    std::vector<std::optional<Sweep>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
         const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
-        Sweep sweep(energy, window, number, starts.subspan(begin, end - begin), 2);
-        sweep.run(tick);
-        std::copy(sweep.sums().begin(), sweep.sums().end(), sums.begin() + static_cast<std::ptrdiff_t>(begin));
+        sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin));
+        sweeps[n]->run(tick);
     });
-    return starts[static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin())];
+    const Sweep* best = nullptr;
+    std::size_t seam = 0;
+    for (const auto& sweep : sweeps)
+        for (std::size_t s = 0; s < sweep->sums().size(); ++s)
+            if (!best || sweep->sums()[s] < best->sums()[seam]) {
+                best = &*sweep;
+                seam = s;
+            }
+    return {best->entries(seam), best->sums()[seam]};
 }
 
 }  // namespace
 
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick) {
     const auto entries = spread(window, starts);
-    // Only the winner's entries are worth their memory: it runs once more.
-    const std::vector<Entry> winner{entries.size() == 1 ? entries[0] : race(energy, window, number, entries, [&](double fraction) { tick(0.9 * fraction); })};
-    Sweep sweep(energy, window, number, winner, energy.frames());
-    sweep.run([&](double fraction) { tick(0.9 + 0.1 * fraction); });
-    const double cost = sweep.sums()[0];
-    return {sweep.take_entries(), cost};
+    const auto groups = (entries.size() + group - 1) / group;
+    std::optional<Seams::Seam> best;
+    for (std::size_t n = 0; n < groups; ++n) {
+        const auto some = std::span(entries).subspan(n * group).first(std::min(group, entries.size() - n * group));
+        auto seam = race(energy, window, number, some, [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
+        if (!best || seam.energy < best->energy) best = std::move(seam);
+    }
+    return std::move(*best);
 }
 
 }  // namespace fluidcarve
