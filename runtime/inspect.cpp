@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 
@@ -14,6 +15,9 @@ namespace fluidcarve {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// fmt's own print throws where a file is on a full disk.
+void tell(std::FILE* where, const std::string& text) { std::fputs(text.c_str(), where); }
 
 const FileInspector* inspector_of(const std::string& path, const Registry& registry) {
     const auto& all = registry.inspectors();
@@ -52,7 +56,7 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
     for (const auto& inspector : registry.inspectors()) endings.push_back(inspector.ending);
     for (const auto& path : paths)
         if (!inspector_of(path, registry)) {
-            fmt::print(stderr, "inspect looks into files that end in {}, not into {}\n", fmt::join(endings, ", "), path);
+            tell(stderr, fmt::format("inspect looks into files that end in {}, not into {}\n", fmt::join(endings, ", "), path));
             return exit_code::usage;
         }
 
@@ -64,22 +68,22 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
             if (inspector_of(path, registry) != &inspector) continue;
             std::string fault;
             if (auto facts = look(path, inspector, memory, fault)) {
-                if (!json) fmt::print("{}", inspector.text(*facts));
+                if (!json) tell(stdout, inspector.text(*facts));
                 seen.push_back(*facts);
                 all["files"].push_back(std::move(*facts));
             } else {
                 std::fflush(stdout);
-                if (!json) fmt::print(stderr, "failed: {}\n", fault);
+                if (!json) tell(stderr, fmt::format("failed: {}\n", fault));
                 all["files"].push_back({{"file", path}, {"error", fault}});
                 code = exit_code::input;
             }
         }
         for (const auto& note : inspector.compare(seen)) {
-            if (!json) fmt::print("note: {}\n", note);
+            if (!json) tell(stdout, fmt::format("note: {}\n", note));
             all["notes"].push_back(note);
         }
     }
-    if (json) fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+    if (json) tell(stdout, all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     return code;
 }
 

@@ -138,7 +138,7 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
     if (facts.contains("not_finite"))
         say(fmt::format("{} values are not finite, the first at voxel {}: energies refuse them", facts["not_finite"].get<std::size_t>(),
                         facts["first_not_finite"].dump()));
-    if (facts.contains("range") && facts["range"][0] == facts["range"][1] && grid.activeVoxelCount() > 1 &&
+    if (facts.contains("range") && !facts.contains("not_finite") && facts["range"][0] == facts["range"][1] && grid.activeVoxelCount() > 1 &&
         grid.evalActiveVoxelBoundingBox().volume() == grid.activeVoxelCount())
         say(fmt::format("{:g} everywhere in its box: don't fit a lattice to it, nor to what is active in any grid", facts["range"][0].get<double>()));
     if (grid.isType<VectorGrid>()) {

@@ -90,19 +90,19 @@ public:
 
     unsigned version() const { return fileVersion(); }
 
-    /// Of a grid, without its tree. Null in files so old that it stands behind the tree.
-    openvdb::math::Transform::ConstPtr transform(const GridDescriptor& grid) {
-        if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return nullptr;
+    /// Metadata and transform of a grid, without its tree.
+    void describe(const GridDescriptor& grid, VdbHeader::Entry& out) {
         try {
             grid.seekToGrid(stream_);
             if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) number<std::uint32_t>();
-            skip_metadata();
+            read_metadata(out.metadata);
+            if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return;
             const auto begin = stream_.tellg();
             text();
             stream_.seekg(begin);
-            const auto out = openvdb::math::Transform::createLinearTransform();
-            out->read(stream_);
-            return out;
+            const auto transform = openvdb::math::Transform::createLinearTransform();
+            transform->read(stream_);
+            out.transform = transform;
         } catch (const std::ios_base::failure&) {
             refuse(fmt::format("{} is damaged: grid '{}' has no transform", path_, shown(grid)));
         } catch (const openvdb::Exception& error) {
@@ -140,7 +140,7 @@ private:
         setFormatVersion(stream_);
         setLibraryVersion(stream_);
         setDataCompression(stream_);
-        read_metadata();
+        read_metadata(metadata_);
         const auto count = number<std::int32_t>();
         if (count < 0) refuse(fmt::format("{} is damaged: it counts {} grids", path_, count));
         for (std::int32_t n = 0; n < count; ++n) {
@@ -150,17 +150,13 @@ private:
     }
 
     /// Twice over the same bytes: first for the lengths, so that the library allocates no more than the file holds.
-    void read_metadata() {
+    void read_metadata(openvdb::MetaMap& out) {
         const auto begin = stream_.tellg();
-        skip_metadata();
-        stream_.seekg(begin);
-        metadata_.readMeta(stream_);
-    }
-
-    /// Each entry is three texts: name, type and value.
-    void skip_metadata() {
         const auto count = number<std::uint32_t>();
+        // Each entry is three texts: name, type and value.
         for (std::uint64_t n = 0; n < std::uint64_t{3} * count; ++n) text();
+        stream_.seekg(begin);
+        out.readMeta(stream_);
     }
 
     GridDescriptor descriptor() {
@@ -213,7 +209,8 @@ VdbHeader header_of(OpenVdb& file) {
     out.metadata = file.metadata();
     for (const auto& grid : file.grids()) {
         const auto end = static_cast<std::uint64_t>(grid.getEndPos());
-        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end, file.transform(grid)});
+        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end, nullptr, {}});
+        file.describe(grid, out.grids.back());
         out.end = std::max(out.end, end);
     }
     return out;

@@ -13,11 +13,12 @@ namespace fluidcarve {
 /// What a .vdb file says of its grids before one of them is read.
 struct VdbHeader {
     struct Entry {
-        std::string unique_name;  ///< with the number that tells grids of one name apart: "density[1]"
-        std::string name;         ///< without it
-        std::string type;         ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
-        std::uint64_t end = 0;    ///< first byte behind the grid
-        openvdb::math::Transform::ConstPtr transform;
+        std::string unique_name;                       ///< with the number that tells grids of one name apart: "density[1]"
+        std::string name;                              ///< without it
+        std::string type;                              ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
+        std::uint64_t end = 0;                         ///< first byte behind the grid
+        openvdb::math::Transform::ConstPtr transform;  ///< null in files so old that it stands behind the tree
+        openvdb::MetaMap metadata;
     };
     std::string path;
     unsigned version = 0;       ///< of the file format

@@ -159,22 +159,32 @@ private:
     const Profile* profile_;
 };
 
-/// Whether the frames of a sequence have one transform each grid; finds the first that has not.
+/// Whether the grids of a sequence keep their transform and, where Blender states it, the size of their domain.
 class Steadiness {
 public:
+    /// Warns of the first grid that does not, once.
     void look(const VdbHeader& header, int frame, Survey& survey) {
         for (const auto& grid : header.grids) {
             if (!grid.transform || told_) continue;
-            const auto [first, is_new] = first_.try_emplace(grid.unique_name, frame, grid.transform);
-            if (is_new || *first->second.second == *grid.transform) continue;
+            const Space space{frame, grid.transform, grid.metadata["file_base_resolution"] ? grid.metadata["file_base_resolution"]->str() : std::string()};
+            const auto& first = first_.try_emplace(grid.unique_name, space).first->second;
+            if (*first.transform == *space.transform && first.domain == space.domain) continue;
             told_ = true;
             survey.warn(fmt::format("grid '{}' has {} in frame {}, but {} in frame {} (an adaptive domain?): no lattice fits both; bake with a fixed domain",
-                                    grid.unique_name, place_text(*first->second.second), first->second.first, place_text(*grid.transform), frame));
+                                    grid.unique_name, text(first), first.frame, text(space), frame));
         }
     }
 
 private:
-    std::map<std::string, std::pair<int, openvdb::math::Transform::ConstPtr>> first_;
+    struct Space {
+        int frame;
+        openvdb::math::Transform::ConstPtr transform;
+        std::string domain;
+    };
+    static std::string text(const Space& space) {
+        return place_text(*space.transform) + (space.domain.empty() ? "" : fmt::format(" in a domain of {}", space.domain));
+    }
+    std::map<std::string, Space> first_;
     bool told_ = false;
 };
 

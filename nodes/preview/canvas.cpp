@@ -1,5 +1,6 @@
 #include "nodes/preview/canvas.h"
 
+#include "graph/output_file.h"
 #include "graph/problem.h"
 
 #include <fmt/format.h>
@@ -133,8 +134,10 @@ double Canvas::text_width(const std::string& text, const Type& type) {
 void Canvas::write_png(const std::string& path) const {
     // A fault in any drawing call sticks to the context.
     auto status = cairo_status(page_->context.get());
-    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), path.c_str());
+    OutputFile file(path);
+    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), file.aside().c_str());
     if (status != CAIRO_STATUS_SUCCESS) throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+    file.commit();
 }
 
 }  // namespace fluidcarve

@@ -57,7 +57,7 @@ public:
     void text(double x, double y, const std::string& text, const Type& type, Align align = Align::left);
     double text_width(const std::string& text, const Type& type);
 
-    /// @throws Failure
+    /// The file appears whole or not at all. @throws Failure
     void write_png(const std::string& path) const;
 
 private:

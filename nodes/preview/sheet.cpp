@@ -1,6 +1,5 @@
 #include "nodes/preview/sheet.h"
 
-#include "graph/output_file.h"
 #include "nodes/preview/sheet_rows.h"
 
 #include <fmt/format.h>
@@ -92,9 +91,7 @@ struct Sheet {
 
     void finish(const Params& params, Ports&, Context& context) {
         if (!rows_) throw Failure("none of the frames to show has come");
-        OutputFile file(params.path.at(context.frame()));
-        draw_sheet(rows_->page(context.frames().size())).write_png(file.aside());
-        file.commit();
+        draw_sheet(rows_->page(context.frames().size())).write_png(params.path.at(context.frame()));
     }
 
 private:

@@ -32,6 +32,14 @@ std::string into(const Scratch& scratch) {
            " --progress none ";
 }
 
+/// Whether two folders' files of a name are the same, but for the identifier that each VDB file has of its own.
+bool same_but_identifier(const Scratch& one, const Scratch& other, const std::string& name) {
+    // 36 characters behind magic, versions and the offsets flag.
+    constexpr std::size_t identifier = 8 + 4 + 4 + 4 + 1;
+    const auto bytes = [&](const Scratch& scratch) { return Scratch::read(scratch / name).erase(identifier, 36); };
+    return bytes(one) == bytes(other);
+}
+
 }  // namespace
 
 TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs") {
@@ -64,18 +72,9 @@ TEST_CASE("the same files whatever the threads and the frames in flight, in one 
     REQUIRE(fluidcarve_program("run pipelines/plume.yaml --threads 3 --in-flight 2 -f 53-56" + into(other)).code == 0);
     const auto seams = [&](const Scratch& scratch) { return Scratch::read(scratch / "seams.vdb").size(); };
     CHECK(seams(one) == seams(other));
-    // VDB files hold an identifier of their own, so the grids are compared by the program: no seam carved, nothing may differ.
     for (int frame = 51; frame <= 56; ++frame) {
         const auto name = "out.00" + std::to_string(frame) + ".vdb";
-        const auto bytes = [&](const Scratch& scratch) { return Scratch::read(scratch / name); };
-        auto a = bytes(one);
-        auto b = bytes(other);
-        REQUIRE(a.size() == b.size());
-        // The header's 36 characters of identifier stand behind magic, versions and the offsets flag.
-        constexpr std::size_t identifier = 8 + 4 + 4 + 4 + 1;
-        a.erase(identifier, 36);
-        b.erase(identifier, 36);
-        CHECK((a == b));
+        CHECK(same_but_identifier(one, other, name));
     }
 }
 
@@ -162,4 +161,43 @@ for path in sys.argv[1:]:
 ' )" + list);
     CHECK(ran.err == "");
     CHECK(ran.code == 0);
+}
+
+TEST_CASE("inspect looks into files one by one: what can't be read is told, the others are shown") {
+    const Scratch scratch;
+    const auto whole = Scratch::read(TEST_DATA "/vdb/oiio_sphere.vdb");
+    const auto cut = scratch.write("cut.vdb", whole.substr(0, 50000));
+    const auto ran = fluidcarve_program("inspect " + cut + " " TEST_DATA "/vdb/oiio_sphere.vdb " + (scratch / "none.vdb"));
+    CHECK(ran.code == 3);
+    CHECK(ran.err == "failed: " + cut + " is cut off: grid 'density' ends at byte 118012, the file at 50000; copy or write it again\nfailed: " +
+                         (scratch / "none.vdb") + " does not exist\n");
+    CHECK_THAT(ran.out, Catch::StartsWith(TEST_DATA "/vdb/oiio_sphere.vdb: 118012 bytes, version 224, compression none, as Houdini writes\n"));
+
+    const auto json = nlohmann::json::parse(fluidcarve_program("inspect --json " + cut + " " TEST_DATA "/vdb/oiio_sphere.vdb").out);
+    CHECK(json["files"][0]["error"].get<std::string>().starts_with(cut));
+    CHECK(json["files"][1]["grids"][0]["name"] == "density");
+    const auto text = fluidcarve_program("inspect README.md");
+    CHECK(text.code == 2);
+    CHECK(text.err == "inspect looks into files that end in .vdb, not into README.md\n");
+}
+
+TEST_CASE("a file that makes its reader loop or crash is damaged, and that is all") {
+    // Found by build/fuzz: numbers within the grid's tree that OpenVDB trusts.
+    const Scratch scratch;
+    auto bytes = Scratch::read(TEST_DATA "/vdb/gaffer_arnold_sphere.vdb");
+    for (std::size_t at = 700; at < 1500; at += 3) bytes[at] = '\xff';
+    const auto ran = fluidcarve_program("inspect " + scratch.write("bad.vdb", bytes));
+    CHECK(ran.code == 3);
+    CHECK_THAT(ran.err, Catch::StartsWith("failed: " + (scratch / "bad.vdb")));
+}
+
+TEST_CASE("with a tenth of the memory energies and seams go to files, and the grids are the same") {
+    const Scratch plenty;
+    const Scratch scarce;
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml" + into(plenty)).code == 0);
+    // 42 x 42 x 86 vertices, 6 frames, 2 bytes an energy: 1.8 MB.
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --memory 180K --work " + (scarce / "work") + into(scarce)).code == 0);
+    CHECK(fs::exists(scarce / "work"));
+    CHECK(fs::is_empty(scarce / "work"));
+    for (int frame = 51; frame <= 56; ++frame) CHECK(same_but_identifier(plenty, scarce, "out.00" + std::to_string(frame) + ".vdb"));
 }
