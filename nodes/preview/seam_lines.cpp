@@ -120,7 +120,7 @@ bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transfor
 
 std::size_t require_seams(const Lattice& lattice, const Seams& seams, int frame) {
     // With none of the seams asked for, the map only looks at whether they fit.
-    CarveMap(lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0);
+    static_cast<void>(CarveMap(lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0));
     return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) - seams.frames.begin());
 }
 
