@@ -67,6 +67,7 @@ public:
         const auto before = problems_.size();
         Value root = read_yaml(source, problems_);
         nothing.mark = {source, 0, 0};
+        sources.push_back(nothing.mark);
         if (problems_.size() > before && root.kind == Value::Kind::null) return nothing;
         if (root.kind == Value::Kind::null)
             return add(problems_, {source, 0, 0}, "the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'"), nothing;
@@ -87,6 +88,8 @@ public:
         merge(merged, root, 3);
         return merged;
     }
+
+    std::vector<Mark> sources;  ///< of the files read so far
 
 private:
     std::shared_ptr<const Source> open(const std::string& path, const Mark& from) {
@@ -330,7 +333,8 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
 }  // namespace
 
 Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
-    Value root = Reader(problems).load(path, {});
+    Reader reader(problems);
+    Value root = reader.load(path, {});
     const auto part = [&](const char* name, Value::Kind kind) {
         const auto* const field = root.find(name);
         if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
@@ -342,6 +346,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     Document out;
     out.name = path;
     out.mark = root.mark;
+    out.sources = std::move(reader.sources);
     out.frames = part("frames", Value::Kind::null);
     out.nodes = part("nodes", Value::Kind::map);
     if (root.fields.empty()) return out;

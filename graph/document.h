@@ -9,10 +9,11 @@ namespace fluidcarve {
 
 /// A pipeline's text after everything that stands above types: `extends` merged, `--set` applied, `${name}` replaced.
 struct Document {
-    std::string name;  ///< the file, as given
-    Mark mark;         ///< of the file
-    Value frames;      ///< null: one frame, 1
-    Value nodes;       ///< a map of maps
+    std::string name;           ///< the file, as given
+    Mark mark;                  ///< of the file
+    std::vector<Mark> sources;  ///< the file and those that it extends
+    Value frames;               ///< null: one frame, 1
+    Value nodes;                ///< a map of maps
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.

@@ -29,10 +29,14 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
-    aside_ = (folder / fmt::format(".{}.{}.{}.part{}", target.stem().string(), getpid(), serial++, target.extension().string())).string();
     const std::lock_guard lock(unfinished_mutex);
-    // Made here and now: what a folder's rights say and what it takes are two things.
-    const int file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    // Made here and now: what a folder's rights say and what it takes are two things. A killed run of the same number, as all
+    // have in a container, may have left its own.
+    int file = -1;
+    do {
+        aside_ = (folder / fmt::format(".{}.{}.{}.part{}", target.stem().string(), getpid(), serial++, target.extension().string())).string();
+        file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (file < 0 && errno == EEXIST);
     if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));
     close(file);
     unfinished.insert(aside_);

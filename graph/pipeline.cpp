@@ -55,6 +55,7 @@ public:
     Pipeline build() {
         Pipeline out;
         out.name = document_.name;
+        for (const auto& source : document_.sources) out.files.push_back(source.source->name);
         out.frames = read_frames();
         drafts_.reserve(document_.nodes.fields.size());
         for (const auto& field : document_.nodes.fields) read_node(field);
@@ -320,7 +321,10 @@ private:
             }
             return out;
         };
-        used.emplace(resolved(document_.name), std::pair(document_.mark, "this is the pipeline itself"));
+        for (const auto& source : document_.sources) {
+            const bool itself = source.source->name == document_.name;
+            used.emplace(resolved(source.source->name), std::pair(source, itself ? "this is the pipeline itself" : "the pipeline extends it"));
+        }
         each_path(Shape::Kind::input_path, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
             const std::pair here(mark, fmt::format("'{}' reads it here", node.name));
             for (const auto& file : files(path)) {
@@ -351,6 +355,28 @@ private:
 };
 
 }  // namespace
+
+std::string user_of(const Pipeline& pipeline, const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
+    const auto is = [&](const std::string& other) {
+        return fs::path(other).filename() == wanted.filename() && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
+    };
+    for (const auto& file : pipeline.files)
+        if (is(file)) return "it is the pipeline";
+    for (const auto& node : pipeline.nodes)
+        for (const auto& spec : node.type->params) {
+            const bool reads = spec.shape.kind == Shape::Kind::input_path;
+            if (!reads && spec.shape.kind != Shape::Kind::output_path) continue;
+            const auto& pattern = spec.path(node.params.get());
+            for (const auto frame : pipeline.frames.frames()) {
+                if (is(pattern.at(frame))) return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
+                if (!pattern.per_frame()) break;
+            }
+        }
+    return {};
+}
 
 std::string to_text(Rate rate) {
     switch (rate) {

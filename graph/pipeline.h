@@ -40,8 +40,9 @@ struct Node {
 
 /// A checked pipeline: typed, acyclic, complete. Nodes stand in an order in which each comes after its inputs.
 struct Pipeline {
-    std::string name;  ///< the file, as given
-    FrameSet frames;   ///< the sequence
+    std::string name;                ///< the file, as given
+    std::vector<std::string> files;  ///< it and those that it extends
+    FrameSet frames;                 ///< the sequence
     std::vector<Node> nodes;
 
     const Node* find(std::string_view name) const;
@@ -51,6 +52,9 @@ struct Pipeline {
     /// `nodes` and all that they need, as one flag per node.
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
+
+/// Who uses a file that is about to be written: "'sim' reads it", "it is the pipeline"; empty if nobody does.
+std::string user_of(const Pipeline& pipeline, const std::string& path);
 
 /// Checks a document against the registry. Opens no data.
 /// @return the pipeline; meaningless if problems were added

@@ -1,5 +1,7 @@
 #include "graph/problem.h"
 
+#include "graph/one_line.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -9,13 +11,6 @@
 
 namespace fluidcarve {
 namespace {
-
-/// What a user wrote may hold line ends and a terminal's commands.
-std::string one_line(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-    return text;
-}
 
 std::string line_of(const Mark& mark) {
     const auto& text = mark.source->text;

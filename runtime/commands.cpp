@@ -114,6 +114,8 @@ struct RunArguments {
         }
         if (!to.empty() && !pipeline.find(to)) return wrong(fmt::format("--to: there is no node '{}'{}", to, did_you_mean(to, pipeline.node_names())));
         request.to = to;
+        if (const auto user = request.report_path.empty() ? std::string() : user_of(pipeline, request.report_path); !user.empty())
+            return wrong(fmt::format("--report would overwrite {}: {}", request.report_path, user));
         const char* const no_color = std::getenv("NO_COLOR");
         const bool terminal = isatty(STDERR_FILENO) != 0 && (!no_color || *no_color == '\0');
         request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none

@@ -2,9 +2,11 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -13,6 +15,7 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 namespace fluidcarve {
 namespace {
@@ -27,7 +30,11 @@ void write_all(int file, const std::string& text) {
     }
 }
 
-void confine(std::uint64_t memory) {
+void confine(std::uint64_t memory, double seconds) {
+    // Not left alone: neither when the parent is killed nor when the file makes it loop.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const rlimit time{static_cast<rlim_t>(seconds * std::max(1U, std::thread::hardware_concurrency())) + 1, RLIM_INFINITY};
+    setrlimit(RLIMIT_CPU, &time);
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
 #ifndef __SANITIZE_ADDRESS__  // whose shadow alone takes terabytes
@@ -40,8 +47,8 @@ void confine(std::uint64_t memory) {
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, file);
 }
 
-[[noreturn]] void run_child(const std::function<std::string()>& call, std::uint64_t memory, int out) {
-    confine(memory);
+[[noreturn]] void run_child(const std::function<std::string()>& call, std::uint64_t memory, double seconds, int out) {
+    confine(memory, seconds);
     std::string answer;
     try {
         answer = returned + call();
@@ -78,7 +85,7 @@ Confined call_confined(const std::function<std::string()>& call, std::uint64_t m
     if (pipe2(channel.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
     const auto child = fork();
     if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
-    if (child == 0) run_child(call, memory, channel[1]);
+    if (child == 0) run_child(call, memory, seconds, channel[1]);
     close(channel[1]);
     std::string answer;
     const bool in_time = read_all(channel[0], seconds, answer);

@@ -1,5 +1,6 @@
 #include "runtime/inspect.h"
 
+#include "graph/one_line.h"
 #include "runtime/confined.h"
 #include "runtime/run.h"
 
@@ -17,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// fmt's own print throws where a file is on a full disk.
-void tell(std::FILE* where, const std::string& text) { std::fputs(text.c_str(), where); }
+void tell(std::FILE* where, const std::string& text) { std::fwrite(text.data(), 1, text.size(), where); }
 
 const FileInspector* inspector_of(const std::string& path, const Registry& registry) {
     const auto& all = registry.inspectors();
@@ -73,7 +74,7 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
                 all["files"].push_back(std::move(*facts));
             } else {
                 std::fflush(stdout);
-                if (!json) tell(stderr, fmt::format("failed: {}\n", fault));
+                if (!json) tell(stderr, fmt::format("failed: {}\n", one_line(fault)));
                 all["files"].push_back({{"file", path}, {"error", fault}});
                 code = exit_code::input;
             }

@@ -1,5 +1,7 @@
 #include "runtime/report.h"
 
+#include "graph/one_line.h"
+
 #include <fmt/format.h>
 
 #include <sys/resource.h>
@@ -9,7 +11,7 @@
 namespace fluidcarve {
 
 std::string to_text(const Fault& fault) {
-    return fmt::format("{} ({}){}: {}", fault.node, fault.type, fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(), fault.message);
+    return fmt::format("{} ({}){}: {}", fault.node, fault.type, fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(), one_line(fault.message));
 }
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}

@@ -108,13 +108,15 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary) {
+/// @param told  warnings that the user has seen
+void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
     constexpr std::size_t most = 20;
     const auto faults = report.faults();
     for (std::size_t n = 0; n < std::min(most, faults.size()); ++n) tell("failed: " + to_text(faults[n]));
     if (faults.size() > most) tell(fmt::format("... and {} more; --report FILE.json lists them all", faults.size() - most));
     if (request.quiet) return;
-    for (const auto& warning : report.warnings()) tell("warning: " + warning);
+    for (const auto& warning : report.warnings())
+        if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
     if (faults.empty() && summary["exit"] == exit_code::done)
         tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
     if (request.verbose)
@@ -168,6 +170,9 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         for (const auto& needs : pass.gatherer_needs)
             for (std::size_t n = 0; n < needs.size(); ++n) in_sequence[n] = in_sequence[n] || needs[n];
     auto inputs = survey(pipeline, pipeline.upstream_of(targets), in_sequence, request.deliver, report);
+    if (!request.quiet)
+        for (const auto& warning : report.warnings()) tell("warning: " + warning);
+    const auto told = report.warnings();
     // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (auto& fault : inputs.missing) report.failed(std::move(fault));
@@ -198,7 +203,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     }
     const int code = exit_of(report, cancelled(), stopped);
     const auto summary = report.to_json(delivered_frames, code);
-    tell_outcome(report, request, summary);
+    tell_outcome(report, request, summary, told);
     return request.report_path.empty() ? code : write_report(request.report_path, summary, code);
 }
 

@@ -58,9 +58,11 @@ struct Combine {
 
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
     for (std::size_t n = 1; n < terms.size(); ++n) require_same_transform(fmt::format("terms 1 and {}", n + 1), *terms[0].energy, *terms[n].energy);
-    const auto tree = std::make_shared<openvdb::FloatTree>(terms[0].energy->tree(), 0.0f, openvdb::TopologyCopy());
-    for (std::size_t n = 1; n < terms.size(); ++n) tree->topologyUnion(terms[n].energy->tree());
     const std::vector<Remap> remaps(terms.begin(), terms.end());
+    float nothing = 0;  ///< where no term is active
+    for (const auto& remap : remaps) nothing += remap(remap.grid->background());
+    const auto tree = std::make_shared<openvdb::FloatTree>(terms[0].energy->tree(), nothing, openvdb::TopologyCopy());
+    for (std::size_t n = 1; n < terms.size(); ++n) tree->topologyUnion(terms[n].energy->tree());
 
     std::mutex mutex;
     std::optional<std::pair<std::size_t, openvdb::Coord>> lowest;
@@ -78,7 +80,7 @@ FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
             for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
                 const float value = from ? from->getValue(voxel.pos()) : constant;
                 if (!std::isfinite(value)) note(n, voxel.getCoord());
-                voxel.setValue(*voxel + remap(value));
+                voxel.setValue((n == 0 ? 0 : *voxel) + remap(value));
             }
         }
     });

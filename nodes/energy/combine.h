@@ -16,7 +16,8 @@ struct EnergyTerm {
 
 /// The weighted sum of energies, each remapped to [0, 1] (paper 5.1, eq. 9-11).
 /// @param terms  at least one, all of one transform; where one is not active, the value that it holds counts (0, in energies)
-/// @return energy from 0 to the sum of the weights, no unit, on the voxels that are active in any term; background 0
+/// @return energy from 0 to the sum of the weights, no unit, on the voxels that are active in any term; elsewhere that of
+///         the terms' backgrounds, which is 0 for most
 /// @throws Failure naming two terms whose transforms differ, or a grid and voxel whose value is not finite
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms);
 

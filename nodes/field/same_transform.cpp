@@ -4,7 +4,19 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace fluidcarve {
+
+bool cubes_along_axes(const openvdb::math::Transform& transform) {
+    if (!transform.isLinear()) return false;
+    const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
+    const double size = matrix(0, 0);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            if (!(size > 0) || std::abs(matrix(row, column) - (row == column ? size : 0)) > 1e-6 * size) return false;
+    return true;
+}
 
 std::string place_text(const openvdb::math::Transform& transform) {
     const auto size = transform.voxelSize();

@@ -6,6 +6,9 @@
 
 namespace fluidcarve {
 
+/// Whether the voxels are cubes along the world's axes.
+bool cubes_along_axes(const openvdb::math::Transform& transform);
+
 /// "voxels of 0.1 x 0.1 x 0.1, the first at [0, 0, 0]".
 std::string place_text(const openvdb::math::Transform& transform);
 

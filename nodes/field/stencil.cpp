@@ -1,6 +1,7 @@
 #include "nodes/field/stencil.h"
 
 #include "graph/problem.h"
+#include "nodes/field/same_transform.h"
 
 #include <fmt/format.h>
 
@@ -23,16 +24,12 @@ double cubic_voxel_size(const openvdb::GridBase& grid) {
     const auto& transform = grid.constTransform();
     const auto remedy = "derivatives need cubes along the world's axes: resample the grid first";
     if (!transform.isLinear()) throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); {}", grid.getName(), transform.mapType(), remedy));
-    const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
-    const double size = matrix[0][0];
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            if (size <= 0 || std::abs(matrix[row][column] - (row == column ? size : 0)) > 1e-6 * std::abs(size)) {
-                const auto shape = transform.voxelSize();
-                throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(),
-                                          transform.mapType(), remedy));
-            }
-    return size;
+    if (!cubes_along_axes(transform)) {
+        const auto shape = transform.voxelSize();
+        throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(),
+                                  transform.mapType(), remedy));
+    }
+    return transform.voxelSize().x();
 }
 
 void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside) { refuse(grid, beside); }

@@ -1,5 +1,6 @@
 #include "nodes/io/inspect.h"
 
+#include "graph/one_line.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/raw_grid.h"
@@ -64,7 +65,8 @@ Json points_of(const PointDataGrid& grid) {
     out["count"] = count;
     if (const auto leaf = grid.tree().cbeginLeaf()) {
         const auto& descriptor = leaf->attributeSet().descriptor();
-        for (const auto& [name, place] : descriptor.map()) out["attributes"][name] = descriptor.type(place).first + " " + descriptor.type(place).second;
+        for (const auto& [name, place] : descriptor.map())
+            out["attributes"][one_line(name)] = descriptor.type(place).first + " " + descriptor.type(place).second;
     }
     return out;
 }
@@ -74,15 +76,15 @@ Json list(const openvdb::Vec3d& at) { return {at.x(), at.y(), at.z()}; }
 
 Json metadata_of(const openvdb::MetaMap& map) {
     auto out = Json::object();
-    for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) out[entry->first] = entry->second->str();
+    for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) out[one_line(entry->first)] = one_line(entry->second->str());
     return out;
 }
 
 Json grid_json(const GridBase& grid, const std::string& unique_name) {
     const auto& transform = grid.transform();
-    Json out{{"name", unique_name},
+    Json out{{"name", one_line(unique_name)},
              {"type", grid.valueType()},
-             {"tree", grid.type()},
+             {"tree", one_line(grid.type())},
              {"class", GridBase::gridClassToString(grid.getGridClass())},
              {"half", grid.saveFloatAsHalf()},
              {"active_voxels", grid.activeVoxelCount()},
@@ -99,12 +101,6 @@ Json grid_json(const GridBase& grid, const std::string& unique_name) {
     if (grid.isType<PointDataGrid>()) out["points"] = points_of(static_cast<const PointDataGrid&>(grid));
     out["metadata"] = metadata_of(grid);
     return out;
-}
-
-bool cubes(const openvdb::math::Transform& transform) {
-    if (!transform.isLinear()) return false;
-    const auto size = transform.voxelSize();
-    return transform.hasUniformScale() && std::abs(size.x() - size.y()) < 1e-6 * size.x();
 }
 
 /// What a pipeline's author should know, each with the grids that it is true of; none: of the file.
@@ -133,8 +129,8 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
     if (RawGrid::of(grid)) return say(fmt::format("of type {}, which OpenVDB does not know: kept as it is, but can't be looked at or carved", grid.type()));
     if (grid.activeVoxelCount() == 0) say("no active voxels");
     if (!grid.transform().isLinear()) say(fmt::format("voxels of varying shape ({}): no energy or lattice takes them", grid.transform().mapType()));
-    else if (!cubes(grid.transform()))
-        say(fmt::format("voxels that are no cubes ({:.6g} x {:.6g} x {:.6g}): derivatives refuse them", size.x(), size.y(), size.z()));
+    else if (!cubes_along_axes(grid.transform()))
+        say(fmt::format("voxels that are no cubes along the axes ({:.6g} x {:.6g} x {:.6g}): derivatives refuse them", size.x(), size.y(), size.z()));
     if (facts.contains("not_finite"))
         say(fmt::format("{} values are not finite, the first at voxel {}: energies refuse them", facts["not_finite"].get<std::size_t>(),
                         facts["first_not_finite"].dump()));
@@ -145,10 +141,12 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
         if (grid.getGridClass() == openvdb::GRID_STAGGERED) say("staggered: component c stands on the face below its voxel along axis c");
         if (grid.getVectorType() == openvdb::VEC_INVARIANT && grid.getName().starts_with("vel"))
             say("invariant by vector type: other tools won't turn it with its transform");
-        if (blender) say(fmt::format("in {}", profile->velocity_unit));
+        if (profile && grid.getName().starts_with("vel")) say(fmt::format("if {} wrote it, in {}", profile->application, profile->velocity_unit));
     }
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<FloatGrid>() && static_cast<const FloatGrid&>(grid).background() <= 0)
         say("called a level set, but its background is not above 0: dense values in voxels, no narrow band");
+    if (blender && grid.getGridClass() == openvdb::GRID_FOG_VOLUME && facts.contains("range") && facts["range"][0] >= 1e-6 && facts["range"][0] < 1.1e-6)
+        say("active only above 1e-06: derivatives jump at the border of the smoke");
     if (grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.isType<FloatGrid>() && grid.getName() == "density") say("no class: taken for fog");
     if (grid.isType<PointDataGrid>()) {
         if (blender) say("particles half a voxel off the other grids' voxels");
@@ -222,8 +220,8 @@ std::vector<std::string> compare(const std::vector<Json>& files) {
             const auto& [other_file, other] = place->second;
             if (is_new || told.contains(name) || ((*other)["transform"] == grid["transform"] && space_text(*other) == space_text(grid))) continue;
             told.insert(name);
-            out.add(fmt::format("{} in {}, but {} in {}: an adaptive domain, which no lattice fits", space_text(*other), other_file, space_text(grid),
-                                file["file"].get<std::string>()),
+            out.add(fmt::format("{} in {}, but {} in {}: if these are frames of one sequence, its domain is adaptive, and no lattice fits", space_text(*other),
+                                other_file, space_text(grid), file["file"].get<std::string>()),
                     name);
         }
     return out.lines();

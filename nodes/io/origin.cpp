@@ -71,6 +71,7 @@ openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, co
     const auto transform = as_it_came ? std::const_pointer_cast<openvdb::math::Transform>(kept) : inverse(grid->transform(), by);
     openvdb::MetaMap metadata(*grid);
     metadata.removeMeta(key);
+    if (origin && origin->made_staggered) metadata.removeMeta(openvdb::GridBase::META_GRID_CLASS);
     return grid->copyGridReplacingMetadataAndTransform(metadata, transform);
 }
 

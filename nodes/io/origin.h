@@ -25,6 +25,8 @@ struct Origin {
     /// The three grids (`vel.x`, `vel.y`, `vel.z`) that were read as one of vectors, or none.
     std::vector<openvdb::FloatGrid::ConstPtr> components;
     std::weak_ptr<const openvdb::TreeBase> merged;  ///< the tree made of them
+
+    bool made_staggered = false;  ///< by the reader's profile; the file leaves the class unknown
 };
 
 void set_origin(openvdb::GridBase& grid, Origin origin);

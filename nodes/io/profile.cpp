@@ -23,8 +23,9 @@ bool bears_marks(const VdbHeader& header, std::string_view profile) {
         return std::any_of(names.begin(), names.end(), [&](const char* name) { return has_or_triplet(header, name); });
     };
     if (profile == "blender") return any({"shadow", "particles"}) && any({"velocity", "density"});
-    if (profile == "houdini") return creator.find("Houdini") != std::string::npos || any({"vel", "heat"});
-    if (profile == "embergen") return creator.find("EmberGen") != std::string::npos || any({"flames"});
+    const bool embergen = creator.find("EmberGen") != std::string::npos || any({"flames"});
+    if (profile == "embergen") return embergen;
+    if (profile == "houdini") return !embergen && (creator.find("Houdini") != std::string::npos || any({"vel", "heat"}));
     return any({"voxel_fog_density", "voxel_velocity", "voxel_signed_distance"});
 }
 
@@ -36,7 +37,7 @@ std::span<const Profile> profiles() {
          "Blender",
          {{"density", {"density"}}, {"temperature", {"temperature"}}, {"flame", {"flame"}}, {"velocity", {"velocity"}}},
          true,
-         "voxels per tenth of a frame, about: compare values, don't trust them"},
+         "voxels per tenth of a frame, roughly"},
         {"houdini",
          "Houdini",
          {{"density", {"density"}}, {"temperature", {"temperature", "heat"}}, {"flame", {"flame"}}, {"velocity", {"vel"}}, {"surface", {"surface"}}},

@@ -118,7 +118,17 @@ std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr
         const auto tree = std::make_shared<Tree>(vectors, vectors.background()[c], openvdb::TopologyCopy());
         openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](Tree::LeafNodeType& leaf, std::size_t) {
             const auto* const values = vectors.probeConstLeaf(leaf.origin());
-            for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) leaf.setValueOnly(n, values->getValue(n)[c]);
+            const auto x = origin->components[0]->getConstAccessor(), y = origin->components[1]->getConstAccessor(),
+                       z = origin->components[2]->getConstAccessor();
+            const auto own = from->getConstAccessor();
+            for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) {
+                const float value = values->getValue(n)[c];
+                leaf.setValueOnly(n, value);
+                const auto at = leaf.offsetToGlobalCoord(n);
+                const bool was_on = x.isValueOn(at) || y.isValueOn(at) || z.isValueOn(at);
+                // Where nothing changed, the component keeps its own state: it may reach less far than the others.
+                if (values->isValueOn(n) == was_on && value == own.getValue(at)) leaf.setActiveState(n, own.isValueOn(at));
+            }
         });
         auto tile = tree->beginValueOn();
         tile.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);

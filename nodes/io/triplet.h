@@ -32,7 +32,8 @@ std::optional<Triplet> triplet_of(const Volume& volume, const openvdb::GridBase&
 VectorGrid::ConstPtr merged(const Triplet& triplet);
 
 /// The three grids again that a grid was merged from, in the shot's world; the grid itself if it was not. Where nothing
-/// changed it they are the very grids; otherwise each is active where the vectors are, and keeps its metadata.
+/// changed it they are the very grids; otherwise each keeps its metadata and, where it changed, is active where
+/// the vectors are.
 std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr& grid);
 
 }  // namespace fluidcarve

@@ -7,9 +7,11 @@
 
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/DelayedLoadMetadata.h>
 #include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
+#include <openvdb/math/Maps.h>
 #include <openvdb/points/AttributeArray.h>
 
 #include <algorithm>
@@ -18,6 +20,7 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <sstream>
 
 namespace fluidcarve {
 namespace {
@@ -47,7 +50,9 @@ public:
             walk();
         } catch (const std::ios_base::failure&) {
             refuse(fmt::format("{} is cut off: it ends within its header, at byte {}; copy or write it again", path_, size_));
-        } catch (const openvdb::Exception& error) {
+        } catch (const Failure&) {
+            throw;
+        } catch (const std::exception& error) {
             refuse(fmt::format("{} is damaged: {}", path_, error.what()));
         }
     }
@@ -85,6 +90,8 @@ public:
         if (found == grids_.end() || found->isInstance())
             refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid),
                                GridDescriptor::nameAsString(grid.instanceParentName())));
+        if (found->gridType() != grid.gridType())
+            refuse(fmt::format("{} is damaged: grid '{}' shares the tree of '{}', which is of another type", path_, shown(grid), shown(*found)));
         return *found;
     }
 
@@ -97,15 +104,15 @@ public:
             if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) number<std::uint32_t>();
             read_metadata(out.metadata);
             if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return;
-            const auto begin = stream_.tellg();
-            text();
-            stream_.seekg(begin);
+            check_map();
             const auto transform = openvdb::math::Transform::createLinearTransform();
             transform->read(stream_);
+            for (const auto& place : {transform->indexToWorld(openvdb::Vec3d(0)), transform->indexToWorld(openvdb::Vec3d(1)), transform->voxelSize()})
+                if (!openvdb::math::isFinite(place)) refuse(fmt::format("{} is damaged: the transform of grid '{}' is not finite", path_, shown(grid)));
             out.transform = transform;
-        } catch (const std::ios_base::failure&) {
-            refuse(fmt::format("{} is damaged: grid '{}' has no transform", path_, shown(grid)));
-        } catch (const openvdb::Exception& error) {
+        } catch (const Failure&) {
+            throw;
+        } catch (const std::exception& error) {
             refuse(fmt::format("{} is damaged: grid '{}': {}", path_, shown(grid), error.what()));
         }
     }
@@ -149,14 +156,35 @@ private:
         }
     }
 
-    /// Twice over the same bytes: first for the lengths, so that the library allocates no more than the file holds.
+    /// Entry by entry from texts of known length: the library takes lengths on trust, and some of its types don't keep to theirs.
     void read_metadata(openvdb::MetaMap& out) {
-        const auto begin = stream_.tellg();
         const auto count = number<std::uint32_t>();
-        // Each entry is three texts: name, type and value.
-        for (std::uint64_t n = 0; n < std::uint64_t{3} * count; ++n) text();
+        for (std::uint32_t n = 0; n < count; ++n) {
+            const auto name = text(), type = text(), value = text();
+            // Sizes of compressed leaves, of use only to a reader that puts them off.
+            if (type == openvdb::io::DelayedLoadMetadata::staticTypeName()) continue;
+            const auto metadata =
+                openvdb::Metadata::isRegisteredType(type) ? openvdb::Metadata::createMetadata(type) : std::make_shared<openvdb::UnknownMetadata>(type);
+            const auto size = static_cast<std::uint32_t>(value.size());
+            std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) + value);
+            metadata->read(bytes);
+            if (metadata->size() != size) throw std::runtime_error(fmt::format("metadata '{}' is not as long as its type", name));
+            out.insertMeta(name, *metadata);
+        }
+    }
+
+    /// Whether the names in a transform are as long as they say, before the library makes room for them.
+    void check_map() {
+        const auto begin = stream_.tellg();
+        const auto frustum = openvdb::math::NonlinearFrustumMap::mapType();
+        if (text() == frustum) {
+            const bool whole_numbers = fileVersion() < openvdb::OPENVDB_FILE_VERSION_FLOAT_FRUSTUM_BBOX;
+            constexpr auto taper_and_depth = 2 * sizeof(double);
+            stream_.seekg(static_cast<std::streamoff>((whole_numbers ? sizeof(openvdb::CoordBBox) : sizeof(openvdb::BBoxd)) + taper_and_depth),
+                          std::ios_base::cur);
+            if (text() == frustum) throw std::runtime_error("a frustum within a frustum");
+        }
         stream_.seekg(begin);
-        out.readMeta(stream_);
     }
 
     GridDescriptor descriptor() {
@@ -208,10 +236,8 @@ VdbHeader header_of(OpenVdb& file) {
     out.version = file.version();
     out.metadata = file.metadata();
     for (const auto& grid : file.grids()) {
-        const auto end = static_cast<std::uint64_t>(grid.getEndPos());
-        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), end, nullptr, {}});
+        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), nullptr, {}});
         file.describe(grid, out.grids.back());
-        out.end = std::max(out.end, end);
     }
     return out;
 }
@@ -291,17 +317,20 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec, const
         for (const auto& part : split(grid)) grids.push_back(unplaced(part, placement));
     OutputFile output(path);
     const auto codec_name = name(codec, volume);
-    for (const auto& grid : grids)
-        if (const auto* const raw = RawGrid::of(*grid); raw && raw->compression() != flags_of_grid(flags(codec_name), *grid))
+    auto file_flags = flags(codec_name);
+    for (const auto& grid : grids) {
+        const auto* const raw = RawGrid::of(*grid);
+        if (!raw) continue;
+        if (codec == Codec::as_read) file_flags = raw->compression();
+        if (raw->compression() != flags_of_grid(file_flags, *grid))
             throw Failure(
                 fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not know, and can't be compressed anew; set "
-                            "'compression: as_read'",
+                            "'compression: as_read', or leave it out",
                             path, grid->getName(), grid->type()));
-    if (codec_name == "blosc" && !openvdb::io::Archive::hasBloscCompression())
-        throw Failure(fmt::format("cannot write {}: this OpenVDB was built without blosc; set 'compression: zip'", path));
+    }
     try {
         openvdb::io::File file(output.aside());
-        file.setCompression(flags(codec_name));
+        file.setCompression(file_flags);
         file.write(grids, volume.metadata);
     } catch (const openvdb::Exception& error) {
         throw Failure(fmt::format("cannot write {}: {}", path, error.what()));

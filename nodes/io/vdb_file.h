@@ -16,7 +16,6 @@ struct VdbHeader {
         std::string unique_name;                       ///< with the number that tells grids of one name apart: "density[1]"
         std::string name;                              ///< without it
         std::string type;                              ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
-        std::uint64_t end = 0;                         ///< first byte behind the grid
         openvdb::math::Transform::ConstPtr transform;  ///< null in files so old that it stands behind the tree
         openvdb::MetaMap metadata;
     };
@@ -24,7 +23,6 @@ struct VdbHeader {
     unsigned version = 0;       ///< of the file format
     openvdb::MetaMap metadata;  ///< the file's own
     std::vector<Entry> grids;   ///< in file order
-    std::uint64_t end = 0;      ///< first byte behind the last grid: the least size of a whole file
 
     /// Where in `grids` the first of this name is or, if there is none, that of this unique name.
     /// @throws Failure (input) listing the grids

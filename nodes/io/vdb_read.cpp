@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -137,10 +139,12 @@ private:
     static std::string base(const std::string& component) { return component.substr(0, component.size() - 2); }
 
     static openvdb::GridBase::ConstPtr staggered(const openvdb::GridBase& grid) {
-        openvdb::MetaMap metadata(grid);
-        metadata.removeMeta(openvdb::GridBase::META_GRID_CLASS);
-        metadata.insertMeta(openvdb::GridBase::META_GRID_CLASS, openvdb::StringMetadata(openvdb::GridBase::gridClassToString(openvdb::GRID_STAGGERED)));
-        return grid.copyGridReplacingMetadata(metadata);
+        const auto out = std::const_pointer_cast<openvdb::GridBase>(grid.copyGridReplacingMetadata(grid));
+        out->setGridClass(openvdb::GRID_STAGGERED);
+        Origin origin;
+        origin.made_staggered = true;
+        set_origin(*out, std::move(origin));
+        return out;
     }
 
     std::size_t place(const std::string& name, GridKind kind) const {
@@ -162,9 +166,11 @@ private:
 /// Whether the grids of a sequence keep their transform and, where Blender states it, the size of their domain.
 class Steadiness {
 public:
-    /// Warns of the first grid that does not, once.
-    void look(const VdbHeader& header, int frame, Survey& survey) {
-        for (const auto& grid : header.grids) {
+    /// Warns of a grid that does not, once; of many that change together, of the first.
+    /// @param places  of the grids that the run reads
+    void look(const VdbHeader& header, const std::set<std::size_t>& places, int frame, Survey& survey) {
+        for (const auto place : places) {
+            const auto& grid = header.grids[place];
             if (!grid.transform || told_) continue;
             const Space space{frame, grid.transform, grid.metadata["file_base_resolution"] ? grid.metadata["file_base_resolution"]->str() : std::string()};
             const auto& first = first_.try_emplace(grid.unique_name, space).first->second;
@@ -222,14 +228,15 @@ struct VdbRead {
         }
         Steadiness steadiness;
         for (const int frame : survey.frames()) {
-            if (there(params, frame)) look(params, frame, survey, steadiness);
+            if (there(params, frame)) look(params, frame, frame, survey, steadiness);
+            else if (params.missing == Missing::hold) look(params, frame, held(params, survey.frames(), frame), survey, steadiness);
             else if (params.missing == Missing::skip) survey.leave_out(frame);
             else if (params.missing == Missing::error) survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
         }
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto path = params.path.at(params.missing == Missing::hold ? held(params, context) : context.frame());
+        const auto path = params.path.at(params.missing == Missing::hold ? held(params, context.frames(), context.frame()) : context.frame());
         const Contents contents(path, params.profile);
         const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
         std::map<std::string, std::vector<std::size_t>> places;
@@ -260,23 +267,29 @@ private:
         return std::filesystem::exists(params.path.at(frame), ignored);
     }
 
-    static int held(const Params& params, const Context& context) {
-        const auto& frames = context.frames();
-        for (std::size_t n = context.place() + 1; n-- > 0;)
-            if (there(params, frames[n])) return frames[n];
-        for (std::size_t n = context.place() + 1; n < frames.size(); ++n)
-            if (there(params, frames[n])) return frames[n];
-        return context.frame();
+    /// The frame whose file stands in for a frame's: its own, the nearest before or, failing that, after.
+    static int held(const Params& params, const std::vector<int>& frames, int frame) {
+        const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
+        const auto is_there = [&](int each) { return there(params, each); };
+        if (at != frames.end() && is_there(*at)) return *at;
+        const auto before = std::find_if(std::make_reverse_iterator(at), frames.rend(), is_there);
+        if (before != frames.rend()) return *before;
+        const auto after = std::find_if(at, frames.end(), is_there);
+        return after == frames.end() ? frame : *after;
     }
 
     /// A file that can't be read, or lacks a grid, is told before the run, not when its turn comes.
-    static void look(const Params& params, int frame, Survey& survey, Steadiness& steadiness) {
+    static void look(const Params& params, int frame, int file, Survey& survey, Steadiness& steadiness) {
         if (!survey.needs(frame)) return;
         try {
-            const Contents contents(params.path.at(frame), params.profile);
+            const Contents contents(params.path.at(file), params.profile);
+            std::set<std::size_t> places;
             for (const auto& [output, choice] : params.grids)
-                if (survey.wants(output)) contents.places(output, choice);
-            steadiness.look(contents.header(), frame, survey);
+                if (survey.wants(output))
+                    for (const auto place : contents.places(output, choice)) places.insert(place);
+            if (survey.wants("volume"))
+                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
+            steadiness.look(contents.header(), places, frame, survey);
         } catch (const Failure& failure) {
             survey.missing(frame, failure.what());
         }

@@ -81,16 +81,7 @@ struct Box {
     }
 
     static void require_uniform(const openvdb::GridBase& grid, int frame) {
-        bool straight = grid.transform().isLinear();
-        if (straight) {
-            const auto matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
-            const double size = matrix(0, 0);
-            for (int row = 0; row < 3; ++row)
-                for (int column = 0; column < 3; ++column)
-                    straight = straight && std::abs(matrix(row, column) - (row == column ? size : 0)) <= 1e-9 * std::abs(size);
-            straight = straight && size > 0;
-        }
-        if (!straight)
+        if (!cubes_along_axes(grid.transform()))
             throw Failure(fmt::format(
                 "grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
                 grid.getName(), frame));

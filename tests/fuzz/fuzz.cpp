@@ -66,7 +66,7 @@ std::string damaged(std::string text, Random& random) {
     const auto count = 1 + below(random, 6);
     for (std::size_t n = 0; n < count && text.size() > 8; ++n) {
         // Half of all faults near the front, where the structure is.
-        const auto at = below(random, random() % 2 ? text.size() - 8 : std::min<std::size_t>(text.size() - 8, 600));
+        const auto at = below(random, random() % 2 ? text.size() - 8 : std::min<std::size_t>(text.size() - 8, 2000));
         const auto kind = below(random, 10);
         if (kind < 3) {
             text[at] = static_cast<char>(text[at] ^ (1 << below(random, 8)));

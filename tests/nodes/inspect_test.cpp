@@ -48,7 +48,8 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
           std::vector<std::string>{
               "velocity: staggered: component c stands on the face below its voxel along axis c",
               "velocity: invariant by vector type: other tools won't turn it with its transform",
-              "velocity: in voxels per tenth of a frame, about: compare values, don't trust them",
+              "velocity: if Blender wrote it, in voxels per tenth of a frame, roughly",
+              "density, temperature: active only above 1e-06: derivatives jump at the border of the smoke",
               "shadow: -1 everywhere in its box: don't fit a lattice to it, nor to what is active in any grid",
               "flame: no active voxels",
               "the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back",
@@ -85,7 +86,7 @@ TEST_CASE("inspect finds values that are not finite, odd voxels, odd level sets,
     CHECK(oddities(facts) == std::vector<std::string>{
                                  "density[0], density[1]: 2 values are not finite, the first at voxel [2,4,5]: energies refuse them",
                                  "density[0], density[1]: no class: taken for fog",
-                                 "flat: voxels that are no cubes (0.1 x 0.2 x 0.1): derivatives refuse them",
+                                 "flat: voxels that are no cubes along the axes (0.1 x 0.2 x 0.1): derivatives refuse them",
                                  "phi: called a level set, but its background is not above 0: dense values in voxels, no narrow band",
                                  "flat: another transform than density[0]",
                                  "density[1]: not the only grid of its name",
@@ -120,6 +121,6 @@ TEST_CASE("several files are compared: grids whose voxels or domain change are t
     CHECK(compare({at("a", 0.1, "[8, 8, 8]"), at("b", 0.1, "[8, 8, 8]")}).empty());
     CHECK(compare({at("a", 0.1, "[8, 8, 8]"), at("b", 0.1, "[8, 8, 9]"), at("c", 0.2, "[8, 8, 9]")}) ==
           std::vector<std::string>{
-              "density, heat: voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 8] in a, but voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 9] in b: an "
-              "adaptive domain, which no lattice fits"});
+              "density, heat: voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 8] in a, but voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 9] in b: if "
+              "these are frames of one sequence, its domain is adaptive, and no lattice fits"});
 }

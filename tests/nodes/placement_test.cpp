@@ -132,6 +132,7 @@ TEST_CASE("a changed triplet is written as three grids with the names, places an
         const auto& grid = static_cast<const FloatGrid&>(*out.grids[static_cast<std::size_t>(axis)]);
         CHECK(grid.tree().getValue({3, 2, 1}) == static_cast<float>(-1 - axis));
         CHECK(grid.tree().getValue({0, 5, 3}) == static_cast<float>(53 + 1000 * axis));
+        CHECK(grid.activeVoxelCount() == was.grids[static_cast<std::size_t>(axis)]->activeVoxelCount());
         CHECK(grid.metaValue<std::int32_t>("axis") == axis);
         CHECK(grid.transform() == was.grids[static_cast<std::size_t>(axis)]->transform());
         CHECK(grid.saveFloatAsHalf() == (axis == 1));
@@ -193,7 +194,7 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
     write_vdb(scratch / "out.vdb", volume);
     CHECK(failure_of([&] { write_vdb(scratch / "other.vdb", volume, Codec::none); }) ==
           fmt::format("cannot write {}: grid 'rare' is of type Tree_float_5_4_2, which OpenVDB does not know, and can't be compressed anew; set 'compression: "
-                      "as_read'",
+                      "as_read', or leave it out",
                       scratch / "other.vdb"));
 
     Forgotten::Grid::registerGrid();
@@ -225,6 +226,8 @@ TEST_CASE("whose files they are is seen by their grids and marks, and their name
     CHECK(detected(read_vdb_header(std::string(TEST_DATA) + "/vdb/oiio_sphere.vdb")) == "houdini");
     CHECK(detected(named({"density", "vel.x", "vel.y", "vel.z"})) == "houdini");
     CHECK(detected(named({"density", "flames"})) == "embergen");
+    CHECK(detected(named({"density", "flames", "vel"})) == "embergen");
+    CHECK(name_in_file(named({"density", "flames", "vel"}), profile("embergen"), "velocity") == "vel");
     CHECK(detected(named({"voxel_fog_density"})) == "bifrost");
     CHECK(detected(named({"density"})) == "");
     CHECK(detected(named({"heat", "voxel_velocity"})) == "");
