@@ -263,6 +263,27 @@ TEST_CASE("what is wrong with a file is said in words") {
     CHECK(failure_of([&] { read_vdb_grid(scratch / "bare.vdb", "density"); }) == scratch / "bare.vdb" + " has no grid 'density'; it has none");
 }
 
+TEST_CASE("numbers in a header that make no sense are damage, and nothing is made room for") {
+    const Scratch scratch;
+    const auto whole = Scratch::read(std::string(TEST_DATA) + "/vdb/gaffer_arnold_sphere.vdb");
+    const auto refusal = [&](std::size_t at, const std::string& bytes) {
+        auto changed = whole;
+        changed.replace(at, bytes.size(), bytes);
+        scratch.write("bad.vdb", changed);
+        return failure_of([&] { read_vdb_header(scratch / "bad.vdb"); });
+    };
+    const auto map = whole.find("UniformScaleTranslateMap");
+    const auto statistic = whole.find("file_mem_bytes");
+    REQUIRE(map != std::string::npos);
+    REQUIRE(statistic != std::string::npos);
+    CHECK(refusal(map + 24, std::string(8, '\xff')) == scratch / "bad.vdb" + " is damaged: the transform of grid 'density' is not finite");
+    // The entry's type, int64, follows its name; then comes its size, 8.
+    const auto size = whole.find("int64", statistic) + 5;
+    CHECK(refusal(size, std::string("\x10\0\0\0", 4)) ==
+          scratch / "bad.vdb" + " is damaged: grid 'density': metadata 'file_mem_bytes' is not as long as its type");
+    CHECK(refusal(size, std::string(4, '\x7f')) == scratch / "bad.vdb" + " is damaged: grid 'density': length: iostream error");
+}
+
 TEST_CASE("a missing file counts as an input fault, a failed write does not") {
     try {
         read_vdb("/nowhere.vdb");

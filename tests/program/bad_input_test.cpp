@@ -271,3 +271,24 @@ TEST_CASE("a run whose words can't be written still ends by its code") {
     CHECK(cut.code == 1);
     CHECK(cut.err == "failed: the results could not be written; is the disk full?\n");
 }
+
+TEST_CASE("a report is never written over what the pipeline reads, writes or is") {
+    const Bench bench;
+    bench.put({1, 2, 3, 4, 5, 6});
+    const auto refused = [&](const std::string& name, const std::string& why) {
+        require(bench.run("--report " + (bench.scratch / name)), 2, "--report would overwrite " + name + ": " + why + "\n");
+    };
+    refused("in.0003.vdb", "'sim' reads it");
+    refused("out/o.0006.vdb", "'out' writes it");
+    refused("p.yaml", "it is the pipeline");
+    CHECK(Scratch::read(bench.scratch / "in.0003.vdb") == Scratch::read(small_vdb));
+    CHECK(bench.files() == Files{});
+}
+
+TEST_CASE("a pipeline never writes over one that it extends") {
+    const Bench bench;
+    bench.scratch.write("shot.yaml", "fluidcarve: 1\nextends: p.yaml\n");
+    const auto ran = bench.plain(fluidcarve_program("check " + (bench.scratch / "shot.yaml") + " --set frames=1 --set out.path=" + (bench.scratch / "p.yaml")));
+    CHECK(ran.code == 2);
+    CHECK_THAT(ran.err, Catch::Contains("p.yaml: the pipeline extends it\n"));
+}
