@@ -192,8 +192,8 @@ TEST_CASE("terms are remapped, clamped, weighted and added on the union of their
     CHECK(at(9, 9, 9) == 2 + 1.5f);
     CHECK(at(9, 9, 15) == 1 + 1.5f);  // the ramp is not active: its background, 0
     CHECK(at(200, 100, 100) == 1 + 3);
-    CHECK(at(-20, 0, 0) == 0);
-    CHECK(energy->background() == 0);
+    CHECK(at(-20, 0, 0) == 1);  // where nothing is active, both backgrounds
+    CHECK(energy->background() == 1);
     CHECK(energy->activeVoxelCount() == cube.volume() + 512 - 8 + 128 * 128 * 128);
     CHECK(energy->tree().activeTileCount() == 1);
 }
