@@ -217,8 +217,9 @@ struct VdbRead {
 
     static void survey(const Params& params, Survey& survey) {
         const auto& frames = survey.frames();
-        const bool any = std::any_of(frames.begin(), frames.end(), [&](int frame) { return there(params, frame); });
-        if (!any && !frames.empty()) {
+        std::vector<int> present;
+        std::copy_if(frames.begin(), frames.end(), std::back_inserter(present), [&](int frame) { return there(params, frame); });
+        if (present.empty() && !frames.empty()) {
             const auto needed = std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
             const auto first = needed == frames.end() ? frames.front() : *needed;
             const auto path = params.path.at(first);
@@ -227,11 +228,20 @@ struct VdbRead {
                                              : fmt::format("{} does not exist, nor does any other frame", path));
         }
         Steadiness steadiness;
+        std::optional<int> stood_in;  // looked at for the frame before
         for (const int frame : survey.frames()) {
-            if (there(params, frame)) look(params, frame, frame, survey, steadiness);
-            else if (params.missing == Missing::hold) look(params, frame, held(params, survey.frames(), frame), survey, steadiness);
-            else if (params.missing == Missing::skip) survey.leave_out(frame);
-            else if (params.missing == Missing::error) survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
+            const auto after = std::lower_bound(present.begin(), present.end(), frame);
+            const int file = after != present.end() && (*after == frame || after == present.begin()) ? *after : *std::prev(after);
+            if (file == frame) {
+                look(params, frame, file, survey, steadiness);
+            } else if (params.missing == Missing::skip) {
+                survey.leave_out(frame);
+            } else if (params.missing == Missing::error) {
+                survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
+            } else if (survey.needs(frame) && stood_in != file) {
+                look(params, frame, file, survey, steadiness);
+                stood_in = file;
+            }
         }
     }
 
