@@ -103,6 +103,7 @@ struct NodeType {
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
+    std::function<bool(const void* params)> animates;  ///< delivers something else in each frame, though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
     std::function<void(const void* params, Survey&)> survey;  ///< empty: opens no files
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
@@ -178,6 +179,7 @@ struct ParamsOf<Node> {
 ///
 /// and, each optional,
 ///
+///     static bool animates(const Params&);                           runs per frame, though no input or file of its own does
 ///     static void check(const Params&, NodeCheck&);                  what one field alone does not show
 ///     static void survey(const Params&, Survey&);                    which of its files are there
 template <class Node>
@@ -196,6 +198,8 @@ public:
             else if constexpr (requires { Node::gathers(Params{}); }) return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
+        if constexpr (requires { Node::animates(Params{}); })
+            type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
         if constexpr (requires(NodeCheck & check) { Node::check(Params{}, check); })
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
         if constexpr (requires(Survey & survey) { Node::survey(Params{}, survey); })

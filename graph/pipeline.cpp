@@ -281,12 +281,12 @@ private:
                     node.per_frame_input = node.per_frame_input || rate == Rate::frame;
                     inputs = std::max(inputs, rate);
                 }
-            bool reads_frames = false;
+            bool moves = node.params && node.type->animates && node.type->animates(node.params.get());
             if (node.params)
                 for (const auto& spec : node.type->params)
-                    reads_frames = reads_frames || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
+                    moves = moves || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
             node.gathers = node.params && node.type->gathers(node.params.get());
-            if (reads_frames) node.rate = Rate::frame;
+            if (moves) node.rate = Rate::frame;
             else if (node.per_frame_input && !node.type->per_frame_outputs) node.rate = Rate::sequence;
             else node.rate = inputs;
         }

@@ -15,6 +15,8 @@
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
 #include "nodes/lattice/box.h"
+#include "nodes/lattice/build_node.h"
+#include "nodes/lattice/write.h"
 #include "nodes/mask/box.h"
 #include "nodes/mask/combine.h"
 #include "nodes/mask/dilate.h"
@@ -24,6 +26,12 @@
 #include "nodes/payloads.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/remap/grids.h"
+#include "nodes/rig/advect.h"
+#include "nodes/rig/circle.h"
+#include "nodes/rig/curve.h"
+#include "nodes/rig/payload_type.h"
+#include "nodes/rig/points.h"
+#include "nodes/rig/transform.h"
 #include "nodes/seam/greedy_node.h"
 #include "nodes/seam/payload_types.h"
 #include "nodes/seam/seams_read.h"
@@ -34,6 +42,7 @@ namespace fluidcarve {
 Registry builtin_registry() {
     Registry out;
     add_payloads(out);
+    add_rig_payload(out);
     add_lattice_payloads(out);
     out.add(vdb_inspector());
     out.add(vdb_read());
@@ -55,7 +64,14 @@ Registry builtin_registry() {
     out.add(mask_combine());
     out.add(mask_dilate());
     out.add(mask_weight());
+    out.add(rig_points());
+    out.add(rig_circle());
+    out.add(rig_curve());
+    out.add(rig_transform());
+    out.add(rig_advect());
     out.add(lattice_box());
+    out.add(lattice_build());
+    out.add(lattice_write());
     out.add(seam_greedy());
     out.add(seams_write());
     out.add(seams_read());

@@ -37,7 +37,7 @@ std::span<const Profile> profiles() {
          "Blender",
          {{"density", {"density"}}, {"temperature", {"temperature"}}, {"flame", {"flame"}}, {"velocity", {"velocity"}}},
          true,
-         "voxels per tenth of a frame, roughly"},
+         "tenths of a voxel per frame, roughly"},
         {"houdini",
          "Houdini",
          {{"density", {"density"}}, {"temperature", {"temperature", "heat"}}, {"flame", {"flame"}}, {"velocity", {"vel"}}, {"surface", {"surface"}}},

@@ -23,7 +23,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-constexpr int most_steps = 65533;  // entries of seams have 16 bits, the entry behind the last included
+constexpr int most_steps = most_vertices - 1;
 
 std::array<int, 3> world_axes(AxisOrder order) {
     const auto name = ParamTraits<AxisOrder>::text(order);

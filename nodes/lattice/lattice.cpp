@@ -46,11 +46,12 @@ bool Lattice::is_box() const {
 
 Vec3d Lattice::position(const Vec3d& at) const {
     const auto on = [&](const Plane& plane) { return plane.origin + spacing * (at.x() * plane.u + at.y() * plane.v); };
-    if (planes.size() == 1) return on(planes[0]) + spacing * at.z() * planes[0].w;
-    const double k = std::clamp(std::floor(at.z()), 0.0, static_cast<double>(planes.size() - 2));
-    const double c = at.z() - k;
-    const auto low = static_cast<std::size_t>(k);
-    return (1 - c) * on(planes[low]) + c * on(planes[low + 1]);
+    const auto count = planes.size();
+    if (count == 1) return on(planes[0]) + spacing * at.z() * planes[0].w;
+    const double below = std::floor(at.z()), last = static_cast<double>(count - 2);
+    const double k = closed ? below : std::clamp(below, 0.0, last), c = at.z() - k;
+    const auto low = static_cast<std::size_t>(closed ? k - static_cast<double>(count) * std::floor(k / static_cast<double>(count)) : k);
+    return (1 - c) * on(planes[low]) + c * on(planes[(low + 1) % count]);
 }
 
 std::string lattice_hash(const Lattice& lattice) {
@@ -58,6 +59,7 @@ std::string lattice_hash(const Lattice& lattice) {
     for (const int n : lattice.shape) hash.add(static_cast<std::uint64_t>(n));
     hash.add(lattice.spacing);
     hash.add(std::uint64_t{lattice.closed});
+    hash.add(std::uint64_t{lattice.closed_form});
     for (const auto& plane : lattice.planes)
         for (const auto& vector : {plane.origin, plane.u, plane.v, plane.w}) hash.add(vector);
     return hash.text();

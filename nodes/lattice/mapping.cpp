@@ -1,9 +1,6 @@
 #include "nodes/lattice/mapping.h"
 
-#include "graph/problem.h"
-
 #include <algorithm>
-#include <cmath>
 
 namespace fluidcarve {
 
@@ -22,17 +19,13 @@ BBoxd around_corners(const BBoxd& box, Map&& map) {
 
 }  // namespace
 
-double snapped(double x) {
-    const double whole = std::round(x);
-    return std::abs(x - whole) <= Mapping::snap ? whole : x;
-}
-
-Vec3d snapped(const Vec3d& x) { return {snapped(x.x()), snapped(x.y()), snapped(x.z())}; }
-
 Mapping::Mapping(const Lattice& lattice) : Mapping(lattice, lattice.shape) {}
 
 Mapping::Mapping(const Lattice& lattice, const std::array<int, 3>& extent) : extent_(extent) {
-    if (!lattice.is_box()) throw Failure("the lattice (" + lattice.description + ") is no straight box; only those can be carved");
+    if (!lattice.is_box()) {
+        slabs_ = std::make_shared<const Slabs>(lattice, extent);
+        return;
+    }
     const auto& plane = lattice.planes.front();
     origin_ = plane.origin;
     step_ = {lattice.spacing * plane.u, lattice.spacing * plane.v, lattice.spacing * plane.w};
@@ -45,6 +38,7 @@ Vec3d Mapping::coordinates(const Vec3d& world) const {
 }
 
 std::optional<Vec3d> Mapping::locate(const Vec3d& world) const {
+    if (slabs_) return slabs_->locate(world);
     auto at = coordinates(world);
     for (int n = 0; n < 3; ++n) {
         const double end = extent_[static_cast<std::size_t>(n)] - 1;
@@ -55,10 +49,15 @@ std::optional<Vec3d> Mapping::locate(const Vec3d& world) const {
 }
 
 BBoxd Mapping::range(const BBoxd& world) const {
+    if (slabs_) {
+        std::vector<int> candidates;
+        return slabs_->candidates(world, candidates);
+    }
     return around_corners(world, [&](const Vec3d& corner) { return coordinates(corner); });
 }
 
 BBoxd Mapping::world_box(const BBoxd& range) const {
+    if (slabs_) return slabs_->world_box(range);
     return around_corners(range, [&](const Vec3d& corner) { return position(corner); });
 }
 

@@ -16,20 +16,29 @@ using openvdb::Vec3d;
 /// One dimension of the columns with a rim of half a vertex at both ends.
 class Rimmed {
 public:
-    explicit Rimmed(int size) : size_(size) {}
-    int size() const { return size_ + 2; }
-    int column(int n) const { return std::clamp(n - 1, 0, size_ - 1); }
-    double coordinate(int n) const { return std::clamp(n - 1.0, -0.5, size_ - 0.5); }
+    /// @param closed  the last is followed by the first: there is no rim
+    explicit Rimmed(int size, bool closed = false) : size_(size), closed_(closed) {}
+    int size() const { return size_ + (closed_ ? 1 : 2); }
+    int column(int n) const { return closed_ ? n % size_ : std::clamp(n - 1, 0, size_ - 1); }
+    double coordinate(int n) const { return closed_ ? n % size_ : std::clamp(n - 1.0, -0.5, size_ - 0.5); }
 
 private:
     int size_;
+    bool closed_;
 };
 
 /// The seams of one frame as seen in a picture.
 class Surfaces {
 public:
     Surfaces(const Lattice& lattice, const Seams& seams, std::size_t t, const openvdb::math::Transform& space, View view, int plane)
-        : lattice_(lattice), seams_(seams), t_(t), space_(space), view_(view), plane_(plane), laterals_(seams.lateral()), slices_(seams.shape[2]) {}
+        : lattice_(lattice),
+          seams_(seams),
+          t_(t),
+          space_(space),
+          view_(view),
+          plane_(plane),
+          laterals_(seams.lateral()),
+          slices_(seams.shape[2], seams.closed) {}
 
     std::vector<PictureLine> lines() {
         struct Reach {
@@ -60,21 +69,26 @@ private:
     }
     double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
 
-    /// Original coordinates along the carved axis of all seams in one column.
-    void entries(int lateral, int k, std::vector<std::uint16_t>& out) {
+    /// Original coordinates along the carved axis of all seams of a window in one column.
+    void entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<std::uint16_t>& out) {
         const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
                             static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(slices_.column(k)) + t_ * seams_.columns_per_frame();
         out.clear();
-        for (const auto& seam : seams_.seams) out.push_back(seam.at[column]);
-        if (seams_.kind == Seams::Kind::remove) to_original(out, sorted_);
+        for (const auto& seam : seams) out.push_back(seam.at[column]);
+        if (kind == Seams::Kind::remove) to_original(out, sorted_);
     }
 
-    /// All seams between four neighbouring columns, each as two triangles.
     void cross(int lateral, int k) {
+        cross(seams_.seams, seams_.kind, lateral, k);
+        cross(seams_.pairs, opposite(seams_.kind), lateral, k);
+    }
+
+    /// All seams of a window between four neighbouring columns, each as two triangles.
+    void cross(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k) {
         constexpr std::array<std::array<int, 2>, 4> corners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-        for (std::size_t c = 0; c < 4; ++c) entries(lateral + corners[c][0], k + corners[c][1], entries_[c]);
-        const double behind = seams_.kind == Seams::Kind::insert ? 0.5 : 0;
-        for (std::size_t n = 0; n < seams_.seams.size(); ++n) {
+        for (std::size_t c = 0; c < 4; ++c) entries(seams, kind, lateral + corners[c][0], k + corners[c][1], entries_[c]);
+        const double behind = kind == Seams::Kind::insert ? 0.5 : 0;
+        for (std::size_t n = 0; n < seams.size(); ++n) {
             std::array<Vec3d, 4> at;
             for (std::size_t c = 0; c < 4; ++c) at[c] = place(entries_[c][n] + behind, lateral + corners[c][0], k + corners[c][1]);
             cross(at[0], at[1], at[2]);

@@ -27,7 +27,11 @@ std::string size_text(const openvdb::CoordBBox& box) {
 
 std::string seams_text(const Seams& seams) {
     const auto count = seams.seams.size();
-    return fmt::format("{} seam{} {} across {}", count, count == 1 ? "" : "s", seams.kind == Seams::Kind::remove ? "removed" : "inserted", to_text(seams.axis));
+    const bool removes = seams.kind == Seams::Kind::remove;
+    return fmt::format("{} seam{} {} across {}{}", count, count == 1 ? "" : "s", removes ? "removed" : "inserted", to_text(seams.axis),
+                       !seams.paired() ? ""
+                       : removes       ? ", as many inserted above"
+                                       : ", as many removed above");
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #pragma once
 
+#include "nodes/field/leaf_cell.h"
+
 #include <openvdb/openvdb.h>
 
+#include <array>
 #include <cstring>
 #include <functional>
 #include <vector>
@@ -50,18 +53,33 @@ public:
     const Voxel& tile() const { return cells_.front().tile; }
     /// @param at  inside the window
     Voxel get(const openvdb::Coord& at) const {
-        const auto& cell =
-            cells_[static_cast<std::size_t>((((at.x() >> 3) - low_.x()) * size_.y() + (at.y() >> 3) - low_.y()) * size_.z() + (at.z() >> 3) - low_.z())];
+        const auto& cell = cell_of(at);
         if (!cell.leaf) return cell.tile;
         const auto offset = Leaf::coordToOffset(at);
         return {cell.leaf->getValue(offset), cell.leaf->isValueOn(offset)};
     }
-
-private:
+    /// Eight voxels along z, the first at a multiple of 8. All inside the window.
+    void read(const openvdb::Coord& first, std::array<Voxel, 8>& out) const {
+        const auto& cell = cell_of(first);
+        if (!cell.leaf) return out.fill(cell.tile);
+        const auto offset = Leaf::coordToOffset(first);
+        for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
+    }
+    bool holds(const openvdb::Coord& at) const {
+        const auto from = openvdb::Coord(at.x() >> 3, at.y() >> 3, at.z() >> 3) - low_;
+        const auto within = [](int n, int size) { return static_cast<unsigned>(n) < static_cast<unsigned>(size); };
+        return within(from.x(), size_.x()) && within(from.y(), size_.y()) && within(from.z(), size_.z());
+    }
+    /// The leaf or tile of a voxel, inside the window.
     struct Cell {
         const Leaf* leaf;
         Voxel tile;  ///< if there is no leaf
     };
+    const Cell& cell_of(const openvdb::Coord& at) const {
+        return cells_[static_cast<std::size_t>((((at.x() >> 3) - low_.x()) * size_.y() + (at.y() >> 3) - low_.y()) * size_.z() + (at.z() >> 3) - low_.z())];
+    }
+
+private:
     openvdb::tree::ValueAccessor<const TreeT> accessor_;
     openvdb::Coord low_, size_;
     std::vector<Cell> cells_;

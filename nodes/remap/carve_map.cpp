@@ -13,16 +13,28 @@ namespace {
 
 std::string text(const std::array<int, 3>& shape) { return fmt::format("{} x {} x {}", shape[0], shape[1], shape[2]); }
 
-void require_lattice(const Seams& seams, const Lattice& lattice) {
-    if (seams.lattice_hash != lattice.hash)
-        throw Failure(fmt::format("the seams were found in another lattice: theirs is a {} ({}), this one a {} ({})", seams.lattice, seams.lattice_hash,
-                                  lattice.description, lattice.hash));
+void require_lattice(const Seams& seams, std::size_t t, const Lattice& lattice) {
+    const auto hash = seams.lattice_hash_at(t);
+    if (hash != lattice.hash)
+        throw Failure(fmt::format("the seams were found in another lattice: theirs is a {} ({}), this one a {} ({})", seams.lattice, hash, lattice.description,
+                                  lattice.hash));
 }
 
 std::size_t place_of(int frame, const Seams& seams) {
     const auto found = std::find(seams.frames.begin(), seams.frames.end(), frame);
     if (found == seams.frames.end()) throw Failure(fmt::format("the seams do not hold frame {}; they hold {}", frame, FrameSet(seams.frames).text()));
     return static_cast<std::size_t>(found - seams.frames.begin());
+}
+
+/// One column's entries of the first `count` seams of a window.
+/// @param sorted  becomes their original indices, rising
+void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::size_t count, std::size_t column, std::vector<std::uint16_t>& entries,
+                  std::vector<std::uint16_t>& sorted) {
+    entries.clear();
+    for (std::size_t n = 0; n < count; ++n) entries.push_back(seams[n].at[column]);
+    if (kind == Seams::Kind::remove) return to_original(entries, sorted);
+    sorted = entries;
+    std::sort(sorted.begin(), sorted.end());
 }
 
 }  // namespace
@@ -33,26 +45,33 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count)
       laterals_(seams.lateral()),
       slices_(seams.shape[2]),
       inserts_(seams.kind == Seams::Kind::insert),
+      paired_(seams.paired()),
+      closed_(seams.closed),
       count_(count),
-      bounds_(count * seams.columns_per_frame()) {
+      bounds_((paired_ ? 2 : 1) * count * seams.columns_per_frame()) {
     if (reach() > 65535) throw Failure(fmt::format("{} vertices along {} are more than 65535", reach(), to_text(seams.axis)));
     const auto columns = seams.columns_per_frame();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
-        std::vector<std::uint16_t> entries(count), sorted;
+        std::vector<std::uint16_t> entries, sorted;
         for (auto c = range.begin(); c < range.end(); ++c) {
-            for (std::size_t n = 0; n < count; ++n) entries[n] = seams.seams[n].at[t * columns + c];
-            if (inserts_) {
-                sorted = entries;
-                std::sort(sorted.begin(), sorted.end());
-            } else {
-                to_original(entries, sorted);
-            }
-            // The n-th removed entry is passed by n removals before it; the n-th new entry stands behind its original and n others.
-            for (std::size_t n = 0; n < count; ++n) bounds_[c * count + n] = static_cast<std::uint16_t>(inserts_ ? sorted[n] + n + 1 : sorted[n] - n);
+            auto* out = bounds_.data() + c * (bounds_.size() / columns);
+            const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts, int shift) {
+                sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count, t * columns + c, entries, sorted);
+                // The n-th removed entry is passed by n removals before it; the n-th new entry stands behind its original and n others.
+                for (int n = 0; n < static_cast<int>(count); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
+            };
+            add(seams.seams, inserts_, 0);
+            if (paired_) add(seams.pairs, !inserts_, inserts_ ? this->count() : -this->count());
         }
     });
     first_moved_ = reach();
-    for (std::size_t c = 0; c < columns && count > 0; ++c) first_moved_ = std::min<int>(first_moved_, bounds_[c * count]);
+    last_moved_ = paired_ ? 0 : reach() - 1;
+    for (std::size_t c = 0; c < columns && count > 0; ++c) {
+        const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
+        first_moved_ = std::min<int>(first_moved_, column[0]);
+        // From the last removal on, or behind the last new entry, all is as it was.
+        if (paired_) last_moved_ = std::max<int>(last_moved_, column[2 * count - 1] - (inserts_ ? 1 : 0));
+    }
 }
 
 CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count)
@@ -60,7 +79,8 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
     auto shape = lattice.shape;
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto& set = *sets[n];
-        require_lattice(set, lattice);
+        const auto t = place_of(frame, set);
+        require_lattice(set, t, lattice);
         if (set.shape != shape)
             throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1,
                                       sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
@@ -69,7 +89,6 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
             if (*count > used) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", *count, used));
             used = *count;
         }
-        const auto t = place_of(frame, set);
         if (used > 0) steps_.emplace_back(set, t, used);
         shape = set.shape_after(used);
         for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d]);
@@ -84,12 +103,14 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
         // A point between an entry and a moved one moves in part.
-        if (!meets(a, step->first_moved() - 1, step->reach() - 1) || !meets(b, 0, step->laterals() - 1) || !meets(2, 0, step->slices() - 1)) continue;
+        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->reach() - 1)) || !meets(b, 0, step->laterals() - 1) ||
+            !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
+            continue;
         moved = true;
         if (step->inserts()) {
             range.min()[a] = std::min(range.min()[a], std::max(range.min()[a] - step->count(), 0.0));
         } else {
-            frees = frees || range.max()[a] > step->after() - 1;
+            frees = frees || (!step->paired() && range.max()[a] > step->after() - 1);
             range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + step->count(), step->before() - 1));
         }
     }
@@ -98,12 +119,18 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
 
 openvdb::BBoxd CarveMap::moved() const {
     openvdb::BBoxd out(openvdb::Vec3d(0), openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
+    if (!steps_.empty() && steps_.front().closed()) out.max().z() = reach_[2];
     // With both axes carved, what one step moves reaches all along the other.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
     if (steps_.empty() || !one_axis) return out;
-    double first = steps_.front().first_moved();
-    for (const auto& step : steps_) first = std::min<double>(first, step.first_moved());
-    out.min()[steps_.front().axis()] = std::max(0.0, first - 1);
+    const int axis = steps_.front().axis();
+    int first = steps_.front().first_moved(), last = 0;
+    for (const auto& step : steps_) {
+        first = std::min(first, step.first_moved());
+        last = std::max(last, step.last_moved());
+    }
+    out.min()[axis] = std::max(0, first - 1);
+    out.max()[axis] = std::min(last + 1, reach_[static_cast<std::size_t>(axis)] - 1);
     return out;
 }
 

@@ -15,7 +15,8 @@
 
 namespace fluidcarve {
 
-/// One seam set in one frame as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4.
+/// One seam set in one frame as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4. Seams
+/// that come in pairs move what is between the two windows, and nothing beyond.
 /// Displacements `d = m - i` are in half vertices, since an inserted entry stands between two.
 class CarveStep {
 public:
@@ -25,31 +26,43 @@ public:
 
     int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
     int lateral_axis() const { return 1 - axis_; }
-    bool inserts() const { return inserts_; }
+    bool inserts() const { return inserts_; }  ///< of pairs, the first
+    bool paired() const { return paired_; }
+    bool closed() const { return closed_; }  ///< plane slices() is plane 0
     int count() const { return static_cast<int>(count_); }
     int before() const { return before_; }  ///< vertices along the axis
-    int after() const { return inserts_ ? before_ + count() : before_ - count(); }
+    int after() const { return paired_ ? before_ : inserts_ ? before_ + count() : before_ - count(); }
     int reach() const { return std::max(before_, after()); }  ///< vertices that the step may write
     int laterals() const { return laterals_; }
     int slices() const { return slices_; }
     /// No entry below this is moved in any column.
     int first_moved() const { return first_moved_; }
+    /// No entry above this is moved in any column.
+    int last_moved() const { return last_moved_; }
 
     bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
-    /// entry.
+    /// entry. Of pairs, those of the first window come first.
+    /// @param k  may be slices() if closed()
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
-        return {bounds_.data() + (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * count_, count_};
+        if (k == slices_) k = 0;
+        const auto all = paired_ ? 2 * count_ : count_;
+        return {bounds_.data() + (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all, all};
     }
     /// How many bounds of a column are not above an entry.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
+        // Most entries lie below or above all.
+        if (all.empty() || entry < all.front()) return 0;
+        if (entry >= all.back()) return all.size();
         return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) - all.begin());
     }
     /// Half vertices. @param entry  0 to after() - 1
     int displacement(int entry, std::size_t passed, std::span<const std::uint16_t> all) const {
-        const int twice = 2 * static_cast<int>(passed);
-        if (!inserts_) return twice;
-        return passed > 0 && all[passed - 1] == entry ? 1 - twice : -twice;
+        // The seams of the second window undo what those of the first did.
+        const int back = paired_ ? std::max(static_cast<int>(passed) - count(), 0) : 0;
+        const int ahead = 2 * (static_cast<int>(passed) - 2 * back);
+        const bool at_new = passed > 0 && inserts_ == (back == 0) && all[passed - 1] == entry;
+        return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0);
     }
     /// The same in a column that there is.
     int displacement(int entry, int lateral, int k) const {
@@ -59,9 +72,9 @@ public:
 
 private:
     int axis_, before_, laterals_, slices_;
-    bool inserts_;
+    bool inserts_, paired_, closed_;
     std::size_t count_;
-    int first_moved_;
+    int first_moved_, last_moved_;
     std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
 };
 

@@ -37,9 +37,10 @@ struct RemapGrids {
     /// A source that is the same in all frames is carved once; seams that move would each want another result.
     static void require_still(const Seams& seams) {
         const auto columns = static_cast<std::ptrdiff_t>(seams.columns_per_frame());
-        for (const auto& seam : seams.seams)
-            if (!std::equal(seam.at.begin() + columns, seam.at.end(), seam.at.begin()))
-                throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
+        for (const auto* const window : {&seams.seams, &seams.pairs})
+            for (const auto& seam : *window)
+                if (!std::equal(seam.at.begin() + columns, seam.at.end(), seam.at.begin()))
+                    throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
     }
 
     static void run(const Params& params, Ports& io, Context& context) {

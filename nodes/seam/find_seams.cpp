@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 namespace fluidcarve {
 
@@ -25,21 +26,41 @@ void all_to_original(std::vector<Seams::Seam>& seams) {
     });
 }
 
+SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
+    std::vector<std::uint16_t> out;
+    out.reserve(frame.size() * frames);
+    for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
+    return out;
+}
+
 }  // namespace
 
-FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep) {
-    if (kind == Seams::Kind::insert) window.last = std::min(window.last, energy.width() - 2);
-    if (count > window.size())
-        throw Failure(fmt::format("{} seams do not fit: from vertex {} to {} there is room for {} to {}", count, window.first, window.last,
-                                  std::max(window.size(), 0), to_text(kind)));
+void require_room(Seams::Kind kind, int count, Window window, int width) {
+    const bool at_end = kind == Seams::Kind::insert && window.last == width - 1;
+    const int room = window.size() - (at_end ? 1 : 0);
+    if (count <= room) return;
+    throw Failure(fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count),
+                              window.first, window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
+                              at_end ? "; new vertices stand between two old ones, so that none can follow the lattice's last" : ""));
+}
+
+FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
+                      bool still) {
+    require_room(kind, count, window, volume.width());
+    if (kind == Seams::Kind::insert) window.last = std::min(window.last, volume.width() - 2);
+    std::optional<EnergyVolume> sum;
+    if (still && count > 0) sum = volume.sum();
+    auto& energy = sum ? *sum : volume;
 
     FoundSeams out;
     for (int n = 0; n < count; ++n) {
         const auto start = std::chrono::steady_clock::now();
         auto seam = find(energy, {window.first, window.last - n}, n, [&](double fraction) { tick((n + fraction) / count); });
+        out.zero_share.push_back(static_cast<double>(energy.zeros(seam.at)) / static_cast<double>(seam.at.size()));
+        if (n + 1 < count) energy.remove(seam.at);
+        if (still) seam.at = repeated(seam.at, volume.frames());
         if (keep) seam.at = keep(std::move(seam.at));
         out.seams.push_back(std::move(seam));
-        if (n + 1 < count) energy.remove(out.seams.back().at);
         out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     if (kind == Seams::Kind::insert && count > 0) all_to_original(out.seams);

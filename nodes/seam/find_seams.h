@@ -18,7 +18,8 @@ struct Window {
 /// Told a few times a second how far the work has come, 0 to 1, from several threads at once; stops it by throwing.
 using Tick = std::function<void(double fraction)>;
 
-/// A solver: one seam inside a window that is not empty, in the energy as it is now, feasible, with its energy.
+/// A solver: one seam inside a window that is not empty, in the energy as it is now, codes or sums, feasible, with its
+/// energy.
 /// @param number  how many seams were found before; ties lean to one side for even numbers, to the other for odd
 using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
 
@@ -27,15 +28,23 @@ using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;  ///< per seam
+    std::vector<double> wall_s;      ///< per seam
+    std::vector<double> zero_share;  ///< per seam, how much of its columns has no energy, 0 to 1
 };
+
+/// Whether the window has room for `count` seams, at least 0. An insertion stands between an entry and the next: it leaves
+/// out the lattice's last.
+/// @param width  entries per column
+/// @throws Failure that says how many are possible
+void require_room(Seams::Kind kind, int count, Window window, int width);
 
 /// The loop around a solver (METHOD 4 and 8): finds a seam, deletes it from the energy, and so on. Insertions are found
 /// as removals and returned as original entries.
-/// @param energy  used up
-/// @param count   how many, at least 0
-/// @param window  original entries. An insertion stands between an entry and the next: it leaves out the lattice's last.
-/// @throws Failure if the window holds fewer seams, saying how many are possible
-FoundSeams find_seams(EnergyVolume& energy, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr);
+/// @param volume  used up
+/// @param window  original entries
+/// @param still   each seam is the same in all frames; found in their sum, and the volume stays as it is
+/// @throws Failure as require_room
+FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,
+                      bool still = false);
 
 }  // namespace fluidcarve

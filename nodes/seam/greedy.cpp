@@ -6,7 +6,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace fluidcarve {
@@ -21,17 +25,57 @@ constexpr std::size_t ahead = 12;
 /// Most seams that race at once: what they leave behind takes a quarter of a byte for each in every column.
 constexpr std::size_t group = 64;
 
+enum class Ring { open, cone, gaussian };
+
+float energy_of(std::uint16_t code) { return decode_energy(code); }
+float energy_of(float sum) { return sum; }
+/// Orders as the energies do.
+std::uint32_t rank_of(std::uint16_t code) { return code; }
+std::uint32_t rank_of(float energy) { return std::bit_cast<std::uint32_t>(energy); }
+
+/// The paper's guide, in energy: `[k][distance from the entry in slice 0]`, as far as the cone of slice k reaches.
+using GuideTable = std::vector<std::vector<float>>;
+
+GuideTable gaussians(int slices, double height) {
+    GuideTable out(static_cast<std::size_t>(slices));
+    for (int k = 1; k < slices; ++k)
+        for (int distance = 0; distance <= slices - k; ++distance) {
+            const double widths = 2.0 * distance / (slices - k);
+            out[static_cast<std::size_t>(k)].push_back(static_cast<float>(height * (1 - std::exp(-0.5 * widths * widths))));
+        }
+    return out;
+}
+
+template <class Cell>
+double mean_energy(const EnergyVolume& energy, Window window) {
+    const auto* const cells = energy.cells<Cell>(0);
+    const auto row = static_cast<std::size_t>(energy.laterals());
+    // Slices are added one by one, so that the sum does not depend on the threads.
+    std::vector<double> sums(static_cast<std::size_t>(energy.slices()), 0.0);
+    tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t k) {
+        for (std::size_t c = k * row; c < (k + 1) * row; ++c)
+            for (int entry = window.first; entry <= window.last; ++entry) sums[k] += energy_of(cells[c * energy.stride() + static_cast<std::size_t>(entry)]);
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(energy.columns_per_frame()) * window.size());
+}
+
 /// Seams that advance together through all columns, so that the energy is read once for all of them. Each leaves behind
 /// its steps: by how much, -1 to 1, its entry differs from that of the nearest column before.
+template <class Cell>
 class Sweep {
 public:
     /// @param starts  the entry of each seam in the first column
-    Sweep(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts)
+    /// @param guide   empty: none
+    Sweep(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide)
         : energy_(energy),
           first_(static_cast<unsigned>(window.first)),
           last_(static_cast<unsigned>(window.last)),
           below_first_(number % 2 == 0),
           starts_(starts),
+          guide_(guide),
+          ring_(!energy.closed() ? Ring::open
+                : guide.empty()  ? Ring::cone
+                                 : Ring::gaussian),
           step_bytes_((starts.size() + 3) / 4),
           entries_(2 * energy.columns_per_frame() * starts.size()),
           steps_(energy.frames() * energy.columns_per_frame() * step_bytes_),
@@ -61,60 +105,96 @@ public:
     }
 
 private:
+    /// Where the seams began in slice 0, and how far from there they may be.
+    struct Home {
+        const Entry* entries;
+        unsigned reach;
+        const float* guide;
+    };
+
     Entry* frame(std::size_t t) { return entries_.data() + t % 2 * energy_.columns_per_frame() * starts_.size(); }
 
     void pass_frame(std::size_t t) {
         const auto seams = starts_.size(), laterals = static_cast<std::size_t>(energy_.laterals()), columns = energy_.columns_per_frame();
-        const auto* const slab = energy_.slab(t);
+        const auto slices = static_cast<std::size_t>(energy_.slices());
+        const auto* const slab = energy_.cells<Cell>(t);
         Entry* const now = frame(t);
         const Entry* const before = t > 0 ? frame(t - 1) : nullptr;
-        for (std::size_t c = 0; c < columns; ++c) {
-            // A neighbour that does not exist is replaced by one that does.
-            const Entry* beside = c % laterals > 0 ? now + (c - 1) * seams : nullptr;
-            const Entry* under = c >= laterals ? now + (c - laterals) * seams : nullptr;
-            const Entry* earlier = before ? before + c * seams : nullptr;
-            const Entry* const nearest = beside ? beside : under ? under : earlier;
-            const auto* const column = slab + c * energy_.stride();
-            if (!nearest) {
-                start(column, now);
-                continue;
+        std::size_t c = 0;
+        for (std::size_t k = 0; k < slices; ++k)
+            for (std::size_t lateral = 0; lateral < laterals; ++lateral, ++c) {
+                // A neighbour that does not exist is replaced by one that does.
+                const Entry* beside = lateral > 0 ? now + (c - 1) * seams : nullptr;
+                const Entry* under = k > 0 ? now + (c - laterals) * seams : nullptr;
+                const Entry* earlier = before ? before + c * seams : nullptr;
+                const Entry* const a = beside ? beside : under ? under : earlier;
+                const auto* const column = slab + c * energy_.stride();
+                if (!a) {
+                    start(column, now);
+                    continue;
+                }
+                const Entry* const b = under ? under : a;
+                const Entry* const d = earlier ? earlier : a;
+                Entry* const out = now + c * seams;
+                auto* const steps = steps_.data() + (t * columns + c) * step_bytes_;
+                if (ring_ == Ring::open || k == 0) {
+                    pass_column<Ring::open>(column, out, a, b, d, steps, {});
+                    continue;
+                }
+                const Home home{now + lateral * seams, static_cast<unsigned>(slices - k), ring_ == Ring::gaussian ? guide_[k].data() : nullptr};
+                if (ring_ == Ring::cone) pass_column<Ring::cone>(column, out, a, b, d, steps, home);
+                else pass_column<Ring::gaussian>(column, out, a, b, d, steps, home);
             }
-            pass_column(column, now + c * seams, nearest, under ? under : nearest, earlier ? earlier : nearest,
-                        steps_.data() + (t * columns + c) * step_bytes_);
-        }
     }
 
-    void start(const std::uint16_t* column, Entry* out) {
+    void start(const Cell* column, Entry* out) {
         for (std::size_t s = 0; s < starts_.size(); ++s) {
             out[s] = starts_[s];
-            sums_[s] += decode_energy(column[out[s]]);
+            sums_[s] += energy_of(column[out[s]]);
         }
     }
 
-    void pass_column(const std::uint16_t* column, Entry* out, const Entry* a, const Entry* b, const Entry* c, std::uint8_t* steps) {
+    template <Ring ring>
+    void pass_column(const Cell* column, Entry* out, const Entry* a, const Entry* b, const Entry* c, std::uint8_t* steps, const Home& home) {
         for (std::size_t s = 0; s < starts_.size(); ++s) {
             // Neighbours are within 2 of each other, so that what they allow is 1 to 3 entries.
             const unsigned most = std::max({a[s], b[s], c[s]}), least = std::min({a[s], b[s], c[s]});
-            const unsigned low = most > first_ ? most - 1 : first_, high = std::min(least + 1, last_);
+            unsigned low = most > first_ ? most - 1 : first_, high = std::min(least + 1, last_);
+            unsigned from = 0;
+            if constexpr (ring != Ring::open) {
+                from = home.entries[s];
+                low = std::max(low, from > home.reach ? from - home.reach : 0);
+                high = std::min(high, from + home.reach);
+            }
             const unsigned stay = std::clamp<unsigned>(a[s], low, high), middle = (low + high) / 2;
-            const auto best = std::min({key(column, low, stay), key(column, middle, stay), key(column, high, stay)});
+            const auto key = [&](unsigned entry) {
+                std::uint32_t rank = 0;
+                if constexpr (ring == Ring::gaussian) rank = rank_of(energy_of(column[entry]) + home.guide[entry > from ? entry - from : from - entry]);
+                else rank = rank_of(column[entry]);
+                return key_of(rank, entry, stay);
+            };
+            const auto best = std::min({key(low), key(middle), key(high)});
             out[s] = static_cast<Entry>(best);
             steps[s / 4] = static_cast<std::uint8_t>(steps[s / 4] | (out[s] - a[s] + 1) << (2 * (s % 4)));
-            sums_[s] += decode_energy(static_cast<std::uint16_t>(best >> 32));
+            if constexpr (ring == Ring::gaussian) sums_[s] += energy_of(column[out[s]]);
+            else if constexpr (std::is_same_v<Cell, float>) sums_[s] += std::bit_cast<float>(static_cast<std::uint32_t>(best >> 32));
+            else sums_[s] += energy_of(static_cast<Cell>(best >> 32));
             __builtin_prefetch(column + ahead * energy_.stride() + out[s]);
         }
     }
 
     /// Orders candidates by energy, then by ties, then by entry.
-    std::uint64_t key(const std::uint16_t* column, unsigned entry, unsigned stay) const {
+    std::uint64_t key_of(std::uint32_t rank, unsigned entry, unsigned stay) const {
         const unsigned tie = entry == stay ? 0 : (entry < stay) == below_first_ ? 1 : 2;
-        return std::uint64_t{column[entry]} << 32 | tie << 16 | entry;
+        return std::uint64_t{rank} << 32 | tie << 16 | entry;
     }
 
     const EnergyVolume& energy_;
     const unsigned first_, last_;
     const bool below_first_;
     const std::span<const Entry> starts_;
+    const GuideTable& guide_;
+    const Ring ring_;
     const std::size_t step_bytes_;
     std::vector<Entry> entries_;
     std::vector<std::uint8_t> steps_;  ///< `[t][column]`, two bits per seam
@@ -129,15 +209,16 @@ std::vector<Entry> spread(Window window, int starts) {
 }
 
 /// The cheapest of seams that race in as many sweeps as there are threads; of equals the first.
-Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const Tick& tick) {
+template <class Cell>
+Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
-    std::vector<std::optional<Sweep>> sweeps(threads);
+    std::vector<std::optional<Sweep<Cell>>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
         const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
-        sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin));
+        sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin), guide);
         sweeps[n]->run(tick);
     });
-    const Sweep* best = nullptr;
+    const Sweep<Cell>* best = nullptr;
     std::size_t seam = 0;
     for (const auto& sweep : sweeps)
         for (std::size_t s = 0; s < sweep->sums().size(); ++s)
@@ -148,18 +229,26 @@ Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::spa
     return {best->entries(seam), best->sums()[seam]};
 }
 
-}  // namespace
-
-Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick) {
+template <class Cell>
+Seams::Seam find(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
+    const bool guided = energy.closed() && guide == Guide::gaussian;
+    const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, window)) : GuideTable();
     const auto entries = spread(window, starts);
     const auto groups = (entries.size() + group - 1) / group;
     std::optional<Seams::Seam> best;
     for (std::size_t n = 0; n < groups; ++n) {
         const auto some = std::span(entries).subspan(n * group).first(std::min(group, entries.size() - n * group));
-        auto seam = race(energy, window, number, some, [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
+        auto seam =
+            race<Cell>(energy, window, number, some, table, [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
         if (!best || seam.energy < best->energy) best = std::move(seam);
     }
     return std::move(*best);
+}
+
+}  // namespace
+
+Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
+    return energy.summed() ? find<float>(energy, window, number, starts, tick, guide) : find<std::uint16_t>(energy, window, number, starts, tick, guide);
 }
 
 }  // namespace fluidcarve

@@ -20,6 +20,7 @@ using openvdb::Coord;
 Failure wrong(const std::string& message) { return Failure(message, Failure::Kind::input); }
 
 std::string seam_name(std::size_t n) { return fmt::format("seam.{:04}", n); }
+std::string pair_name(std::size_t n) { return seam_name(n) + ".pair"; }
 
 template <class Visit>
 void each_column(const Seams& seams, Visit&& visit) {
@@ -29,11 +30,10 @@ void each_column(const Seams& seams, Visit&& visit) {
             for (int lateral = 0; lateral < seams.lateral(); ++lateral) visit(Coord(lateral, k, t), column++);
 }
 
-openvdb::GridBase::Ptr to_grid(const Seams& seams, std::size_t n) {
-    const auto& seam = seams.seams[n];
+openvdb::GridBase::Ptr to_grid(const Seams& seams, const Seams::Seam& seam, const std::string& name, Seams::Kind kind) {
     const auto grid = FloatGrid::create();
-    grid->setName(seam_name(n));
-    grid->insertMeta("kind", openvdb::StringMetadata(to_text(seams.kind)));
+    grid->setName(name);
+    grid->insertMeta("kind", openvdb::StringMetadata(to_text(kind)));
     grid->insertMeta("energy", openvdb::DoubleMetadata(seam.energy));
     auto values = grid->getAccessor();
     each_column(seams, [&](const Coord& at, std::size_t column) { values.setValueOn(at, seam.at[column]); });
@@ -63,11 +63,12 @@ Seams::Kind kind_of(const FloatGrid& grid) {
     throw wrong(fmt::format("grid '{}' has the kind '{}'; known: remove, insert", grid.getName(), text));
 }
 
-Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) {
+/// @param n  how many seams of the grid's kind come before it
+Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, Seams::Kind kind, std::size_t n) {
     const auto energy = grid.getMetadata<openvdb::DoubleMetadata>("energy");
     if (!energy) throw wrong(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
     // A removal finds the entries that its predecessors leave; the last entry can't be doubled.
-    const int highest = seams.carved() - 1 - (seams.kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
+    const int highest = seams.carved() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
     // Asked before memory is claimed for a shape that the file may not have.
     const auto columns = seams.columns_per_frame() * seams.frames.size();
     if (grid.activeVoxelCount() != columns)
@@ -85,17 +86,35 @@ Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, std::size_t n) 
     return {std::move(entries), energy->value()};
 }
 
-void require_distinct(const Seams& seams) {
+/// @param name  of the n-th grid
+void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insertions, std::string (*name)(std::size_t n)) {
     std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
     each_column(seams, [&](const Coord& at, std::size_t column) {
         taken.assign(taken.size(), false);
-        for (std::size_t n = 0; n < seams.seams.size(); ++n) {
-            const auto entry = seams.seams[n].at[column];
+        for (std::size_t n = 0; n < insertions.size(); ++n) {
+            const auto entry = insertions[n].at[column];
             if (taken[entry])
-                throw wrong(
-                    fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", seam_name(n), entry, at.x(), at.y(), at.z()));
+                throw wrong(fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", name(n), entry, at.x(), at.y(), at.z()));
             taken[entry] = true;
         }
+    });
+}
+
+/// In no column may the windows of pairs reach into each other.
+void require_apart(const Seams& seams) {
+    std::vector<std::uint16_t> entries, sorted;
+    const auto originals = [&](const std::vector<Seams::Seam>& window, Seams::Kind kind, std::size_t column) {
+        entries.clear();
+        for (const auto& seam : window) entries.push_back(seam.at[column]);
+        if (kind == Seams::Kind::remove) to_original(entries, sorted);
+        return std::minmax_element(entries.begin(), entries.end());
+    };
+    each_column(seams, [&](const Coord& at, std::size_t column) {
+        const auto highest = *originals(seams.seams, seams.kind, column).second;
+        const auto lowest = *originals(seams.pairs, opposite(seams.kind), column).first;
+        if (lowest <= highest)
+            throw wrong(fmt::format("at ({}, {}, {}) a pair takes entry {}, but wants to be above all seams of the first window, which reach {}", at.x(),
+                                    at.y(), at.z(), lowest, highest));
     });
 }
 
@@ -103,14 +122,19 @@ void require_distinct(const Seams& seams) {
 
 Volume seams_to_volume(const Seams& seams) {
     Volume out;
-    out.grids.resize(seams.seams.size());
-    tbb::parallel_for(std::size_t{0}, seams.seams.size(), [&](std::size_t n) { out.grids[n] = to_grid(seams, n); });
+    const std::size_t grids = seams.paired() ? 2 : 1;
+    out.grids.resize(grids * seams.seams.size());
+    tbb::parallel_for(std::size_t{0}, seams.seams.size(), [&](std::size_t n) {
+        out.grids[grids * n] = to_grid(seams, seams.seams[n], seam_name(n), seams.kind);
+        if (seams.paired()) out.grids[grids * n + 1] = to_grid(seams, seams.pairs[n], pair_name(n), opposite(seams.kind));
+    });
     const auto say = [&](const char* name, const std::string& text) { out.metadata.insertMeta(name, openvdb::StringMetadata(text)); };
     say("fluidcarve_axis", to_text(seams.axis));
     say("fluidcarve_shape", fmt::format("{},{},{},{}", seams.shape[0], seams.shape[1], seams.shape[2], seams.frames.size()));
     say("fluidcarve_frames", FrameSet(seams.frames).text());
     say("fluidcarve_lattice", seams.lattice);
     say("fluidcarve_lattice_hash", seams.lattice_hash);
+    if (seams.closed) say("fluidcarve_closed", "true");
     return out;
 }
 
@@ -131,20 +155,39 @@ Seams seams_from_volume(const Volume& volume) {
     out.lattice = say("fluidcarve_lattice");
     out.lattice_hash = say("fluidcarve_lattice_hash");
 
-    const auto count = volume.grids.size();
-    if (count > 0 && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
-    for (std::size_t n = 0; n < count; ++n) {
-        const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(seam_name(n)));
+    if (volume.metadata["fluidcarve_closed"]) {
+        const auto closed = say("fluidcarve_closed");
+        if (closed != "true" && closed != "false") throw wrong(fmt::format("'fluidcarve_closed' wants true or false, not '{}'", closed));
+        out.closed = closed == "true";
+    }
+
+    if (!volume.grids.empty() && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
+    const bool paired = volume.find(pair_name(0)) != nullptr;
+    const auto count = paired ? (volume.grids.size() + 1) / 2 : volume.grids.size();
+    const auto grid_of = [&](const std::string& name) {
+        const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
         if (!grid)
-            throw wrong(
-                fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", count, seam_name(0), seam_name(count - 1), volume.names()));
+            throw wrong(fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", volume.grids.size(), seam_name(0),
+                                    paired ? pair_name(count - 1) : seam_name(count - 1), volume.names()));
+        return grid;
+    };
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto grid = grid_of(seam_name(n));
         const auto kind = kind_of(*grid);
         if (n == 0) out.kind = kind;
         if (kind != out.kind) throw wrong(fmt::format("grid '{}' says {}, but '{}' says {}", seam_name(n), to_text(kind), seam_name(0), to_text(out.kind)));
         if (static_cast<int>(n) >= out.carved()) throw wrong(fmt::format("{} seams do not fit {} vertices", count, out.carved()));
-        out.seams.push_back(read_seam(*grid, out, n));
+        out.seams.push_back(read_seam(*grid, out, out.kind, n));
+        if (!paired) continue;
+        const auto pair = grid_of(pair_name(n));
+        if (kind_of(*pair) != opposite(out.kind))
+            throw wrong(
+                fmt::format("grid '{}' says {} as '{}' does, but one of a pair removes and the other inserts", pair_name(n), to_text(out.kind), seam_name(n)));
+        out.pairs.push_back(read_seam(*pair, out, opposite(out.kind), n));
     }
-    if (out.kind == Seams::Kind::insert) require_distinct(out);
+    if (out.kind == Seams::Kind::insert) require_distinct(out, out.seams, seam_name);
+    else require_distinct(out, out.pairs, pair_name);
+    if (paired) require_apart(out);
     return out;
 }
 

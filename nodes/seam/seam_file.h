@@ -8,8 +8,8 @@
 namespace fluidcarve {
 
 /// Seams as a volume (the contract's "Seam file"): for each seam in order a FloatGrid `seam.0000`, whose value at
-/// `(lateral, k, t)` is its entry, all columns active, with metadata `kind` and `energy`; the volume's metadata say
-/// axis, shape, frames and lattice.
+/// `(lateral, k, t)` is its entry, all columns active, with metadata `kind` and `energy`, and of pairs a second one,
+/// `seam.0000.pair`; the volume's metadata say axis, shape, frames and lattice, and `fluidcarve_closed` if that is closed.
 Volume seams_to_volume(const Seams& seams);
 
 /// The reverse. Feasibility is not asked for.

@@ -1,6 +1,10 @@
 #include "nodes/seam/seam_node.h"
 
+#include "nodes/seam/carve_energy.h"
 #include "nodes/seam/energy_slab.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -14,85 +18,165 @@ std::string text(const openvdb::BBoxd& box) {
     return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
 }
 
-Window window_of(const SeamNode::Params& params, int size) {
-    if (!params.window) return {0, size - 1};
-    const auto& [low, high] = *params.window;
-    if (high > size - 1)
-        throw Failure(
-            fmt::format("window [{:g}, {:g}] leaves the lattice, which has {} vertices along {}: 0 to {}", low, high, size, to_text(params.axis), size - 1));
-    return {static_cast<int>(low), static_cast<int>(high)};
+std::string text(const Interval& window) { return fmt::format("[{:g}, {:g}]", window.low, window.high); }
+
+Window window_of(const char* name, const Auto<Interval>& window, int size, Axis axis, bool after) {
+    if (!window) return {0, size - 1};
+    if (window->high > size - 1)
+        throw Failure(fmt::format("{} {} leaves the lattice, which has {} vertices along {}{}: 0 to {}", name, text(*window), size, to_text(axis),
+                                  after ? " once the seams of `after` are carved" : "", size - 1));
+    return {static_cast<int>(window->low), static_cast<int>(window->high)};
+}
+
+std::size_t vertices(const std::array<int, 3>& shape) {
+    return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
+}
+
+void warn_of_zeros(const std::vector<double>& zero_share, const Context& context) {
+    const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0);
+    if (idle > 0)
+        context.warn(
+            fmt::format("{} of {} seams meet{} no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an energy of "
+                        "its own, and `window: [first, last]` holds seams where the content is",
+                        idle, zero_share.size(), idle == 1 ? "s" : ""));
 }
 
 }  // namespace
 
 void SeamNode::check(const Params& params, NodeCheck& check) {
-    if (params.window && (std::floor(params.window->low) != params.window->low || std::floor(params.window->high) != params.window->high))
-        check.fault("window", fmt::format("parameter 'window' wants whole vertices, not [{:g}, {:g}]", params.window->low, params.window->high));
+    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
+        if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
+            check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, text(*window)));
+    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' wants a 'window' beside it, below it on the axis");
+    if (params.pair_window && params.window && params.pair_window->low <= params.window->high)
+        check.fault("pair_window",
+                    fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", text(*params.pair_window),
+                                params.pair_window->high < params.window->low ? "lies below" : "overlaps", text(*params.window), params.window->high));
+    if (params.pair_still && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
+}
+
+SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const Lattice& lattice) {
+    Task out;
+    out.shape = io.after.empty() ? lattice.shape : io.after.back()->shape_after(io.after.back()->seams.size());
+    if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
+        throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices", fmt::join(out.shape, " x ")));
+    const int size = out.shape[static_cast<std::size_t>(params.axis)], count = params.count.of(size);
+    out.kind = count > 0 ? Seams::Kind::insert : Seams::Kind::remove;
+    out.count = std::abs(count);
+    out.window = window_of("window", params.window, size, params.axis, !io.after.empty());
+    require_room(out.kind, out.count, out.window, size);
+    if (params.pair_window) {
+        out.pair_window = window_of("pair_window", params.pair_window, size, params.axis, !io.after.empty());
+        require_room(opposite(out.kind), out.count, *out.pair_window, size);
+    }
+    return out;
 }
 
 void SeamNode::add(const Params& params, const Ports& io, Context& context) {
-    const bool first = added_++ == 0;
+    ++added_;
     const auto& lattice = *io.lattice;
-    const int size = lattice.shape[static_cast<std::size_t>(params.axis)];
-    // A window that does not fit is better told before the frames are read than after.
-    if (first) window_of(params, size);
+    if (!lattice_) lattice_ = io.lattice;
+    if (lattice.shape != lattice_->shape)
+        throw Failure(
+            fmt::format("the lattice has {} vertices here, but {} in the first frame", fmt::join(lattice.shape, " x "), fmt::join(lattice_->shape, " x ")));
+    lattice_hashes_.push_back(lattice.hash);
+    // What does not fit is better told before the frames are read than after.
+    const CarveMap before(lattice, io.after, context.frame(), std::nullopt);
+    const auto task = task_of(params, io, lattice);
     transform_.require("the energy", *io.energy, context.frame());
-    if (params.count.of(size) == 0) return;
-    if (!energy_) energy_.emplace(lattice.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder());
+    if (task.count == 0) return;
+    if (!energy_) energy_.emplace(task.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder(), lattice.closed);
     if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {
         any_active_ = true;
         any_met_ = any_met_ || meets_active_voxels(*io.energy, lattice);
         active_box_.expand(io.energy->transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d())));
     }
-    sample_energy(*io.energy, lattice, params.axis, energy_->slab(context.place()));
+    if (io.after.empty()) {
+        sample_energy(*io.energy, lattice, params.axis, energy_->slab(context.place()));
+    } else {
+        sampled_.resize(vertices(lattice.shape));
+        sample_energy(*io.energy, lattice, params.axis, sampled_);
+        fill_slab(before.steps(), params.axis, context.place());
+    }
+}
+
+void SeamNode::fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t) {
+    std::ranges::copy(carve_energy(sampled_, lattice_->shape, axis, before), energy_->slab(t).begin());
+}
+
+Seams SeamNode::empty_seams(const Params& params, const Task& task, const Context& context) const {
+    Seams out;
+    out.axis = params.axis;
+    out.kind = task.kind;
+    out.closed = lattice_->closed;
+    out.shape = task.shape;
+    out.frames = context.frames();
+    out.lattice = lattice_->description;
+    const bool same = std::all_of(lattice_hashes_.begin(), lattice_hashes_.end(), [&](const auto& hash) { return hash == lattice_hashes_.front(); });
+    out.lattice_hash = same ? lattice_hashes_.front() : fmt::format("{}", fmt::join(lattice_hashes_, ","));
+    return out;
+}
+
+void SeamNode::find_all(const Params& params, const Task& task, const Context& context, const FindSeam& find, Seams& out, nlohmann::ordered_json& report) {
+    // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
+    const auto columns = out.columns_per_frame() * out.frames.size();
+    const auto seam_bytes = static_cast<std::uint64_t>(task.count) * (task.pair_window ? 2 : 1) * columns * sizeof(std::uint16_t);
+    const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t);
+    KeepSeam keep;
+    if (energy_bytes + seam_bytes > context.memory_budget())
+        keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
+    double done = 0;
+    const auto search = [&](Seams::Kind kind, Window window, bool still) {
+        const double share = task.pair_window ? 0.5 : 1;
+        const auto tick = [&](double fraction) {
+            context.check_cancelled();
+            context.progress(done + share * fraction);
+        };
+        auto found = find_seams(*energy_, kind, task.count, window, find, tick, keep, still);
+        done += share;
+        return found;
+    };
+    const auto energies = [](const std::vector<Seams::Seam>& seams) {
+        auto list = nlohmann::ordered_json::array();
+        for (const auto& seam : seams) list.push_back(seam.energy);
+        return list;
+    };
+
+    // The pair window first: what is taken there moves nothing in the window below.
+    FoundSeams pairs;
+    if (task.pair_window) pairs = search(opposite(task.kind), *task.pair_window, params.pair_still);
+    auto found = search(task.kind, task.window, params.still);
+    for (std::size_t n = 0; n < pairs.wall_s.size(); ++n) found.wall_s[n] += pairs.wall_s[n];
+    out.seams = std::move(found.seams);
+    out.pairs = std::move(pairs.seams);
+    report["energy"] = energies(out.seams);
+    if (task.pair_window) report["pair_energy"] = energies(out.pairs);
+    report["zero_share"] = found.zero_share;
+    report["wall_s"] = found.wall_s;
+    warn_of_zeros(found.zero_share, context);
 }
 
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find) {
-    const auto& lattice = *io.lattice;
-    const auto& frames = context.frames();
-    const int size = lattice.shape[static_cast<std::size_t>(params.axis)], count = params.count.of(size);
-    const auto window = window_of(params, size);
-
-    auto out = std::make_shared<Seams>();
-    out->axis = params.axis;
-    out->kind = count > 0 ? Seams::Kind::insert : Seams::Kind::remove;
-    out->shape = lattice.shape;
-    out->frames = frames;
-    out->lattice = lattice.description;
-    out->lattice_hash = lattice.hash;
-
-    std::vector<double> energies, seconds;
+    const auto task = task_of(params, io, *lattice_);
+    auto out = std::make_shared<Seams>(empty_seams(params, task, context));
+    nlohmann::ordered_json report{{"axis", to_text(out->axis)},
+                                  {"kind", to_text(out->kind)},
+                                  {"shape", {task.shape[0], task.shape[1], task.shape[2], out->frames.size()}},
+                                  {"energy", nlohmann::json::array()},
+                                  {"zero_share", nlohmann::json::array()},
+                                  {"wall_s", nlohmann::json::array()}};
     if (energy_) {
         if (any_active_ && !any_met_)
-            throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice.description, text(active_box_)));
+            throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice_->description, text(active_box_)));
         // An energy that is the same for all frames comes once.
-        for (std::size_t t = added_; t < frames.size(); ++t) std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
-        // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
-        const auto columns = out->columns_per_frame() * frames.size();
-        const auto seam_bytes = static_cast<std::uint64_t>(std::abs(count)) * columns * sizeof(std::uint16_t);
-        const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t);
-        KeepSeam keep;
-        if (energy_bytes + seam_bytes > context.memory_budget())
-            keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
-        auto found = find_seams(
-            *energy_, out->kind, std::abs(count), window, find,
-            [&](double fraction) {
-                context.check_cancelled();
-                context.progress(fraction);
-            },
-            keep);
+        for (std::size_t t = added_; t < out->frames.size(); ++t) {
+            if (io.after.empty()) std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
+            else fill_slab(CarveMap(*lattice_, io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
+        }
+        find_all(params, task, context, find, *out, report);
         energy_.reset();
-        out->seams = std::move(found.seams);
-        seconds = std::move(found.wall_s);
-        for (const auto& seam : out->seams) energies.push_back(seam.energy);
-        if (std::all_of(energies.begin(), energies.end(), [](double energy) { return energy == 0; }))
-            context.warn("no seam meets any energy, so that carving may change nothing visible; `window: [first, last]` holds seams where the content is");
     }
-    context.report("seams", {{"axis", to_text(out->axis)},
-                             {"kind", to_text(out->kind)},
-                             {"shape", {lattice.shape[0], lattice.shape[1], lattice.shape[2], frames.size()}},
-                             {"energy", energies},
-                             {"wall_s", seconds}});
+    context.report("seams", report);
     io.seams = std::move(out);
 }
 

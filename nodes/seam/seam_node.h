@@ -3,10 +3,16 @@
 #include "graph/node_type.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/payloads.h"
+#include "nodes/remap/carve_map.h"
 #include "nodes/seam/find_seams.h"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -15,7 +21,8 @@ struct ChoiceNames<Axis> {
     static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v}};
 };
 
-/// What every solver node takes and gives (METHOD 8): a new solver is a FindSeam, its own parameters and
+/// What every solver node takes and gives (METHOD 8), with all that does not depend on how one seam is found: windows,
+/// pairs, static seams, the space that other seams leave. A new solver is a FindSeam, its own parameters and
 ///
 ///     struct Mine : SeamNode {
 ///         struct Params : SeamNode::Params { int passes = 3; };
@@ -31,10 +38,14 @@ public:
         Axis axis = Axis::u;
         Count count;
         Auto<Interval> window;
+        Auto<Interval> pair_window;
+        bool still = false;
+        bool pair_still = false;
     };
     struct Ports {
         Ref<FloatGrid> energy;
         Ref<Lattice> lattice;
+        OptionalList<Seams> after;
         Ref<Seams> seams;
     };
 
@@ -43,11 +54,29 @@ public:
     void add(const Params& params, const Ports& io, Context& context);
 
 protected:
-    /// Finds the seams, reports them under `seams`: axis, kind, shape, and per seam energy and wall_s.
+    /// Finds the seams, reports them under `seams`: axis, kind, shape, and per seam energy, wall_s and zero_share, and
+    /// pair_energy for pairs.
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find);
 
 private:
+    /// What is known before the energy is.
+    struct Task {
+        std::array<int, 3> shape{};  ///< I, J, K that the seams of `after` leave
+        Seams::Kind kind = Seams::Kind::remove;
+        int count = 0;
+        Window window;
+        std::optional<Window> pair_window;
+    };
+    static Task task_of(const Params& params, const Ports& io, const Lattice& lattice);
+    Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
+    void fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t);
+    /// Moves the seams found into `out`, and says in the report what each is like.
+    void find_all(const Params& params, const Task& task, const Context& context, const FindSeam& find, Seams& out, nlohmann::ordered_json& report);
+
+    Ref<Lattice> lattice_;                     ///< of the first frame
+    std::vector<std::string> lattice_hashes_;  ///< of each frame
     std::optional<EnergyVolume> energy_;
+    std::vector<std::uint16_t> sampled_;  ///< one frame's energy in the whole lattice, before `after`
     OneTransform transform_;
     std::size_t added_ = 0;
     bool any_active_ = false;
@@ -62,9 +91,16 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
     using Ports = SeamNode::Ports;
     return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
+        .input("after", &Ports::after,
+               "Seam sets of this lattice that are carved before, in their order: these seams are found in what those leave, and windows count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
         .required("count", &Params::count, Unit::seams, any_number(), "Seams: negative removes, positive inserts; N% is of the vertices along the axis.")
         .param("window", &Params::window, Unit::vertices, at_least(0), "First and last vertex along the axis that seams may take; auto is all of them.")
+        .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),
+               "A second window, above the first. Each seam then comes with one of the opposite kind in here, so that only what is between the two moves, and "
+               "the size stays. Auto is no pairs.")
+        .param("static", &Params::still, "Whether each seam in `window` is the same in all frames; it is found in the energy's sum over them.")
+        .param("pair_static", &Params::pair_still, "The same for the seams in `pair_window`: a river bank that stands still beside a river.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.");
 }
 

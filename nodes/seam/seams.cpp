@@ -4,9 +4,19 @@ namespace fluidcarve {
 
 std::array<int, 3> Seams::shape_after(std::size_t count) const {
     auto out = shape;
+    if (paired()) return out;
     auto& size = out[static_cast<std::size_t>(axis)];
     size += kind == Kind::remove ? -static_cast<int>(count) : static_cast<int>(count);
     return out;
+}
+
+std::string Seams::lattice_hash_at(std::size_t t) const {
+    std::size_t begin = 0, end = lattice_hash.find(',');
+    for (; t > 0 && end != std::string::npos; --t) {
+        begin = end + 1;
+        end = lattice_hash.find(',', begin);
+    }
+    return lattice_hash.substr(begin, end - begin);
 }
 
 std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }

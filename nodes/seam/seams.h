@@ -25,18 +25,28 @@ struct Seams {
 
     Axis axis = Axis::u;
     Kind kind = Kind::remove;
+    bool closed = false;         ///< the lattice's last plane is followed by its first
     std::array<int, 3> shape{};  ///< I, J, K before these seams
     std::vector<int> frames;     ///< frame numbers; a frame's `t` is its place here
     std::string lattice;         ///< description of the lattice
-    std::string lattice_hash;
+    std::string lattice_hash;    ///< one for all frames; of a lattice that changes one per frame, separated by commas
     std::vector<Seam> seams;
+    /// Empty, or the other seam of each pair (paper 3.6): of the opposite kind, all on the positive side of all `seams`.
+    /// Entries count no seam of the other window.
+    std::vector<Seam> pairs;
 
     int carved() const { return shape[static_cast<std::size_t>(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[axis == Axis::u ? 1 : 0]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
-    /// The shape that the first `count` of these seams leave.
+    bool paired() const { return !pairs.empty(); }
+    /// @param t  a frame's place
+    std::string lattice_hash_at(std::size_t t) const;
+    /// The shape that the first `count` of these seams leave; pairs leave it as it is.
     std::array<int, 3> shape_after(std::size_t count) const;
 };
+
+/// What the other seam of a pair does.
+constexpr Seams::Kind opposite(Seams::Kind kind) { return kind == Seams::Kind::remove ? Seams::Kind::insert : Seams::Kind::remove; }
 
 /// "u" or "v".
 std::string to_text(Axis axis);

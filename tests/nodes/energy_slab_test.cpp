@@ -2,6 +2,7 @@
 #include "graph/problem.h"
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/slab_store.h"
+#include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
@@ -91,6 +92,23 @@ TEST_CASE("vertices between voxels, and on every second, are sampled where they 
                 for (int i = 0; i < 7; ++i)
                     CHECK(decode_energy(slab[static_cast<std::size_t>((k * 5 + j) * 7 + i)]) == Approx(value(lattice, i, j, k)).epsilon(6e-4));
     }
+}
+
+TEST_CASE("a bent lattice's slab holds the energy at its vertices, on all sides of the ring") {
+    const auto lattice = ring(Vec3d(20.2, 20.4, 8.1), {9, 5, 60}, 1.0, openvdb::Vec2d(-4, -2));
+    const auto grid = energy_on(CoordBBox(Coord(0), Coord(40)), 1.0, [](const Coord& at) { return 64 + at.x() + 2 * at.y() + 4 * at.z(); });
+    const auto along_u = sampled(*grid, lattice), along_v = sampled(*grid, lattice, Axis::v);
+    for (int k = 0; k < 60; ++k)
+        for (int j = 0; j < 5; ++j)
+            for (int i = 0; i < 9; ++i) {
+                const auto& plane = lattice.planes[static_cast<std::size_t>(k)];
+                const auto at = plane.origin + i * plane.u + j * plane.v;
+                const double energy = 64 + at.x() + 2 * at.y() + 4 * at.z();
+                REQUIRE(decode_energy(along_u[static_cast<std::size_t>((k * 5 + j) * 9 + i)]) == Approx(energy).epsilon(6e-4));
+                REQUIRE(along_v[static_cast<std::size_t>((k * 9 + i) * 5 + j)] == along_u[static_cast<std::size_t>((k * 5 + j) * 9 + i)]);
+            }
+    // The far side of the ring, where no corner of its first or last plane is near.
+    CHECK(meets_active_voxels(*energy_on(CoordBBox(Coord(8, 19, 7), Coord(11, 21, 9)), 1.0, [](const Coord&) { return 1.0; }), lattice));
 }
 
 TEST_CASE("an energy that is none is named with its place") {

@@ -25,16 +25,18 @@ FindSeam greedy(int starts) {
     return [=](const EnergyVolume& energy, Window window, int number, const Tick& tick) { return greedy_seam(energy, window, number, starts, tick); };
 }
 
-EnergyVolume volume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, const std::function<float(std::size_t t, std::size_t n)>& energy) {
-    EnergyVolume out(shape, axis, frames, ~std::uint64_t{0}, "");
+EnergyVolume volume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, const std::function<float(std::size_t t, std::size_t n)>& energy,
+                    bool closed = false) {
+    EnergyVolume out(shape, axis, frames, ~std::uint64_t{0}, "", closed);
     for (std::size_t t = 0; t < frames; ++t)
         for (std::size_t n = 0; n < out.slab(t).size(); ++n) out.slab(t)[n] = encode_energy(energy(t, n));
     return out;
 }
 
-EnergyVolume noise(const std::array<int, 3>& shape, Axis axis, std::size_t frames, unsigned seed) {
+EnergyVolume noise(const std::array<int, 3>& shape, Axis axis, std::size_t frames, unsigned seed, bool closed = false) {
     std::mt19937 random(seed);
-    return volume(shape, axis, frames, [&](std::size_t, std::size_t) { return static_cast<float>(random() % 1000) / 100; });
+    return volume(
+        shape, axis, frames, [&](std::size_t, std::size_t) { return static_cast<float>(random() % 1000) / 100; }, closed);
 }
 
 struct Columns {
@@ -52,6 +54,17 @@ struct Columns {
                 }
         return out;
     }
+    /// Between the last slice and the first.
+    template <class Entries>
+    int largest_gap(const Entries& at) const {
+        int out = 0;
+        for (int t = 0; t < frames; ++t)
+            for (int j = 0; j < laterals; ++j) {
+                const auto entry = [&](int k) { return int(at[static_cast<std::size_t>(j + laterals * (k + slices * t))]); };
+                out = std::max(out, std::abs(entry(0) - entry(slices - 1)));
+            }
+        return out;
+    }
 };
 
 double cost(EnergyVolume& energy, std::span<const std::uint16_t> at) {
@@ -67,6 +80,10 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
     for (int t = 0; t < shape.frames; ++t)
         for (int k = 0; k < shape.slices; ++k)
             for (int j = 0; j < shape.laterals; ++j) {
+                const auto strays = [&](int i) {
+                    return energy.closed() && k > 0 &&
+                           std::abs(i - int(at[static_cast<std::size_t>(j + shape.laterals * shape.slices * t)])) > shape.slices - k;
+                };
                 const auto before = [&](int columns) { return int(at[at.size() - static_cast<std::size_t>(columns)]); };
                 std::vector<int> neighbours;
                 if (j > 0) neighbours.push_back(before(1));
@@ -78,6 +95,7 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
                 for (int i = window.first; i <= window.last; ++i) {
                     if (neighbours.empty() ? i != start : std::any_of(neighbours.begin(), neighbours.end(), [&](int n) { return std::abs(i - n) > 1; }))
                         continue;
+                    if (strays(i)) continue;
                     if (best < 0 || column[i] < column[best] || (column[i] == column[best] && rank(i) < rank(best))) best = i;
                 }
                 at.push_back(static_cast<std::uint16_t>(best));
@@ -88,12 +106,12 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
 }  // namespace
 
 TEST_CASE("a greedy seam takes the cheapest entry that its passed neighbours allow, and the best start wins") {
-    for (unsigned seed = 0; seed < 40; ++seed) {
+    for (unsigned seed = 0; seed < 80; ++seed) {
         const Columns shape{1 + int(seed % 7), 1 + int(seed % 5), 1 + int(seed % 4)};
         const auto axis = seed % 2 ? Axis::u : Axis::v;
         const int width = 3 + int(seed % 9);
         auto energy = noise(axis == Axis::u ? std::array{width, shape.laterals, shape.slices} : std::array{shape.laterals, width, shape.slices}, axis,
-                            static_cast<std::size_t>(shape.frames), seed);
+                            static_cast<std::size_t>(shape.frames), seed, seed >= 40);
         const Window window{int(seed % 3), width - 1};
         const auto seam = greedy_seam(energy, window, int(seed), 100, nobody);
 
@@ -180,12 +198,15 @@ TEST_CASE("insertions are removals in original places: distinct, never the last 
 
 TEST_CASE("more seams than fit are refused with the number that does") {
     auto energy = noise({12, 3, 3}, Axis::u, 1, 5);
-    CHECK(failure_of([&] {
-              find_seams(energy, Seams::Kind::remove, 9, {2, 9}, greedy(16), nobody);
-          }) == "9 seams do not fit: from vertex 2 to 9 there is room for 8 to remove");
-    CHECK(failure_of([&] {
-              find_seams(energy, Seams::Kind::insert, 12, {0, 11}, greedy(16), nobody);
-          }) == "12 seams do not fit: from vertex 0 to 10 there is room for 11 to insert");
+    const auto fault = [&](Seams::Kind kind, int count, Window window) {
+        return failure_of([&] { find_seams(energy, kind, count, window, greedy(16), nobody); });
+    };
+    CHECK(fault(Seams::Kind::remove, 9, {2, 9}) == "9 seams do not fit: window [2, 9] has room to remove 8");
+    CHECK(fault(Seams::Kind::insert, 9, {2, 9}) == "9 seams do not fit: window [2, 9] has room to insert 8");
+    CHECK(fault(Seams::Kind::insert, 12, {0, 11}) ==
+          "12 seams do not fit: window [0, 11] has room to insert 11; new vertices stand between two old ones, so that none can follow the lattice's last");
+    CHECK(fault(Seams::Kind::insert, 1, {11, 11}) ==
+          "1 seam does not fit: window [11, 11] has room to insert none; new vertices stand between two old ones, so that none can follow the lattice's last");
     CHECK(find_seams(energy, Seams::Kind::remove, 12, {0, 11}, greedy(16), nobody).seams.size() == 12);
 }
 
@@ -203,6 +224,66 @@ TEST_CASE("the number of threads changes no seam") {
         CHECK(found[0].seams[n].at == found[1].seams[n].at);
         CHECK(found[0].seams[n].energy == found[1].seams[n].energy);
     }
+}
+
+TEST_CASE("seams through a closed lattice close, with and without the Gaussian guide, in any window") {
+    std::mt19937 random(11);
+    const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    for (unsigned n = 0; n < 1000; ++n) {
+        const Columns shape{1 + below(6), 2 + below(12), 1 + below(4)};
+        const int width = 2 + below(20), first = below(width);
+        const Window window{first, first + below(width - first)};
+        auto energy = noise({width, shape.laterals, shape.slices}, Axis::u, static_cast<std::size_t>(shape.frames), n, true);
+        const bool still = n % 5 == 0;
+        std::vector<Seams::Seam> seams;
+        for (const auto guide : {Guide::cone, Guide::gaussian}) {
+            const auto find = [=](const EnergyVolume& part, Window window, int number, const Tick& tick) {
+                return greedy_seam(part, window, number, 3, tick, guide);
+            };
+            auto copy = noise({width, shape.laterals, shape.slices}, Axis::u, static_cast<std::size_t>(shape.frames), n, true);
+            seams.push_back(find_seams(copy, Seams::Kind::remove, 1, window, find, nobody, nullptr, still).seams[0]);
+        }
+        INFO("case " << n);
+        for (const auto& seam : seams) {
+            REQUIRE(shape.largest_jump(seam.at) <= 1);
+            REQUIRE(shape.largest_gap(seam.at) <= 1);
+            REQUIRE(*std::min_element(seam.at.begin(), seam.at.end()) >= window.first);
+            REQUIRE(*std::max_element(seam.at.begin(), seam.at.end()) <= window.last);
+            REQUIRE(seam.energy == Approx(cost(energy, seam.at)));
+        }
+    }
+}
+
+TEST_CASE("the Gaussian guide keeps a seam near where it began, the cone alone lets it go as far as it can return") {
+    // Each slice is a little cheaper one entry further up.
+    const auto slope = [](std::size_t, std::size_t n) { return 100 - static_cast<float>(n % 40); };
+    const auto energy = volume({40, 1, 30}, Axis::u, 1, slope, true);
+    const auto highest = [&](Guide guide) {
+        const auto seam = greedy_seam(energy, {0, 39}, 0, 1, nobody, guide);
+        return *std::max_element(seam.at.begin(), seam.at.end()) - seam.at[0];
+    };
+    CHECK(highest(Guide::cone) == 15);
+    CHECK(highest(Guide::gaussian) > 0);
+    CHECK(highest(Guide::gaussian) < 8);
+}
+
+TEST_CASE("a static seam is the same in all frames and follows the sum of their energy, finer than 16 bits") {
+    const Columns shape{4, 5, 3};
+    auto energy = noise({9, 4, 5}, Axis::u, 3, 8), left = noise({9, 4, 5}, Axis::u, 3, 8);
+    const auto found = find_seams(energy, Seams::Kind::remove, 3, {0, 8}, greedy(9), nobody, nullptr, true);
+    for (const auto& seam : found.seams) {
+        REQUIRE(seam.at.size() == 3 * 20);
+        CHECK(std::equal(seam.at.begin(), seam.at.begin() + 40, seam.at.begin() + 20));
+        CHECK(shape.largest_jump(seam.at) <= 1);
+        CHECK(seam.energy == Approx(cost(left, seam.at)));
+        left.remove(seam.at);
+    }
+
+    // Sums of 1000.25, 1000.125 and 1000.0625: one and the same code.
+    auto close = volume({3, 1, 1}, Axis::u, 2, [](std::size_t t, std::size_t n) { return t == 0 ? 1000.0f : 0.25f / static_cast<float>(1u << n); });
+    const auto finest = find_seams(close, Seams::Kind::remove, 1, {0, 2}, greedy(3), nobody, nullptr, true).seams[0];
+    CHECK(finest.at == std::vector<std::uint16_t>{2, 2});
+    CHECK(finest.energy == 1000.0625);
 }
 
 TEST_CASE("a search stops when it is told to") {
@@ -265,6 +346,7 @@ TEST_CASE("seam.greedy finds seams over all frames and reports them") {
     CHECK(solved.listener.entry["energy"][0] == solved.seams->seams[0].energy);
     CHECK(solved.listener.entry["wall_s"].size() == 2);
     CHECK(solved.listener.warnings.empty());
+    CHECK(solved.listener.entry["zero_share"] == nlohmann::json({0.0, 0.0}));
     CHECK(solve("{count: 3, axis: v}", wavy).seams->kind == Seams::Kind::insert);
 }
 
@@ -283,10 +365,14 @@ TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and se
           }) ==
           "the lattice misses the energy: its box of 8 x 8 x 8 vertices from (20, 0, 0) to (27, 7, 7), spacing 1, axes xyz, but the active voxels span (0, 0, "
           "0) to (7, 7, 7)");
-    const auto idle = solve("{count: -1}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; });
+    const auto idle = solve("{count: -6}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; });
+    CHECK(idle.listener.entry["zero_share"] == nlohmann::json({1.0, 1.0, 1.0, 1.0, 1.0, 0.0}));
     CHECK(idle.listener.warnings ==
-          std::vector<std::string>{
-              "no seam meets any energy, so that carving may change nothing visible; `window: [first, last]` holds seams where the content is"});
+          std::vector<std::string>{"5 of 6 seams meet no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an "
+                                   "energy of its own, and `window: [first, last]` holds seams where the content is"});
+    const auto half = solve("{count: -1, window: [3, 3]}", [](const Coord& at, int t) { return at.z() < 2 && t == 0 ? 0.0f : 1.0f; });
+    CHECK(half.listener.entry["zero_share"] == nlohmann::json({0.125}));
+    CHECK(half.listener.warnings.empty());
     CHECK(solve("{count: -1, window: [5, 7]}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; }).listener.warnings.empty());
 }
 

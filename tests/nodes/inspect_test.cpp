@@ -48,7 +48,7 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
           std::vector<std::string>{
               "velocity: staggered: component c stands on the face below its voxel along axis c",
               "velocity: invariant by vector type: other tools won't turn it with its transform",
-              "velocity: if Blender wrote it, in voxels per tenth of a frame, roughly",
+              "velocity: if Blender wrote it, in tenths of a voxel per frame, roughly",
               "density, temperature: active only above 1e-06: derivatives jump at the border of the smoke",
               "shadow: -1 everywhere in its box: don't fit a lattice to it, nor to what is active in any grid",
               "flame: no active voxels",

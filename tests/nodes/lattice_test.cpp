@@ -56,7 +56,7 @@ TEST_CASE("a lattice of bent planes is no box, and between its planes it is stra
     lattice.planes[1].origin.x() += 0.5;
     CHECK(!lattice.is_box());
     CHECK(lattice.position(Vec3d(1, 1, 0.5)) == Vec3d(1.25, 1, 0.5));
-    CHECK_THROWS_AS(Mapping(lattice), Failure);
+    CHECK(Mapping(lattice).position(Vec3d(1, 1, 0.5)) == Vec3d(1.25, 1, 0.5));
 }
 
 TEST_CASE("the hash of a lattice depends on everything but its description, and not on the sign of zero") {

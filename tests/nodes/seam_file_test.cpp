@@ -25,14 +25,29 @@ Seams some_seams(Axis axis = Axis::u, Seams::Kind kind = Seams::Kind::remove, in
 
 bool equal(const Seams& a, const Seams& b) {
     bool same = a.axis == b.axis && a.kind == b.kind && a.shape == b.shape && a.frames == b.frames && a.lattice == b.lattice &&
-                a.lattice_hash == b.lattice_hash && a.seams.size() == b.seams.size();
-    for (std::size_t n = 0; same && n < a.seams.size(); ++n) same = a.seams[n].at == b.seams[n].at && a.seams[n].energy == b.seams[n].energy;
+                a.lattice_hash == b.lattice_hash && a.closed == b.closed;
+    for (const auto window : {&Seams::seams, &Seams::pairs}) {
+        same = same && (a.*window).size() == (b.*window).size();
+        for (std::size_t n = 0; same && n < (a.*window).size(); ++n)
+            same = (a.*window)[n].at == (b.*window)[n].at && (a.*window)[n].energy == (b.*window)[n].energy;
+    }
     return same;
 }
 
+Seams some_pairs(Axis axis, Seams::Kind kind) {
+    std::mt19937 random(3);
+    const auto lattice = make_box(Vec3d(0), {7, 8, 4}, 0.5, {0, 1, 2});
+    auto out = random_pairs(random, lattice, lattice.shape, axis, kind, 2, {11, 13, 15});
+    for (std::size_t n = 0; n < 2; ++n) {
+        out.seams[n].energy = 1.0 / 3 + static_cast<double>(n);
+        out.pairs[n].energy = 1.0 / 7 + static_cast<double>(n);
+    }
+    return out;
+}
+
 /// A seam volume after `edit`, and what is said of it.
-std::string fault(const std::function<void(Volume&, std::vector<FloatGrid::Ptr>&)>& edit, Seams::Kind kind = Seams::Kind::remove) {
-    auto volume = seams_to_volume(some_seams(Axis::u, kind));
+std::string fault(const std::function<void(Volume&, std::vector<FloatGrid::Ptr>&)>& edit, Seams::Kind kind = Seams::Kind::remove, bool pairs = false) {
+    auto volume = seams_to_volume(pairs ? some_pairs(Axis::u, kind) : some_seams(Axis::u, kind));
     std::vector<FloatGrid::Ptr> grids;
     for (const auto& grid : volume.grids) grids.push_back(openvdb::GridBase::grid<FloatGrid>(grid->deepCopyGrid()));
     for (std::size_t n = 0; n < grids.size(); ++n) volume.grids[n] = grids[n];
@@ -61,6 +76,42 @@ TEST_CASE("seams come back from their file as they were") {
         write_seams(scratch / "seams.vdb", seams);
         CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
     }
+}
+
+TEST_CASE("pairs, and that their lattice is closed, come back from their file") {
+    const Scratch scratch;
+    for (const auto axis : {Axis::u, Axis::v})
+        for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert}) {
+            auto seams = some_pairs(axis, kind);
+            seams.closed = axis == Axis::u;
+            write_seams(scratch / "seams.vdb", seams);
+            CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
+        }
+    const auto volume = seams_to_volume(some_pairs(Axis::u, Seams::Kind::remove));
+    CHECK(volume.names() == "seam.0000, seam.0000.pair, seam.0001, seam.0001.pair");
+    CHECK(volume.grids[0]->metaValue<std::string>("kind") == "remove");
+    CHECK(volume.grids[1]->metaValue<std::string>("kind") == "insert");
+    CHECK(volume.grids[3]->metaValue<double>("energy") == 1.0 / 7 + 1);
+    CHECK(!volume.metadata["fluidcarve_closed"]);
+}
+
+TEST_CASE("a file of pairs that is wrong is refused with the reason") {
+    const auto pair_fault = [](const auto& edit, Seams::Kind kind = Seams::Kind::remove) { return fault(edit, kind, true); };
+    CHECK(pair_fault([](Volume& volume, auto&) { volume.grids.pop_back(); }) ==
+          "3 grids want to be the float grids 'seam.0000' to 'seam.0001.pair', but there are seam.0000, seam.0000.pair, seam.0001");
+    CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->insertMeta("kind", openvdb::StringMetadata("remove")); }) ==
+          "grid 'seam.0000.pair' says remove as 'seam.0000' does, but one of a pair removes and the other inserts");
+    CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), 6); }) ==
+          "grid 'seam.0000.pair' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
+    CHECK(pair_fault([](Volume&, auto& grids) { grids[3]->tree().setValueOn(Coord(4, 0, 2), 6); }, Seams::Kind::insert) ==
+          "grid 'seam.0001.pair' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
+    CHECK(pair_fault([](Volume&, auto& grids) {
+              grids[0]->tree().setValueOn(Coord(4, 0, 2), 3);
+              grids[2]->tree().setValueOn(Coord(4, 0, 2), 3);
+              grids[1]->tree().setValueOn(Coord(4, 0, 2), 5);
+              grids[3]->tree().setValueOn(Coord(4, 0, 2), 4);
+          }) == "at (4, 0, 2) a pair takes entry 4, but wants to be above all seams of the first window, which reach 4");
+    CHECK(metadata_fault("fluidcarve_closed", "maybe") == "'fluidcarve_closed' wants true or false, not 'maybe'");
 }
 
 TEST_CASE("a seam file is what the contract says, to any reader of .vdb") {

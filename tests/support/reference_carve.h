@@ -58,18 +58,24 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
             const auto column = t * seams.columns_per_frame() + static_cast<std::size_t>(lateral + seams.lateral() * k);
             std::vector<Voxel> before, after;
             for (int i = 0; i < size; ++i) before.push_back(dense.at(vertex(i)));
-            if (seams.kind == Seams::Kind::remove) {
-                after = before;
-                for (std::size_t n = 0; n < count; ++n) after.erase(after.begin() + seams.seams[n].at[column]);
-                after.resize(before.size(), Voxel{background, false});
-            } else {
-                for (int i = 0; i < size; ++i) {
-                    after.push_back(before[static_cast<std::size_t>(i)]);
-                    for (std::size_t n = 0; n < count; ++n)
-                        if (seams.seams[n].at[column] == i)
-                            after.push_back(mean(before[static_cast<std::size_t>(i)], before.at(static_cast<std::size_t>(i + 1))));
+            // The two windows of pairs know nothing of each other.
+            std::vector<int> left, doubled;
+            for (int i = 0; i < size; ++i) left.push_back(i);
+            const auto take = [&](const std::vector<Seams::Seam>& window, Seams::Kind kind) {
+                for (std::size_t n = 0; n < std::min(count, window.size()); ++n) {
+                    const int entry = window[n].at[column];
+                    if (kind == Seams::Kind::remove) left.erase(left.begin() + entry);
+                    else doubled.push_back(entry);
                 }
+            };
+            take(seams.seams, seams.kind);
+            take(seams.pairs, opposite(seams.kind));
+            for (int i = 0; i < size; ++i) {
+                const auto own = before[static_cast<std::size_t>(i)];
+                if (std::count(left.begin(), left.end(), i)) after.push_back(own);
+                for (auto n = std::count(doubled.begin(), doubled.end(), i); n > 0; --n) after.push_back(mean(own, before.at(static_cast<std::size_t>(i + 1))));
             }
+            after.resize(std::max(before.size(), after.size()), Voxel{background, false});
             for (std::size_t i = 0; i < after.size(); ++i) dense.at(vertex(static_cast<int>(i))) = after[i];
         }
 }
@@ -94,6 +100,31 @@ inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const st
         for (int n = 0; n < count; ++n)
             out.seams[static_cast<std::size_t>(n)].at.all()[c] = static_cast<std::uint16_t>(
                 kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n)) : static_cast<int>(random() % static_cast<unsigned>(out.carved() - n)));
+    }
+    return out;
+}
+
+/// The same in pairs: the first window of each column below a random vertex, the pair's from it on.
+/// @param count  at most a third of the vertices along the axis
+inline Seams random_pairs(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
+                          std::vector<int> frames) {
+    auto out = random_seams(random, lattice, shape, axis, kind, 0, std::move(frames));
+    const auto columns = out.columns_per_frame() * out.frames.size();
+    for (auto* const window : {&out.seams, &out.pairs})
+        for (int n = 0; n < count; ++n) window->push_back({std::vector<std::uint16_t>(columns), 0.0});
+    for (std::size_t c = 0; c < columns; ++c) {
+        const auto fill = [&](std::vector<Seams::Seam>& window, Seams::Kind kind, int first, int last) {
+            std::vector<int> free;
+            for (int i = first; i <= last; ++i) free.push_back(i);
+            std::shuffle(free.begin(), free.end(), random);
+            for (int n = 0; n < count; ++n)
+                window[static_cast<std::size_t>(n)].at.all()[c] =
+                    static_cast<std::uint16_t>(kind == Seams::Kind::insert ? free.at(static_cast<std::size_t>(n))
+                                                                           : first + static_cast<int>(random() % static_cast<unsigned>(last - first + 1 - n)));
+        };
+        const int room = out.carved() - 1 - 2 * count, border = count + static_cast<int>(random() % static_cast<unsigned>(room + 1));
+        fill(out.seams, kind, 0, border - 1);
+        fill(out.pairs, opposite(kind), border, out.carved() - 2);
     }
     return out;
 }

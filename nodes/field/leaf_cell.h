@@ -1,0 +1,30 @@
+#pragma once
+
+#include <openvdb/Types.h>
+#include <openvdb/math/Coord.h>
+
+namespace fluidcarve {
+
+/// As Coord::floor and Coord::round, which call the library for each component.
+inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
+    const auto floor = [](double x) {
+        const int towards_0 = static_cast<int>(x);
+        return towards_0 - (towards_0 > x ? 1 : 0);
+    };
+    return {floor(q.x()), floor(q.y()), floor(q.z())};
+}
+inline openvdb::Coord nearest_voxel(const openvdb::Vec3d& q) { return voxel_below(q + openvdb::Vec3d(0.5)); }
+
+/// Whether the 2^3 voxels from `low` on lie in one leaf.
+inline bool in_one_leaf(const openvdb::Coord& low) { return (low.x() & 7) != 7 && (low.y() & 7) != 7 && (low.z() & 7) != 7; }
+
+/// Reads them from it, as openvdb::tools::BoxSampler orders them. Not for leaves of booleans or masks.
+template <class Leaf, class Value>
+void read_cell(const Leaf& leaf, const openvdb::Coord& low, Value (&out)[2][2][2]) {
+    const auto* const at = leaf.buffer().data() + Leaf::coordToOffset(low);
+    for (int x = 0; x < 2; ++x)
+        for (int y = 0; y < 2; ++y)
+            for (int z = 0; z < 2; ++z) out[x][y][z] = at[64 * x + 8 * y + z];
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,186 @@
+#include "nodes/lattice/build_node.h"
+
+#include "graph/problem.h"
+#include "nodes/lattice/build.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+namespace {
+enum class OnFold { warn, error };
+enum class Inverse { exact, closed_form };
+}  // namespace
+
+template <>
+struct ChoiceNames<OnFold> {
+    static constexpr std::array names = {std::pair{"warn", OnFold::warn}, std::pair{"error", OnFold::error}};
+};
+
+template <>
+struct ChoiceNames<Inverse> {
+    static constexpr std::array names = {std::pair{"exact", Inverse::exact}, std::pair{"closed_form", Inverse::closed_form}};
+};
+
+template <>
+struct ChoiceNames<Smooth> {
+    static constexpr std::array names = {std::pair{"points", Smooth::points}, std::pair{"directions", Smooth::directions}, std::pair{"none", Smooth::none}};
+};
+
+namespace {
+
+class LatticeBuild {
+public:
+    struct Params {
+        double spacing = 0;
+        Interval extent_u, extent_v;
+        bool flip_u = false;
+        Smooth smooth = Smooth::points;
+        int max_iterations = 1000;
+        OnFold on_fold = OnFold::warn;
+        Inverse mapping = Inverse::exact;
+    };
+    struct Ports {
+        Ref<Rig> rig;
+        Ref<Lattice> lattice;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        if (!(params.spacing > 0)) return check.fault("spacing", "'spacing' wants more than 0");
+        check_extent("extent_u", params.extent_u, params.spacing, check);
+        check_extent("extent_v", params.extent_v, params.spacing, check);
+    }
+
+    void add(const Params& params, const Ports& io, Context& context) {
+        context.check_cancelled();
+        if (!rigs_.empty() && rigs_.front()->closed != io.rig->closed)
+            throw Failure(
+                fmt::format("the rig is {} in frame {}, but {} in frame {}", kind(*rigs_.front()), context.frames().front(), kind(*io.rig), context.frame()));
+        rigs_.push_back(io.rig);
+        built_.push_back(build_lattice(*io.rig, spec_of(params)));
+        animated_ = context.per_frame();
+    }
+
+    void finish(const Params& params, Ports&, Context& context) {
+        make_equal(params, context);
+        tell_smoothing(context);
+        tell_folds(params, context);
+        report(context);
+    }
+
+    void run(const Params&, Ports& io, Context& context) const { io.lattice = std::make_shared<Lattice>(built_.at(animated_ ? context.place() : 0).lattice); }
+
+private:
+    static void check_extent(const char* name, const Interval& extent, double spacing, NodeCheck& check) {
+        if (extent.high == extent.low)
+            check.fault(name, fmt::format("'{}' is [{:g}, {:g}], which holds nothing; one vertex, for images, is less than a spacing: [{:g}, {:g}]", name,
+                                          extent.low, extent.high, extent.low, extent.low + spacing / 2));
+        else if (const double count = vertices_along({extent.low, extent.high}, spacing); count > most_vertices)
+            check.fault(name, fmt::format("'{}' holds {:.0f} vertices at a spacing of {:g}; {} is the most", name, count, spacing, most_vertices));
+    }
+
+    static LatticeSpec spec_of(const Params& params) {
+        return {params.spacing,       {params.extent_u.low, params.extent_u.high}, {params.extent_v.low, params.extent_v.high},
+                params.flip_u,        params.mapping == Inverse::closed_form,      params.smooth,
+                params.max_iterations};
+    }
+
+    static const char* kind(const Rig& rig) { return rig.closed ? "closed" : "open"; }
+
+    std::string in_frame(const Context& context, std::size_t t) const { return animated_ ? fmt::format(" in frame {}", context.frames()[t]) : ""; }
+
+    /// The place of the frame that has the most of something.
+    template <class Value>
+    std::size_t worst(Value&& value) const {
+        const auto less = [&](const BuiltLattice& a, const BuiltLattice& b) { return value(a) < value(b); };
+        return static_cast<std::size_t>(std::max_element(built_.begin(), built_.end(), less) - built_.begin());
+    }
+
+    /// A lattice's shape never changes: all frames take the planes of the longest rig.
+    void make_equal(const Params& params, const Context& context) {
+        const auto planes = [](const BuiltLattice& built) { return built.lattice.shape[2]; };
+        const auto longest = worst(planes), shortest = worst([&](const BuiltLattice&built) { return -planes(built); });
+        const int most = planes(built_[longest]), least = planes(built_[shortest]);
+        if (most == least) return;
+        for (std::size_t t = 0; t < built_.size(); ++t) {
+            context.check_cancelled();
+            if (planes(built_[t]) != most) built_[t] = build_lattice(*rigs_[t], spec_of(params), most);
+        }
+        context.warn(fmt::format("the rig takes {} planes in frame {}, but {} in frame {}; all frames get {}, which stand {:.4g} apart{}, not {:.4g}", most,
+                                 context.frames()[longest], least, context.frames()[shortest], most, built_[shortest].step, in_frame(context, shortest),
+                                 params.spacing));
+    }
+
+    void tell_smoothing(const Context& context) const {
+        const auto t = worst([](const BuiltLattice& built) { return std::pair(built.moved, built.iterations); });
+        if (built_[t].iterations == 0) return;
+        const auto moved = built_[t].moved > 0 ? fmt::format(", which moved it by up to {:.4g}", built_[t].moved) : "";
+        context.warn(fmt::format("the rig was smoothed {} times against folded cells{}{}", built_[t].iterations, in_frame(context, t), moved));
+    }
+
+    void tell_folds(const Params& params, const Context& context) const {
+        const auto t = worst([](const BuiltLattice& built) { return built.folds.cells; });
+        const auto& folds = built_[t].folds;
+        if (folds.cells == 0) return;
+        const auto& lattice = built_[t].lattice;
+        const auto remedy =
+            reaches_across(*rigs_[t], spec_of(params))
+                ? fmt::format("the lattice reaches {:g} inwards, past the centre of {}, which no smoothing cures: keep 'extent_u' within the radius",
+                              params.flip_u ? params.extent_u.high : -params.extent_u.low, text_of(*rigs_[t]))
+                : "reduce the extents on the inner side of the bend, or smooth the rig more";
+        const auto message = fmt::format("{} cells are folded{}, most of them ({}) between planes {} and {}: {}", folds.cells, in_frame(context, t),
+                                         folds.in_plane, folds.plane, (folds.plane + 1) % lattice.shape[2], remedy);
+        if (params.on_fold == OnFold::error) throw Failure(message);
+        context.warn(message);
+    }
+
+    void report(const Context& context) const {
+        const auto& first = built_.front();
+        const auto folded = worst([](const BuiltLattice& built) { return built.folds.cells; });
+        const auto shortest = worst([](const BuiltLattice&built) { return -built.step; }), longest = worst([](const BuiltLattice&built) { return built.step; });
+        const auto moved = worst([](const BuiltLattice& built) { return built.moved; });
+        context.report("lattices", {{"shape", first.lattice.shape},
+                                    {"closed", first.lattice.closed},
+                                    {"spacing", first.lattice.spacing},
+                                    {"step", {built_[shortest].step, built_[longest].step}},
+                                    {"folded_cells", built_[folded].folds.cells},
+                                    {"moved", built_[moved].moved}});
+    }
+
+    std::vector<Ref<Rig>> rigs_;
+    std::vector<BuiltLattice> built_;  ///< one per rig
+    bool animated_ = false;
+};
+
+}  // namespace
+
+NodeType lattice_build() {
+    using Params = LatticeBuild::Params;
+    return Declare<LatticeBuild>(
+               "lattice.build",
+               "A lattice along a rig: planes at equal distances that stand across it and do not twist. Along a rig that moves, one per frame, of "
+               "as many planes as the longest takes.")
+        .input("rig", &LatticeBuild::Ports::rig, "The path; static, or one per frame.")
+        .required("spacing", &Params::spacing, Unit::world, at_least(0),
+                  "Distance of neighbouring vertices, above 0; the voxel size, if in doubt. Closed rigs change it between planes so that it fits a whole "
+                  "number of times.")
+        .required("extent_u", &Params::extent_u, Unit::world, any_number(),
+                  "From where to where the lattice reaches along `u`, 0 is the rig. The first vertex is at the lower end, the last at most at the upper.")
+        .required("extent_v", &Params::extent_v, Unit::world, any_number(), "The same along `v`, which starts as the rig's `up`.")
+        .param("flip_u", &Params::flip_u,
+               "`u` is right-handed, `v x w`: outwards on a circle, inwards on a loop that runs counter-clockwise seen from `up`. This turns it round.")
+        .param("smooth", &Params::smooth,
+               "What is smoothed where neighbouring planes cross within the extents: the rig's points, the planes' directions, or nothing. It is done until "
+               "none cross.")
+        .param("max_iterations", &Params::max_iterations, Unit::none, between(0, 1e6), "How often it is smoothed at most.")
+        .param("on_fold", &Params::on_fold, "Whether cells that stay folded, where planes cross, are worth a warning or stop the run.")
+        .param("mapping", &Params::mapping,
+               "How positions are located: by the true inverse; or by the paper's closed form and its plane directions, which blur where planes turn, for "
+               "comparison.")
+        .output("lattice", &LatticeBuild::Ports::lattice, "The lattice.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,48 @@
+#include "nodes/lattice/folds.h"
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Affine in a plane's vertices: how far they lie on the right side of the other plane.
+struct Clearance {
+    double at_origin, per_u, per_v;
+    double at(int i, int j) const { return at_origin + i * per_u + j * per_v; }
+};
+
+std::size_t folded_cells(const Clearance& upper, const Clearance& lower, int extent_u, int extent_v) {
+    const auto good = [&](int i, int j) { return upper.at(i, j) > 0 && lower.at(i, j) > 0; };
+    const int i_end = extent_u - 1, j_end = extent_v - 1;
+    if (good(0, 0) && good(i_end, 0) && good(0, j_end) && good(i_end, j_end)) return 0;
+    std::size_t out = 0;
+    for (int i = 0; i < std::max(i_end, 1); ++i)
+        for (int j = 0; j < std::max(j_end, 1); ++j) {
+            const int next_i = std::min(i + 1, i_end), next_j = std::min(j + 1, j_end);
+            if (!(good(i, j) && good(next_i, j) && good(i, next_j) && good(next_i, next_j))) ++out;
+        }
+    return out;
+}
+
+}  // namespace
+
+Folds count_folds(const Lattice& lattice, int extent_u, int extent_v) {
+    const auto& planes = lattice.planes;
+    Folds out;
+    for (std::size_t k = 0; k + 1 < planes.size() + (lattice.closed ? 1 : 0); ++k) {
+        const auto &low = planes[k], &high = planes[(k + 1) % planes.size()];
+        const auto chord = high.origin - low.origin;
+        const double step = lattice.spacing;
+        const Clearance upper{low.w.dot(chord), step * low.w.dot(high.u), step * low.w.dot(high.v)};
+        const Clearance lower{high.w.dot(chord), -step * high.w.dot(low.u), -step * high.w.dot(low.v)};
+        const auto cells = folded_cells(upper, lower, extent_u, extent_v);
+        out.cells += cells;
+        if (cells <= out.in_plane) continue;
+        out.in_plane = cells;
+        out.plane = static_cast<int>(k);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,84 @@
+#include "nodes/lattice/write.h"
+
+#include "graph/output_file.h"
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr int lines_by_default = 16;
+
+/// The chosen vertices along a dimension.
+std::vector<int> chosen(int count, int every) {
+    std::vector<int> out;
+    for (int n = 0; n < count; n += every) out.push_back(n);
+    if (out.back() != count - 1) out.push_back(count - 1);
+    return out;
+}
+
+struct LatticeWrite {
+    struct Params {
+        OutputPath path;
+        Auto<int> every;
+    };
+    struct Ports {
+        Ref<Lattice> lattice;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        std::array<int, 3> every;
+        for (std::size_t n = 0; n < 3; ++n) every[n] = params.every.value_or((io.lattice->shape[n] + lines_by_default - 1) / lines_by_default);
+        write_wireframe(params.path.at(context.frame()), *io.lattice, every);
+    }
+};
+
+}  // namespace
+
+void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every) {
+    OutputFile file(path);
+    std::ofstream out(file.aside(), std::ios::binary);
+    out << "# " << lattice.description << "\n";
+    std::array<std::vector<int>, 3> at;
+    for (std::size_t n = 0; n < 3; ++n) at[n] = chosen(lattice.shape[n], every[n]);
+    for (const int k : at[2])
+        for (const int j : at[1])
+            for (const int i : at[0]) {
+                const auto p = lattice.position({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+                out << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+            }
+
+    const std::array size{at[0].size(), at[1].size(), at[2].size()};
+    const std::array stride{std::size_t{1}, size[0], size[0] * size[1]};
+    for (std::size_t along = 0; along < 3; ++along) {
+        if (size[along] < 2) continue;
+        const auto a = (along + 1) % 3, b = (along + 2) % 3;
+        for (std::size_t m = 0; m < size[a]; ++m)
+            for (std::size_t n = 0; n < size[b]; ++n) {
+                const auto first = 1 + m * stride[a] + n * stride[b];
+                out << 'l';
+                for (std::size_t step = 0; step < size[along]; ++step) out << ' ' << first + step * stride[along];
+                if (along == 2 && lattice.closed) out << ' ' << first;
+                out << '\n';
+            }
+    }
+    out.close();
+    if (!out) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+    file.commit();
+}
+
+NodeType lattice_write() {
+    return Declare<LatticeWrite>("lattice.write", "A lattice as lines in an .obj file, one per frame if it moves, to look at beside the data in any viewer.")
+        .input("lattice", &LatticeWrite::Ports::lattice, "The lattice.")
+        .required("path", &LatticeWrite::Params::path, "The file; with a frame token such as #### where the lattice moves.")
+        .param("every", &LatticeWrite::Params::every, Unit::vertices, between(1, most_vertices),
+               "Vertices from a line to the next, 1 draws all; auto draws about 16 lines along each dimension.");
+}
+
+}  // namespace fluidcarve

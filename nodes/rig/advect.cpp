@@ -1,0 +1,161 @@
+#include "nodes/rig/advect.h"
+
+#include "graph/problem.h"
+#include "nodes/rig/rig.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+using openvdb::Vec3d;
+
+namespace {
+
+constexpr double fewest_steps_per_call = 1e-4;  // of the duration: a wild velocity must not take forever
+
+class Flow {
+public:
+    explicit Flow(const VectorGrid& velocity)
+        : grid_(velocity), accessor_(velocity.getConstAccessor()), staggered_(velocity.getGridClass() == openvdb::GRID_STAGGERED) {}
+
+    Vec3d at(const Vec3d& world) const {
+        const auto index = grid_.worldToIndex(world);
+        openvdb::Vec3s out;
+        if (staggered_) openvdb::tools::StaggeredBoxSampler::sample(accessor_, index, out);
+        else openvdb::tools::BoxSampler::sample(accessor_, index, out);
+        if (!openvdb::math::isFinite(out)) throw Failure(fmt::format("grid '{}' has a value that is not finite near {}", grid_.getName(), text_of(world)));
+        return Vec3d(out);
+    }
+
+    Vec3d moved(Vec3d p, double duration, double voxel) const {
+        for (double left = duration; left > 0;) {
+            const auto a = at(p);
+            const double speed = a.length();
+            if (speed == 0) return p;
+            const double step = std::min(left, std::max(voxel / speed, fewest_steps_per_call * duration));
+            const auto b = at(p + 0.5 * step * a), c = at(p + 0.5 * step * b), d = at(p + step * c);
+            p += step / 6 * (a + 2.0 * b + 2.0 * c + d);
+            left = step < left ? left - step : 0;
+        }
+        return p;
+    }
+
+private:
+    const VectorGrid& grid_;
+    VectorGrid::ConstAccessor accessor_;
+    bool staggered_;
+};
+
+double voxel_edge(const VectorGrid& grid) {
+    const auto size = grid.voxelSize();
+    return std::min({size.x(), size.y(), size.z()});
+}
+
+class RigAdvect {
+public:
+    struct Params {
+        Vec3 seed{};
+        double radius = 0;
+        int count = 64;
+        double scale = 1;
+        Auto<double> apart;
+        Vec3 up{0, 0, 1};
+    };
+    struct Ports {
+        Ref<VectorGrid> velocity;
+        Ref<Rig> rig;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
+        if (!(params.scale > 0)) check.fault("scale", "'scale' wants more than 0");
+    }
+
+    void add(const Params& params, const Ports& io, Context& context) {
+        context.check_cancelled();
+        const auto set = points_in_ball(Vec3d(params.seed.data()), params.radius, params.count);
+        points_.insert(points_.end(), set.begin(), set.end());
+        advect(points_, *io.velocity, params.scale * frames_until_next(context));
+        apart_ = params.apart.value_or(voxel_edge(*io.velocity));
+    }
+
+    void finish(const Params& params, Ports& io, Context&) {
+        Rig rig;
+        rig.up = Vec3d(params.up.data());
+        const auto count = static_cast<std::size_t>(params.count);
+        // The set that came last is nearest to the seed.
+        for (auto begin = points_.size(); begin > 0;) {
+            begin -= count;
+            Vec3d centroid(0);
+            for (std::size_t n = begin; n < begin + count; ++n) centroid += points_[n] / static_cast<double>(count);
+            if (rig.points.empty() || (centroid - rig.points.back()).length() >= std::max(apart_, 1e-12)) rig.points.push_back(centroid);
+        }
+        if (rig.points.size() < 2)
+            throw Failure(fmt::format("the points stay within {:g} of the seed, {}: the velocity there is too small, or 'scale' is", apart_,
+                                      text_of(Vec3d(params.seed.data()))));
+        if (const auto fault = rig_fault(rig); !fault.empty()) throw Failure(fault + "; state a larger 'apart' or 'radius'");
+        io.rig = std::make_shared<Rig>(std::move(rig));
+    }
+
+private:
+    static double frames_until_next(const Context& context) {
+        const auto& frames = context.frames();
+        const auto t = context.place();
+        if (frames.size() < 2) return 1;
+        return t + 1 < frames.size() ? frames[t + 1] - frames[t] : frames[t] - frames[t - 1];
+    }
+
+    std::vector<Vec3d> points_;  ///< of one set after the other
+    double apart_ = 0;
+};
+
+}  // namespace
+
+std::vector<Vec3d> points_in_ball(const Vec3d& center, double radius, int count) {
+    // A sequence that fills the cube evenly: multiples of powers of the root of x^4 = x + 1.
+    constexpr double root = 1.2207440846057596;
+    std::vector<Vec3d> out;
+    Vec3d sum(0);
+    for (int n = 1; out.size() < static_cast<std::size_t>(count); ++n) {
+        const auto part = [n](double by) { return 2 * (n * by - std::floor(n * by)) - 1; };
+        const Vec3d in_cube(part(1 / root), part(1 / (root * root)), part(1 / (root * root * root)));
+        if (in_cube.length() > 1) continue;
+        out.push_back(radius * in_cube);
+        sum += out.back();
+    }
+    for (auto& point : out) point += center - sum / static_cast<double>(count);
+    return out;
+}
+
+void advect(std::span<Vec3d> points, const VectorGrid& velocity, double duration) {
+    const double voxel = voxel_edge(velocity);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
+        const Flow flow(velocity);
+        for (auto n = range.begin(); n < range.end(); ++n) points[n] = flow.moved(points[n], duration, voxel);
+    });
+}
+
+NodeType rig_advect() {
+    using Params = RigAdvect::Params;
+    return Declare<RigAdvect>(
+               "rig.advect",
+               "A rig that follows the flow: in each frame points are set out around a seed and all move on; in the end the rig runs through the "
+               "middle of each frame's points, from the seed on.")
+        .input("velocity", &RigAdvect::Ports::velocity, "Velocity, staggered or not.")
+        .required("seed", &Params::seed, Unit::world, any_number(), "Where the flow comes from.")
+        .required("radius", &Params::radius, Unit::world, at_least(0), "Of the ball of points around it.")
+        .param("count", &Params::count, Unit::none, between(1, 1e5), "Points that are set out in each frame.")
+        .param("scale", &Params::scale, Unit::none, any_number(),
+               "World units by which a velocity of 1 moves a point from a frame to the next: 1/24 for units per second at 24 frames. Blender's velocities are "
+               "roughly tenths of a voxel per frame: a tenth of the voxel size.")
+        .param("apart", &Params::apart, Unit::world, at_least(0), "Middles nearer than this to the one before are left out; auto is a voxel.")
+        .param("up", &Params::up, Unit::none, any_number(), "Where the lattice's `v` points at the start, made orthogonal to the path.")
+        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames; as they stand in the last frame, the latest points first.");
+}
+
+}  // namespace fluidcarve

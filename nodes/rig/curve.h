@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+/// `rig.curve`: a rig from a file, or one per frame.
+NodeType rig_curve();
+
+}  // namespace fluidcarve

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/rig/rig.h"
+
+namespace fluidcarve {
+
+/// Each point becomes the mean of itself and its neighbours, `times` over; the ends of an open rig stay. A circle becomes
+/// its points.
+Rig smoothed(const Rig& rig, int times);
+/// `pivot + scale (p - pivot) + translate` of each point; `scale` above 0.
+Rig moved(const Rig& rig, double scale, const openvdb::Vec3d& pivot, const openvdb::Vec3d& translate);
+
+/// `rig.transform`: a rig changed by hand (paper 3.4).
+NodeType rig_transform();
+
+}  // namespace fluidcarve
