@@ -71,7 +71,11 @@ openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, co
     const auto transform = as_it_came ? std::const_pointer_cast<openvdb::math::Transform>(kept) : inverse(grid->transform(), by);
     openvdb::MetaMap metadata(*grid);
     metadata.removeMeta(key);
-    if (origin && origin->made_staggered) metadata.removeMeta(openvdb::GridBase::META_GRID_CLASS);
+    if (origin && origin->made_staggered) {
+        metadata.removeMeta(openvdb::GridBase::META_GRID_CLASS);
+        if (origin->class_in_file)
+            metadata.insertMeta(openvdb::GridBase::META_GRID_CLASS, openvdb::StringMetadata(openvdb::GridBase::gridClassToString(openvdb::GRID_UNKNOWN)));
+    }
     return grid->copyGridReplacingMetadataAndTransform(metadata, transform);
 }
 

@@ -26,7 +26,8 @@ struct Origin {
     std::vector<openvdb::FloatGrid::ConstPtr> components;
     std::weak_ptr<const openvdb::TreeBase> merged;  ///< the tree made of them
 
-    bool made_staggered = false;  ///< by the reader's profile; the file leaves the class unknown
+    bool made_staggered = false;  ///< by the reader's profile; the file says that the class is unknown, or nothing
+    bool class_in_file = false;   ///< it says so
 };
 
 void set_origin(openvdb::GridBase& grid, Origin origin);

@@ -143,6 +143,7 @@ private:
         out->setGridClass(openvdb::GRID_STAGGERED);
         Origin origin;
         origin.made_staggered = true;
+        origin.class_in_file = grid[openvdb::GridBase::META_GRID_CLASS] != nullptr;
         set_origin(*out, std::move(origin));
         return out;
     }

@@ -9,8 +9,8 @@ namespace fluidcarve {
 
 /// World to lattice index coordinates and back: `f` and `g` of METHOD 1 and 3, the one place that knows how. `g` is
 /// trilinear in a cell's vertices, `f` its true inverse. In straight boxes both are affine, in other lattices they go
-/// slab by slab (slabs.h); there a lattice may ask for the paper's closed form instead. In a closed lattice `w` is a coordinate of a ring: `w` and `w + K` are
-/// the same.
+/// slab by slab (slabs.h); there a lattice may ask for the paper's closed form instead. In a closed lattice `w` is a
+/// coordinate of a ring: `w` and `w + K` are the same.
 class Mapping {
 public:
     static constexpr double snap = snap_width;

@@ -259,6 +259,14 @@ TEST_CASE("one pipeline reads the velocities of any application") {
     write_vdb(scratch / "old.vdb", Volume{{plain}, {}, {}});
     CHECK(read(scratch / "old.vdb", ", profile: blender")->getGridClass() == openvdb::GRID_STAGGERED);
     CHECK(read(scratch / "old.vdb")->getGridClass() == openvdb::GRID_UNKNOWN);
+
+    // The class is the reader's guess, and stays out of what is written.
+    for (const bool stated : {false, true}) {
+        if (stated) plain->setGridClass(openvdb::GRID_UNKNOWN);
+        write_vdb(scratch / "old.vdb", Volume{{plain}, {}, {}});
+        write_vdb(scratch / "again.vdb", Volume{{read(scratch / "old.vdb", ", profile: blender, scale: 3")}, {}, {}});
+        CHECK(difference(*plain, *read_vdb_grid(scratch / "again.vdb", "velocity")) == "");
+    }
 }
 
 TEST_CASE("what is wrong in any frame is told before the first is read: a cut file, a grid missing, voxels that change") {
