@@ -26,13 +26,17 @@
 #include "nodes/payloads.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/remap/grids.h"
+#include "nodes/remap/seam_filter.h"
 #include "nodes/rig/advect.h"
 #include "nodes/rig/circle.h"
 #include "nodes/rig/curve.h"
 #include "nodes/rig/payload_type.h"
 #include "nodes/rig/points.h"
 #include "nodes/rig/transform.h"
+#include "nodes/seam/dynamic_node.h"
+#include "nodes/seam/graph_cut_node.h"
 #include "nodes/seam/greedy_node.h"
+#include "nodes/seam/pyramid_node.h"
 #include "nodes/seam/payload_types.h"
 #include "nodes/seam/seams_read.h"
 #include "nodes/seam/seams_write.h"
@@ -72,10 +76,14 @@ Registry builtin_registry() {
     out.add(lattice_box());
     out.add(lattice_build());
     out.add(lattice_write());
+    out.add(seam_dynamic());
+    out.add(seam_graph_cut());
     out.add(seam_greedy());
+    out.add(seam_pyramid());
     out.add(seams_write());
     out.add(seams_read());
     out.add(remap_grids());
+    out.add(filter_seam());
     out.add(preview_sheet());
     return out;
 }

@@ -8,12 +8,6 @@
 
 namespace fluidcarve {
 
-template <>
-struct ChoiceNames<FilterMode> {
-    static constexpr std::array names = {std::pair{"mean", FilterMode::mean}, std::pair{"median", FilterMode::median},
-                                         std::pair{"gaussian", FilterMode::gaussian}};
-};
-
 namespace {
 
 using Tree = openvdb::FloatTree;

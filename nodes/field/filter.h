@@ -11,6 +11,12 @@ enum class FilterMode {
     gaussian,  ///< four means, one after the other: within 5 % of a Gaussian of variance 4 width (width + 1) / 3
 };
 
+template <>
+struct ChoiceNames<FilterMode> {
+    static constexpr std::array names = {std::pair{"mean", FilterMode::mean}, std::pair{"median", FilterMode::median},
+                                         std::pair{"gaussian", FilterMode::gaussian}};
+};
+
 /// A smoother field, by openvdb::tools::Filter.
 /// @param field  any unit. Beyond its active voxels the values that it holds count, and stay
 /// @param width  voxels, >= 1

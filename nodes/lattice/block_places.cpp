@@ -1,11 +1,13 @@
 #include "nodes/lattice/block_places.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace fluidcarve {
 
 using openvdb::BBoxd;
 using openvdb::Coord;
+using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
 namespace {
@@ -14,9 +16,10 @@ namespace {
 unsigned not_below(double first, double step) {
     const bool begins = first >= 0, ends = first + 7 * step >= 0;
     if (begins == ends) return begins ? 0xff : 0;
-    unsigned out = 0;
-    for (int z = 0; z < 8; ++z) out |= static_cast<unsigned>(first + z * step >= 0) << z;
-    return out;
+    const double zero = first / -step;
+    const int below = static_cast<int>(zero);
+    if (begins) return 0xff >> (7 - std::min(below, 6));
+    return 0xff & (0xff << std::min(below < zero ? below + 1 : below, 7));
 }
 
 }  // namespace
@@ -56,14 +59,15 @@ BBoxd BlockPlaces::move_to(const Coord& block) {
     block_ = block;
     const auto first = block.asVec3d();
     const auto world = transform_.indexToWorld(BBoxd(first - Vec3d(0.5), first + Vec3d(7)));
-    if (!tables_) return mapping_.range(world);
+    if (!tables_) return range_ = mapping_.range(world);
 
     const auto& slabs = *mapping_.slabs();
-    const auto range = slabs.candidates(world, slabs_);
+    range_ = slabs.candidates(world, slabs_);
     const auto origin = transform_.indexToWorld(first);
+    interior_ = by_tables_ && slabs.inside(range_);
     candidates_.clear();
     for (const int k : slabs_) candidates_.push_back({k, slabs.divider(k).side(origin), slabs.divider(k + 1).side(origin), slabs[k].products(origin)});
-    return range;
+    return range_;
 }
 
 template <class Visit>
@@ -91,12 +95,34 @@ Slab::Products BlockPlaces::at(const Vec3d& from, const Candidate& candidate) co
     return out;
 }
 
-Vec3d BlockPlaces::solve(const Candidate& candidate, const Slab::Products& first, int z) const {
-    const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
-    Slab::Products products;
-    for (std::size_t n = 0; n < products.size(); ++n) products[n] = first[n] + z * along_z[n];
+void BlockPlaces::enter(const Vec3d& from, Entered& row) const {
     const auto& slabs = *mapping_.slabs();
-    return slabs[candidate.slab].solve(products, slabs.from(candidate.slab), slabs.to(candidate.slab));
+    row.once = row.twice = 0;
+    CubicRow cubics;
+    each_hit(from, [&](const Candidate& candidate, unsigned hits) {
+        row.twice |= row.once & hits;
+        hits &= ~row.once;
+        row.once |= hits;
+        if (hits == 0) return true;
+        const auto& first = row.kept[static_cast<std::size_t>(std::countr_zero(hits))] = at(from, candidate);
+        const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
+        for (; hits != 0; hits &= hits - 1) {
+            const auto z = static_cast<std::size_t>(std::countr_zero(hits));
+            const auto along = static_cast<double>(z);
+            row.in[z] = &candidate;
+            row.products[z] = first.data();
+            cubics.set(z, slabs[candidate.slab].cubic(first[0] + along * along_z[0], first[1] + along * along_z[1], first[2] + along * along_z[2]));
+        }
+        return true;
+    });
+    for (auto left = ~row.once & 0xff; left != 0; left &= left - 1) cubics.set(static_cast<std::size_t>(std::countr_zero(left)), {0, -1, 0, 0});
+    cubics.solve();
+    for (auto left = row.once; left != 0; left &= left - 1) {
+        const auto z = static_cast<std::size_t>(std::countr_zero(left));
+        const int slab = row.in[z]->slab;
+        const double from_c = slabs.from(slab), to_c = slabs.to(slab);
+        row.c[z] = cubics.solved(z, from_c, to_c) ? cubics.c[z] : cubic_root(cubics.at(z), from_c, to_c);
+    }
 }
 
 void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) const {
@@ -109,24 +135,80 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
             }
         return;
     }
+    const auto& slabs = *mapping_.slabs();
     const auto from = (first - block_).asVec3d() + offset;
-    unsigned open = 0xff;
+    const auto settle = [&](const Candidate& candidate, const Slab::Products& products, double c, std::size_t z) {
+        const int slab = candidate.slab;
+        const auto solved = slabs[slab].at(products, c);
+        Vec3d place;
+        const auto holds = slabs.settle(slab, solved, place);
+        if (holds == Slabs::Holds::no || (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0)) return false;
+        const auto& table = (*tables_)[static_cast<std::size_t>(slab)];
+        row.places[z] = {place, table.u + c * table.du, table.v + c * table.dv};
+        row.inside |= 1u << z;
+        return holds == Slabs::Holds::yes;
+    };
+    Entered entered;
+    enter(from, entered);
+    unsigned open = entered.twice;
+    for (auto left = entered.once; left != 0; left &= left - 1) {
+        const auto z = static_cast<std::size_t>(std::countr_zero(left));
+        const auto& candidate = *entered.in[z];
+        const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
+        Slab::Products products;
+        for (std::size_t n = 0; n < products.size(); ++n) products[n] = entered.products[z][n] + static_cast<double>(z) * along_z[n];
+        if (settle(candidate, products, entered.c[z], z)) open &= ~(1u << z);
+    }
+    if (open == 0) return;
+
+    // The lowest slab does not hold these in the lattice's own cells; another may.
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
-        if ((hits & open) == 0) return true;
-        const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
-        const auto products = at(from, candidate);
         for (hits &= open; hits != 0; hits &= hits - 1) {
-            const int z = std::countr_zero(hits);
-            const auto solved = solve(candidate, products, z);
-            Vec3d place;
-            const auto holds = mapping_.slabs()->settle(candidate.slab, solved, place);
-            if (holds == Slabs::Holds::no || (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0)) continue;
-            row.places[static_cast<std::size_t>(z)] = {place, table.u + solved.z() * table.du, table.v + solved.z() * table.dv};
-            row.inside |= 1u << z;
-            if (holds == Slabs::Holds::yes) open &= ~(1u << z);
+            const auto z = static_cast<std::size_t>(std::countr_zero(hits));
+            if (&candidate == entered.in[z]) continue;
+            const auto products = at(from + Vec3d(0, 0, static_cast<double>(z)), candidate);
+            const auto& slab = slabs[candidate.slab];
+            const double c = cubic_root(slab.cubic(products[0], products[1], products[2]), slabs.from(candidate.slab), slabs.to(candidate.slab));
+            if (settle(candidate, products, c, z)) open &= ~(1u << z);
         }
         return open != 0;
     });
+}
+
+unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const openvdb::Vec2d& by, Positions& out) const {
+    Entered row;
+    enter((first - block_).asVec3d() + offset, row);
+    for (auto left = row.once; left != 0; left &= left - 1) {
+        const int z = std::countr_zero(left);
+        const auto n = static_cast<std::size_t>(z);
+        const auto& table = (*tables_)[static_cast<std::size_t>(row.in[n]->slab)];
+        out.set(n, first.offsetBy(0, 0, z).asVec3d() + by.x() * (table.u + row.c[n] * table.du) + by.y() * (table.v + row.c[n] * table.dv));
+    }
+    return row.once;
+}
+
+CoordBBox BlockPlaces::reach(const openvdb::Vec2d& least, const openvdb::Vec2d& most) const {
+    const auto first = block_.asVec3d();
+    BBoxd out;
+    if (!by_tables_) {
+        // Beyond the closed form's error, which is less than a vertex, nothing limits what is read.
+        auto range = range_;
+        for (int n = 0; n < 2; ++n) {
+            range.min()[n] += least[n];
+            range.max()[n] += most[n];
+        }
+        out = transform_.worldToIndex(mapping_.world_box(range));
+    }
+    // Within a slab the steps lie between those at its planes.
+    for (const auto& candidate : candidates_)
+        for (int n = 0; n < 8; ++n) {
+            const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
+            const double c = n >> 2, by_u = n & 1 ? most.x() : least.x(), by_v = n & 2 ? most.y() : least.y();
+            const auto shift = by_u * (table.u + c * table.du) + by_v * (table.v + c * table.dv);
+            out.expand(first + shift);
+            out.expand(first + Vec3d(7) + shift);
+        }
+    return {Coord::floor(out.min()), Coord::ceil(out.max())};
 }
 
 unsigned BlockPlaces::locate_shared(const Coord& first, std::array<int, 8>& lowest) const {
@@ -141,12 +223,14 @@ unsigned BlockPlaces::locate_shared(const Coord& first, std::array<int, 8>& lowe
     if (twice == 0) return 0;
 
     // Between the planes of several slabs, but perhaps beside the cells of all but one.
+    const auto& slabs = *mapping_.slabs();
     unsigned held = 0, shared = 0;
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
         for (hits &= twice; hits != 0; hits &= hits - 1) {
             const int z = std::countr_zero(hits);
+            const auto solved = slabs[candidate.slab].solve(at(from + Vec3d(0, 0, z), candidate), slabs.from(candidate.slab), slabs.to(candidate.slab));
             Vec3d place;
-            if (mapping_.slabs()->settle(candidate.slab, solve(candidate, at(from, candidate), z), place) == Slabs::Holds::no) continue;
+            if (slabs.settle(candidate.slab, solved, place) == Slabs::Holds::no) continue;
             if ((held >> z & 1) == 0) lowest[static_cast<std::size_t>(z)] = candidate.slab;
             else shared |= 1u << z;
             held |= 1u << z;

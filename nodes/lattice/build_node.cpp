@@ -2,6 +2,7 @@
 
 #include "graph/problem.h"
 #include "nodes/lattice/build.h"
+#include "nodes/lattice/overlap.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -66,9 +67,11 @@ public:
 
     void finish(const Params& params, Ports&, Context& context) {
         make_equal(params, context);
-        tell_smoothing(context);
-        tell_folds(params, context);
+        count_overlaps(params, context);
         report(context);
+        tell_smoothing(params, context);
+        // Beside folded cells, voxels lie in several others as well: that is no news then.
+        if (!tell_folds(params, context)) tell_overlap(params, context);
     }
 
     void run(const Params&, Ports& io, Context& context) const { io.lattice = std::make_shared<Lattice>(built_.at(animated_ ? context.place() : 0).lattice); }
@@ -114,25 +117,51 @@ private:
                                  params.spacing));
     }
 
-    void tell_smoothing(const Context& context) const {
-        const auto t = worst([](const BuiltLattice& built) { return std::pair(built.moved, built.iterations); });
-        if (built_[t].iterations == 0) return;
-        const auto moved = built_[t].moved > 0 ? fmt::format(", which moved it by up to {:.4g}", built_[t].moved) : "";
-        context.warn(fmt::format("the rig was smoothed {} times against folded cells{}{}", built_[t].iterations, in_frame(context, t), moved));
+    void count_overlaps(const Params& params, const Context& context) {
+        const auto cubes = openvdb::math::Transform::createLinearTransform(params.spacing);
+        for (const auto& built : built_) {
+            context.check_cancelled();
+            overlaps_.push_back(count_overlap(Mapping(built.lattice), *cubes));
+        }
     }
 
-    void tell_folds(const Params& params, const Context& context) const {
+    /// Corners of a polyline are always rounded: worth a word only where the rig then runs elsewhere.
+    void tell_smoothing(const Params& params, const Context& context) const {
+        const auto t = worst([](const BuiltLattice& built) { return built.moved; });
+        if (built_[t].moved < params.spacing / 2) return;
+        context.warn(fmt::format("the rig was smoothed {} times against folded cells{}, which moved it by up to {:.4g}", built_[t].iterations,
+                                 in_frame(context, t), built_[t].moved));
+    }
+
+    /// @return whether there are any
+    bool tell_folds(const Params& params, const Context& context) const {
         const auto t = worst([](const BuiltLattice& built) { return built.folds.cells; });
         const auto& folds = built_[t].folds;
-        if (folds.cells == 0) return;
+        if (folds.cells == 0) return false;
         const auto& lattice = built_[t].lattice;
         const auto remedy =
             reaches_across(*rigs_[t], spec_of(params))
                 ? fmt::format("the lattice reaches {:g} inwards, past the centre of {}, which no smoothing cures: keep 'extent_u' within the radius",
                               params.flip_u ? params.extent_u.high : -params.extent_u.low, text_of(*rigs_[t]))
                 : "reduce the extents on the inner side of the bend, or smooth the rig more";
-        const auto message = fmt::format("{} cells are folded{}, most of them ({}) between planes {} and {}: {}", folds.cells, in_frame(context, t),
-                                         folds.in_plane, folds.plane, (folds.plane + 1) % lattice.shape[2], remedy);
+        tell(params, context,
+             fmt::format("{} cells are folded{}, most of them ({}) between planes {} and {}: {}", folds.cells, in_frame(context, t), folds.in_plane,
+                         folds.plane, (folds.plane + 1) % lattice.shape[2], remedy));
+        return true;
+    }
+
+    void tell_overlap(const Params& params, const Context& context) const {
+        const auto most = std::max_element(overlaps_.begin(), overlaps_.end(), [](const Overlap& a, const Overlap& b) { return a.voxels < b.voxels; });
+        if (most->voxels == 0) return;
+        const auto t = static_cast<std::size_t>(most - overlaps_.begin());
+        tell(params, context,
+             fmt::format(
+                 "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice meets itself; each "
+                 "is carved in the lowest only: reduce the extents, or lead the rig further away from itself",
+                 most->voxels, in_frame(context, t), most->plane, (most->plane + 1) % built_[t].lattice.shape[2]));
+    }
+
+    static void tell(const Params& params, const Context& context, const std::string& message) {
         if (params.on_fold == OnFold::error) throw Failure(message);
         context.warn(message);
     }
@@ -142,16 +171,22 @@ private:
         const auto folded = worst([](const BuiltLattice& built) { return built.folds.cells; });
         const auto shortest = worst([](const BuiltLattice&built) { return -built.step; }), longest = worst([](const BuiltLattice&built) { return built.step; });
         const auto moved = worst([](const BuiltLattice& built) { return built.moved; });
+        const auto smoothed = worst([](const BuiltLattice& built) { return built.iterations; });
+        std::size_t shared = 0;
+        for (const auto& overlap : overlaps_) shared = std::max(shared, overlap.voxels);
         context.report("lattices", {{"shape", first.lattice.shape},
                                     {"closed", first.lattice.closed},
                                     {"spacing", first.lattice.spacing},
                                     {"step", {built_[shortest].step, built_[longest].step}},
                                     {"folded_cells", built_[folded].folds.cells},
+                                    {"shared_voxels", shared},
+                                    {"smoothed", built_[smoothed].iterations},
                                     {"moved", built_[moved].moved}});
     }
 
     std::vector<Ref<Rig>> rigs_;
     std::vector<BuiltLattice> built_;  ///< one per rig
+    std::vector<Overlap> overlaps_;    ///< of each
     bool animated_ = false;
 };
 
@@ -176,7 +211,10 @@ NodeType lattice_build() {
                "What is smoothed where neighbouring planes cross within the extents: the rig's points, the planes' directions, or nothing. It is done until "
                "none cross.")
         .param("max_iterations", &Params::max_iterations, Unit::none, between(0, 1e6), "How often it is smoothed at most.")
-        .param("on_fold", &Params::on_fold, "Whether cells that stay folded, where planes cross, are worth a warning or stop the run.")
+        .param(
+            "on_fold", &Params::on_fold,
+            "Whether cells that stay folded, where planes cross, and voxels in several cells, where the lattice meets itself, are worth a warning or stop the "
+            "run.")
         .param("mapping", &Params::mapping,
                "How positions are located: by the true inverse; or by the paper's closed form and its plane directions, which blur where planes turn, for "
                "comparison.")

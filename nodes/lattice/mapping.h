@@ -30,8 +30,8 @@ public:
         return slabs_ ? slabs_->position(at) : origin_ + at.x() * step_[0] + at.y() * step_[1] + at.z() * step_[2];
     }
 
-    /// A box around the lattice coordinates of all points of a world box: in a straight box not limited to the extent,
-    /// else of those inside it, empty if there are none (Slabs::candidates).
+    /// A box around the lattice coordinates of all points of a world box, along u and v not limited to the extent; empty
+    /// if slabs hold none of them (Slabs::candidates).
     openvdb::BBoxd range(const openvdb::BBoxd& world) const;
     /// A world box around all points with lattice coordinates in `range`.
     openvdb::BBoxd world_box(const openvdb::BBoxd& range) const;

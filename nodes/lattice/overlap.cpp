@@ -15,11 +15,63 @@ using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::Vec3d;
 
+namespace {
+
+/// The corners of a slab's cells, rims included, and the box around them. What the cells hold lies between them.
+struct Hull {
+    std::array<Vec3d, 8> corners;
+    BBoxd box;
+
+    Hull(const Slabs& slabs, int k, const std::array<int, 3>& extent) {
+        for (std::size_t n = 0; n < 8; ++n) {
+            const auto end = [&](std::size_t bit, int count) { return n & bit ? count - 1 + rim_slack : -rim_slack; };
+            corners[n] = slabs[k].position(end(1, extent[0]), end(2, extent[1]), n & 4 ? slabs.to(k) : slabs.from(k));
+            box.expand(corners[n]);
+        }
+    }
+    bool above(const Slabs::Divider& divider) const {
+        return std::all_of(corners.begin(), corners.end(), [&](const Vec3d& corner) { return divider.side(corner) >= 0; });
+    }
+    bool below(const Slabs::Divider& divider) const {
+        return std::all_of(corners.begin(), corners.end(), [&](const Vec3d& corner) { return divider.side(corner) < 0; });
+    }
+};
+
+/// A world box around all points that several slabs may hold: those of two that no plane separates. Points of a slab lie
+/// above its lower divider and below its upper one.
+BBoxd meeting_box(const Slabs& slabs, const std::array<int, 3>& extent) {
+    std::vector<Hull> hulls;
+    for (int k = 0; k < slabs.size(); ++k) hulls.emplace_back(slabs, k, extent);
+    const auto same = [](const Slabs::Divider& a, const Slabs::Divider& b) { return a.normal == b.normal && a.point == b.point; };
+    const bool ring = same(slabs.divider(0), slabs.divider(slabs.size()));
+    return tbb::parallel_reduce(
+        tbb::blocked_range<int>(0, slabs.size()), BBoxd(),
+        [&](const tbb::blocked_range<int>& range, BBoxd out) {
+            for (int a = range.begin(); a < range.end(); ++a)
+                // Neighbours share a divider.
+                for (int b = a + 2; b < slabs.size() - (ring && a == 0 ? 1 : 0); ++b) {
+                    const auto &low = hulls[static_cast<std::size_t>(a)], &high = hulls[static_cast<std::size_t>(b)];
+                    if (!low.box.hasOverlap(high.box) || high.above(slabs.divider(a + 1)) || low.below(slabs.divider(b)) || high.below(slabs.divider(a)) ||
+                        low.above(slabs.divider(b + 1)))
+                        continue;
+                    out.expand(BBoxd(openvdb::math::maxComponent(low.box.min(), high.box.min()), openvdb::math::minComponent(low.box.max(), high.box.max())));
+                }
+            return out;
+        },
+        [](BBoxd a, const BBoxd& b) {
+            a.expand(b);
+            return a;
+        });
+}
+
+}  // namespace
+
 Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& transform) {
     if (!mapping.slabs()) return {};
     const int slabs = mapping.slabs()->size();
-    const auto& extent = mapping.extent();
-    const auto box = transform.worldToIndex(mapping.world_box(BBoxd(Vec3d(0), Vec3d(extent[0] - 1, extent[1] - 1, slabs))));
+    const auto meeting = meeting_box(*mapping.slabs(), mapping.extent());
+    if (meeting == BBoxd()) return {};
+    const auto box = transform.worldToIndex(meeting);
     const auto low = Coord::floor(box.min() / 8.0), high = Coord::ceil((box.max() + Vec3d(1)) / 8.0);
     const BlockPlaces prototype(mapping, transform);
 

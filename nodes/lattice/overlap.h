@@ -15,7 +15,8 @@ struct Overlap {
 };
 
 /// Counts them among all voxels of a transform, active or not. A straight box has none. Cells that are folded hold
-/// nothing, and are not counted.
+/// nothing, and are not counted. Where planes separate all slabs, which is known by their corners, no voxel is looked at;
+/// else those where slabs meet that no plane separates.
 /// @param mapping    with the extent that insertions will need
 /// @param transform  linear; of the grids to carve, or of cubes as large as the lattice's spacing
 Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& transform);

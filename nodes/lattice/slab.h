@@ -1,9 +1,9 @@
 #pragma once
 
+#include "nodes/lattice/cubic_root.h"
 #include "nodes/lattice/lattice.h"
 
 #include <array>
-#include <cmath>
 
 namespace fluidcarve {
 
@@ -32,10 +32,16 @@ public:
     openvdb::Vec3d position(double u, double v, double c) const { return origin(c) + u * step_u(c) + v * step_v(c); }
 
     Products products(const openvdb::Vec3d& p) const;
-    /// The point `(u, v, c)` at a position: `c` is the root of `q(c) = normal(c) . (p - o(c))` (METHOD 3) to 1e-13.
-    /// @param of        the position's products, `q(from) >= 0 > q(to)`
-    /// @param from, to  0 and 1, or a hair beyond
-    openvdb::Vec3d solve(const Products& of, double from, double to) const;
+    /// `q(c) = normal(c) . (p - o(c))` (METHOD 3) by powers of c.
+    /// @param a, b, c  the position's first three products
+    std::array<double, 4> cubic(double a, double b, double c) const { return {a, b - of_chord_[0], c - of_chord_[1], -of_chord_[2]}; }
+    /// The point `(u, v, c)` at a position.
+    /// @param of  its products
+    /// @param c   the root of its cubic
+    openvdb::Vec3d at(const Products& of, double c) const;
+    /// The same, the root found.
+    /// @param from, to  of cubic_root
+    openvdb::Vec3d solve(const Products& of, double from, double to) const { return at(of, cubic_root(cubic(of[0], of[1], of[2]), from, to)); }
 
     /// The paper's answer to the same question (eq. 3), from the lower plane alone: not the inverse of position() where
     /// planes turn.
@@ -48,26 +54,7 @@ private:
     std::array<double, 3> uu_, uv_, vv_;  ///< U(c) . U(c) and so on, by powers of c
 };
 
-inline openvdb::Vec3d Slab::solve(const Products& of, double from, double to) const {
-    const double q0 = of[0], q1 = of[1] - of_chord_[0], q2 = of[2] - of_chord_[1], q3 = -of_chord_[2];
-    // The sides of the planes are known up to rounding only.
-    double low = from - 1e-9, high = to + 1e-9;
-    double c = q0 / -(q1 + q2 + q3);
-    if (!(c >= low && c <= high)) c = (low + high) / 2;
-    for (int n = 0; n < 100; ++n) {
-        const double q = ((q3 * c + q2) * c + q1) * c + q0, slope = (3 * q3 * c + 2 * q2) * c + q1;
-        (q >= 0 ? low : high) = c;
-        const double step = q / slope, next = c - step;
-        if (!(next >= low && next <= high)) {
-            c = (low + high) / 2;
-            if (high - low <= 1e-13) break;
-            continue;
-        }
-        c = next;
-        // What a step leaves of an error e is e^2 q'' / 2 q'.
-        if (std::abs((3 * q3 * c + q2) * step * step) <= 1e-13 * std::abs(slope)) break;
-    }
-
+inline openvdb::Vec3d Slab::at(const Products& of, double c) const {
     const double along_u = of[3] + c * (of[4] - of_chord_[3] - c * of_chord_[4]), along_v = of[5] + c * (of[6] - of_chord_[5] - c * of_chord_[6]);
     const auto at = [c](const std::array<double, 3>& powers) { return powers[0] + c * (powers[1] + c * powers[2]); };
     const double uu = at(uu_), uv = at(uv_), vv = at(vv_), scale = 1 / (uu * vv - uv * uv);

@@ -129,8 +129,8 @@ BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
         const double u = bounds.gradient_u.dot(from_origin), v = bounds.gradient_v.dot(from_origin);
         const double by_u = variation(bounds.gradient_u, half) + bounds.error_u, by_v = variation(bounds.gradient_v, half) + bounds.error_v;
         if (u + by_u < -rim_slack || u - by_u > end_u_ + rim_slack || v + by_v < -rim_slack || v - by_v > end_v_ + rim_slack) return true;
-        range.expand(Vec3d(std::clamp(u - by_u, 0.0, end_u_), std::clamp(v - by_v, 0.0, end_v_), k));
-        range.expand(Vec3d(std::clamp(u + by_u, 0.0, end_u_), std::clamp(v + by_v, 0.0, end_v_), k + 1));
+        range.expand(Vec3d(u - by_u, v - by_v, k));
+        range.expand(Vec3d(u + by_u, v + by_v, k + 1));
         slabs.push_back(k);
         return true;
     });

@@ -38,6 +38,10 @@ public:
 
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
     std::optional<openvdb::Vec3d> locate(const openvdb::Vec3d& world) const;
+    /// Whether a box of lattice coordinates lies inside the lattice's own cells, as far as u and v go.
+    bool inside(const openvdb::BBoxd& range) const {
+        return range.min().x() >= 0 && range.min().y() >= 0 && range.max().x() <= last_u_ && range.max().y() <= last_v_;
+    }
     /// Whether the cells of a slab, or the cells that insertions add to it, hold a solved point.
     /// @param at  becomes its lattice coordinates, snapped and within the extent, unless nothing holds it
     Holds settle(int slab, const openvdb::Vec3d& solved, openvdb::Vec3d& at) const;
@@ -45,7 +49,7 @@ public:
     /// All slabs that may hold points of a world box, rising.
     /// @return a box around the lattice coordinates of those points, empty if there are none. Along u and v: the
     ///   coordinates in the lower plane of each slab, affine, and what they may differ by within the slab: that is
-    ///   linear in u and v, and so greatest in a corner. Along w: whole slabs; in a closed lattice the shortest way
+    ///   linear in u and v, and so greatest in a corner; not limited to the extent. Along w: whole slabs; in a closed lattice the shortest way
     ///   around, which may go on past K.
     openvdb::BBoxd candidates(const openvdb::BBoxd& world, std::vector<int>& slabs) const;
     /// Around the corners of the box in all planes between its ends: between those all is straight.

@@ -65,6 +65,21 @@ public:
         const auto offset = Leaf::coordToOffset(first);
         for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
     }
+    /// All voxels of a leaf's place. It lies inside the window.
+    void read(Leaf& out) const {
+        std::array<Voxel, 8> row;
+        for (openvdb::Index n = 0; n < Leaf::SIZE; n += 8) {
+            read(out.offsetToGlobalCoord(n), row);
+            write(out, n, row);
+        }
+    }
+    /// Sets eight voxels of a leaf. @param n  the first one's offset
+    static void write(Leaf& out, openvdb::Index n, const std::array<Voxel, 8>& row) {
+        for (openvdb::Index z = 0; z < 8; ++z) {
+            out.setValueOnly(n + z, row[z].value);
+            out.setActiveState(n + z, row[z].on);
+        }
+    }
     bool holds(const openvdb::Coord& at) const {
         const auto from = openvdb::Coord(at.x() >> 3, at.y() >> 3, at.z() >> 3) - low_;
         const auto within = [](int n, int size) { return static_cast<unsigned>(n) < static_cast<unsigned>(size); };

@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace fluidcarve {
 
 namespace {
@@ -93,6 +96,23 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
         shape = set.shape_after(used);
         for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d]);
     }
+}
+
+void CarveMap::fade(double vertices) {
+    for (auto& step : steps_) {
+        const auto require = [&](int size, const std::string& along) {
+            if (size > 1 && size - 1 < 2 * vertices)
+                throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `fade`",
+                                          vertices, std::ceil(2 * vertices) + 1, along, size));
+        };
+        require(step.laterals(), step.axis() == 0 ? "v" : "u");
+        if (!step.closed()) require(step.slices(), "w");
+        step.fade(vertices);
+    }
+}
+
+bool CarveMap::fades() const {
+    return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.fades(); });
 }
 
 bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {

@@ -40,6 +40,22 @@ public:
     /// No entry above this is moved in any column.
     int last_moved() const { return last_moved_; }
 
+    /// Whether the step carves at a point of its carved space, or frees it.
+    bool holds(const openvdb::Vec3d& at) const {
+        const double u = at[axis_], v = at[1 - axis_];
+        return u >= 0 && u <= reach() - 1 && v >= 0 && v <= laterals_ - 1;
+    }
+    void fade(double vertices) { fade_ = vertices; }  ///< of CarveMap::fade
+    bool fades() const { return fade_ > 0; }
+    /// By how much displacements are scaled at a point: linearly from 0 at lateral rims and open ends to 1 `fade` vertices
+    /// away from them. 1 everywhere without a fade.
+    double scale(const openvdb::Vec3d& at) const {
+        if (fade_ == 0) return 1;
+        const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
+        return std::min(1.0, std::min(from_rim(at[1 - axis_], laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
+    }
+    /// Where the carved space ends along the axis: what a removal frees, or an insertion adds, is scaled too.
+    double end(double scale) const { return before_ - 1 + scale * (after() - before_); }
     bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
     /// entry. Of pairs, those of the first window come first.
@@ -75,6 +91,7 @@ private:
     bool inserts_, paired_, closed_;
     std::size_t count_;
     int first_moved_, last_moved_;
+    double fade_ = 0;                    ///< vertices; 0: none
     std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
 };
 
@@ -88,6 +105,15 @@ public:
     /// @param count  how many seams of the last set; nothing: all
     /// @throws Failure if a set belongs to another lattice or misses the frame, shapes do not chain, or count is too high
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count);
+
+    /// Lets displacements go linearly to 0 towards lateral rims and open ends, where they else end with a jump (METHOD 4,
+    /// "Tears"): what stands at a point comes from `u + s (m - u)` instead of `m`, `s` from 0 to 1 (CarveStep::scale). `m`
+    /// never falls along the axis, so neither does this: the map does not fold. As far as `vertices` from rims and ends
+    /// and beyond, nothing changes.
+    /// @param vertices  above 0, over which they go to 0
+    /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for
+    void fade(double vertices);
+    bool fades() const;
 
     /// Sets without seams are left out.
     const std::vector<CarveStep>& steps() const { return steps_; }

@@ -1,9 +1,9 @@
 #include "nodes/remap/grids.h"
 
+#include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/finish.h"
 #include "nodes/remap/remap.h"
-
-#include <algorithm>
-#include <cstdlib>
+#include "nodes/remap/tears.h"
 
 namespace fluidcarve {
 
@@ -15,10 +15,33 @@ struct ChoiceNames<Interpolation> {
 
 namespace {
 
+enum class Conserve { none, mass };
+enum class Rim { cut, fade };
+
+}  // namespace
+
+template <>
+struct ChoiceNames<Conserve> {
+    static constexpr std::array names = {std::pair{"none", Conserve::none}, std::pair{"mass", Conserve::mass}};
+};
+
+template <>
+struct ChoiceNames<Rim> {
+    static constexpr std::array names = {std::pair{"cut", Rim::cut}, std::pair{"fade", Rim::fade}};
+};
+
+namespace {
+
 struct RemapGrids {
     struct Params {
         Auto<Count> count;
         Interpolation interpolation = Interpolation::linear;
+        Auto<bool> renormalize;
+        Conserve conserve = Conserve::none;
+        std::vector<std::string> densities{"density"};
+        bool transform_vectors = false;
+        Rim rim = Rim::cut;
+        double fade = 8;
     };
     struct Ports {
         Ref<Volume> source;
@@ -27,28 +50,21 @@ struct RemapGrids {
         Ref<Volume> volume;
     };
 
-    static std::optional<std::size_t> count_of(const Params& params, const Seams& last) {
-        if (!params.count) return std::nullopt;
-        const int count = params.count->of(last.carved());
-        if (count < 0 && last.kind == Seams::Kind::insert) throw Failure(fmt::format("count {} removes, but the seams insert", count));
-        return static_cast<std::size_t>(std::abs(count));
-    }
-
-    /// A source that is the same in all frames is carved once; seams that move would each want another result.
-    static void require_still(const Seams& seams) {
-        const auto columns = static_cast<std::ptrdiff_t>(seams.columns_per_frame());
-        for (const auto* const window : {&seams.seams, &seams.pairs})
-            for (const auto& seam : *window)
-                if (!std::equal(seam.at.begin() + columns, seam.at.end(), seam.at.begin()))
-                    throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
+    static void check(const Params& params, NodeCheck& check) {
+        if (params.rim == Rim::cut && check.stated("fade")) check.fault("fade", "nothing fades while `rim` is cut; set `rim: fade`, or leave `fade` out");
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        if (!context.per_frame())
-            for (const auto& seams : io.seams) require_still(*seams);
-        const CarveMap map(*io.lattice, io.seams, context.frame(), count_of(params, *io.seams.back()));
-        if (map.empty()) io.volume = io.source;
-        else io.volume = std::make_shared<Volume>(carve_volume(*io.source, *io.lattice, map, params.interpolation));
+        auto map = carve_map(*io.lattice, io.seams, params.count, context);
+        if (map.empty()) {
+            io.volume = io.source;
+            return;
+        }
+        if (params.rim == Rim::fade) map.fade(params.fade);
+        for (const auto& tear : find_tears(*io.source, *io.lattice, map)) context.warn(to_text(tear));
+        const Finish finish{params.renormalize, params.conserve == Conserve::mass ? params.densities : std::vector<std::string>(), params.transform_vectors};
+        const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
+        io.volume = std::make_shared<Volume>(finished(*io.source, carved, *io.lattice, map, finish));
     }
 };
 
@@ -62,6 +78,25 @@ NodeType remap_grids() {
         .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
                "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
         .param("interpolation", &RemapGrids::Params::interpolation, "Between voxels, where the lattice's vertices are not voxels.")
+        .param("renormalize", &RemapGrids::Params::renormalize,
+               "Whether level sets (float or double, class level set) are made distances again where they moved, and their narrow band with them. Auto: where "
+               "the lattice's vertices are not the grid's voxels.")
+        .param(
+            "conserve", &RemapGrids::Params::conserve,
+            "mass: the grids named in `densities` become denser where space is pressed together and thinner where it is drawn out, so that their sum stays. A "
+            "seam's share is spread over as many voxels to both sides as there are seams.")
+        .param("densities", &RemapGrids::Params::densities,
+               "For `conserve`: float or double grids that hold amounts per volume, as density and fuel do and temperature does not.")
+        .param(
+            "transform_vectors", &RemapGrids::Params::transform_vectors,
+            "Whether vectors turn and stretch with the space around them, as velocities of a flow that itself is carved do: all grids of float vectors (also "
+            "in three parts). Carve colours by a node of their own.")
+        .param("rim", &RemapGrids::Params::rim,
+               "What the carve does at the rims of the lattice beside the carved axis (the rims along v where u is carved), and at open ends: it ends there (cut), or "
+               "its displacements go evenly to 0 towards them (fade), and what a seam takes or adds with them. Where content crosses a cut rim it may tear; a "
+               "warning says so.")
+        .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000),
+               "For `rim: fade`: from how far on displacements fade. What is further inside is carved as with `rim: cut`.")
         .output("volume", &RemapGrids::Ports::volume, "The source carved: same grids, transforms and metadata.");
 }
 

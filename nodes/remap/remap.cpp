@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 
 namespace fluidcarve {
@@ -21,15 +22,31 @@ std::optional<Alignment> one_to_one(const Lattice& lattice, const openvdb::math:
     return out;
 }
 
+/// The lattice with its vertices right on the voxels that they are taken for.
+Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform) {
+    const auto first = transform.indexToWorld(alignment.origin);
+    std::array<openvdb::Vec3d, 3> step;
+    for (std::size_t n = 0; n < 3; ++n) step[n] = transform.indexToWorld(alignment.origin + alignment.step[n]) - first;
+    auto out = lattice;
+    out.spacing = step[0].length();
+    for (std::size_t k = 0; k < out.planes.size(); ++k)
+        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0].unit(), step[1].unit(), step[2].unit()};
+    return out;
+}
+
 template <class GridT>
 openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
-    return alignment ? carve_aligned<GridT>(grid, *alignment, map) : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation);
+    const auto aligned = alignment ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
+    return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }
 
-openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const std::optional<Alignment>& alignment, const Lattice& lattice,
-                                      const CarveMap& map, Interpolation interpolation) {
+/// @param cells  the transform of the voxels that the grid's values belong to
+openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const openvdb::math::Transform& cells, const Lattice& given, const CarveMap& map,
+                                      Interpolation interpolation) {
+    const auto alignment = one_to_one(given, cells);
+    const auto lattice = alignment && map.fades() ? on_voxels(given, *alignment, cells) : given;
 #define FLUIDCARVE_TRY(GridT) \
     if (grid->isType<GridT>()) return carve<GridT>(grid, alignment, lattice, map, interpolation);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
@@ -42,7 +59,7 @@ openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, c
 
 openvdb::GridBase::ConstPtr carve_grid(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {
     if (map.empty()) return grid;
-    return carve_any(grid, one_to_one(lattice, grid->transform()), lattice, map, interpolation);
+    return carve_any(grid, grid->transform(), lattice, map, interpolation);
 }
 
 Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {
@@ -51,7 +68,7 @@ Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap
     for (auto& grid : out.grids) {
         // The faces of a staggered triplet stand between the voxels, and travel with theirs.
         const auto triplet = triplet_of(volume, *grid);
-        grid = carve_any(grid, one_to_one(lattice, triplet ? *triplet->cells : grid->transform()), lattice, map, interpolation);
+        grid = carve_any(grid, triplet ? *triplet->cells : grid->transform(), lattice, map, interpolation);
     }
     return out;
 }

@@ -2,77 +2,31 @@
 
 #include "nodes/lattice/block_places.h"
 #include "nodes/remap/blocks.h"
+#include "nodes/remap/carve_block.h"
 #include "nodes/remap/cubic.h"
 #include "nodes/remap/grid_types.h"
 #include "nodes/remap/value_blend.h"
+#include "nodes/remap/voxel_window.h"
 
 #include <openvdb/tools/Interpolation.h>
 
+#include <bit>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace fluidcarve {
 
 namespace {
 
-using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// Voxels beside a position that any interpolation reads, with room for a component's half step.
-constexpr double support = 3;
-
-CoordBBox index_box(const openvdb::math::Transform& transform, const Mapping& mapping, const BBoxd& range, double margin) {
-    const auto box = transform.worldToIndex(mapping.world_box(range));
-    return {Coord::floor(box.min() - Vec3d(margin)), Coord::ceil(box.max() + Vec3d(margin))};
-}
-
-/// The cell of a step's carved space that holds a point: which columns weigh in, and how their entries are displaced.
-struct Cell {
-    struct Column {
-        double weight;
-        int low, high;  ///< displacements of the entries below and above, half vertices
-    };
-    std::array<Column, 4> columns;
-    std::size_t count = 0;
-    double fraction;    ///< between the entries
-    bool rigid = true;  ///< all displacements are the same
-
-    Cell(const CarveStep& step, const Vec3d& at) {
-        const double u = at[step.axis()], v = at[step.lateral_axis()], w = at.z();
-        const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
-        fraction = u - i;
-        // Mostly all columns are passed by all seams, or by none.
-        const int last = fraction > 0 ? i + 1 : i;
-        std::array<std::span<const std::uint16_t>, 4> bounds;
-        bool below = true, above = true;
-        const double to_j = v - j, to_k = w - k;
-        for (int n = 0; n < 4; ++n) {
-            const double weight = (n & 1 ? to_j : 1 - to_j) * (n & 2 ? to_k : 1 - to_k);
-            if (weight == 0) continue;
-            columns[count].weight = weight;
-            bounds[count] = step.bounds(j + (n & 1), k + (n >> 1));
-            below = below && last < bounds[count].front();
-            above = above && i > bounds[count].back();
-            ++count;
-        }
-        if (below || above) {
-            columns[0].low = columns[0].high = step.displacement(i, below ? 0 : bounds[0].size(), bounds[0]);
-            return;
-        }
-        for (std::size_t n = 0; n < count; ++n) {
-            auto& column = columns[n];
-            auto passed = CarveStep::passed(i, bounds[n]);
-            column.low = column.high = step.displacement(i, passed, bounds[n]);
-            if (fraction > 0) {
-                while (passed < bounds[n].size() && bounds[n][passed] <= i + 1) ++passed;
-                column.high = step.displacement(i + 1, passed, bounds[n]);
-            }
-            rigid = rigid && column.low == columns[0].low && column.high == columns[0].low;
-        }
-    }
-};
+/// Voxels beside a position that linear interpolation reads; what the others read beyond is searched.
+constexpr int support = 1;
+/// Voxels up to which it pays to copy all that a block of 512 may read. More are read one by one.
+constexpr std::size_t most_copied = 32 * 512;
 
 template <class GridT>
 class Worker {
@@ -82,39 +36,41 @@ class Worker {
     static constexpr bool is_vector = openvdb::VecTraits<Value>::IsVec;
 
 public:
-    Worker(const GridT& grid, const Mapping& mapping, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation)
+    Worker(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded)
         : grid_(grid),
-          mapping_(mapping),
           places_(places),
           map_(map),
+          block_(map),
           interpolation_(interpolation),
           staggered_(is_vector && can_blend<Value> && grid.getGridClass() == openvdb::GRID_STAGGERED),
-          window_(grid.tree()),
-          values_(grid.getConstAccessor()) {}
+          blocks_(grid.tree()),
+          values_(grid.getConstAccessor()) {
+        if (unfaded) unfaded_.emplace(unfaded->tree());
+    }
 
     bool operator()(const Coord& block, Leaf& out) {
-        auto range = places_.move_to(block);
-        bool frees = false;
-        if (!map_.trace(range, frees)) return false;
-        auto sources = index_box(grid_.transform(), mapping_, range, support);
-        sources.expand(CoordBBox::createCube(block, 8));
-        window_.move_to(sources);
-        if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, grid_.background())))) return false;
+        if (!block_.move_to(places_.move_to(block)) || (unfaded_ && !block_.fades())) return false;
+        auto sources = places_.reach(block_.least(), block_.most());
+        sources.expand(support);
+        auto all = sources;
+        all.expand(CoordBBox::createCube(block, 8));
+        blocks_.move_to(all);
+        if (blocks_.uniform() && (!block_.frees() || (!blocks_.tile().on && same_bits(blocks_.tile().value, grid_.background())))) return false;
+        if (unfaded_) unfaded_->move_to(CoordBBox::createCube(block, 8));
+        if (sources.volume() <= most_copied) window_.move_to(blocks_, sources);
+        else window_.clear();
 
         for (openvdb::Index n = 0; n < Leaf::SIZE; n += 8) {
             const auto first = out.offsetToGlobalCoord(n);
             std::array<Voxel, 8> row;
-            window_.read(first, row);
+            blocks_.read(first, row);
             if constexpr (is_vector && can_blend<Value>) {
                 if (staggered_) carve_faces(first, row);
                 else carve_centres(first, row);
             } else {
                 carve_centres(first, row);
             }
-            for (openvdb::Index z = 0; z < 8; ++z) {
-                out.setValueOnly(n + z, row[z].value);
-                out.setActiveState(n + z, row[z].on);
-            }
+            blocks_.write(out, n, row);
         }
         return true;
     }
@@ -122,45 +78,100 @@ public:
 private:
     using Voxel = typename BlockWindow<TreeT>::Voxel;
 
+    template <class Part>
+    using Parts = std::array<std::pair<Part, bool>, 8>;
+
     void carve_centres(const Coord& first, std::array<Voxel, 8>& row) {
-        places_.locate(first, Vec3d(0), found_);
-        for (int z = 0; z < 8; ++z) {
-            if ((found_.inside >> z & 1) == 0) continue;
-            auto& voxel = row[static_cast<std::size_t>(z)];
-            const auto own = voxel;
-            Blend<Value> blend;
-            const auto& place = found_.places[static_cast<std::size_t>(z)];
-            const auto all = [](const Value& got) { return got; };
-            Reader<Value, decltype(all)> read(*this, first.offsetBy(0, 0, z).asVec3d(), place, own.value, own.on, all);
-            gather<Value>(map_.steps().size(), place.at, 1.0, grid_.background(), blend, read);
-            voxel = {blend.value(), blend.on()};
-        }
+        Parts<Value> parts;
+        for (std::size_t z = 0; z < 8; ++z) parts[z] = {row[z].value, row[z].on};
+        const auto faded = carve_row(
+            first, Vec3d(0), grid_.background(), [](const Value& got) { return got; }, parts);
+        if (unfaded_) unfaded_->read(first, row);
+        for (std::size_t z = 0; z < 8; ++z)
+            if (!unfaded_ || (faded >> z & 1) != 0) row[z] = {parts[z].first, parts[z].second};
     }
 
     /// Component c of a staggered grid stands half a voxel below its voxel's centre along axis c.
     void carve_faces(const Coord& first, std::array<Voxel, 8>& row) {
         using Element = typename openvdb::VecTraits<Value>::ElementType;
         const auto own = row;
+        if (unfaded_) unfaded_->read(first, row);
+        const auto cut = row;
         for (auto& voxel : row) voxel.on = false;
         for (int c = 0; c < 3; ++c) {
             Vec3d offset(0);
             offset[c] = -0.5;
-            places_.locate(first, offset, found_);
-            for (int z = 0; z < 8; ++z) {
-                auto& voxel = row[static_cast<std::size_t>(z)];
-                const auto& before = own[static_cast<std::size_t>(z)];
-                if ((found_.inside >> z & 1) == 0) {
-                    voxel.on = voxel.on || before.on;
-                    continue;
-                }
-                Blend<Element> blend;
-                const auto& place = found_.places[static_cast<std::size_t>(z)];
-                const auto component = [c](const Value& got) { return got[c]; };
-                Reader<Element, decltype(component)> read(*this, first.offsetBy(0, 0, z).asVec3d(), place, before.value[c], before.on, component);
-                gather<Element>(map_.steps().size(), place.at, 1.0, grid_.background()[c], blend, read);
-                voxel.value[c] = blend.value();
-                voxel.on = voxel.on || blend.on();
+            Parts<Element> parts;
+            for (std::size_t z = 0; z < 8; ++z) parts[z] = {own[z].value[c], own[z].on};
+            const auto faded = carve_row(
+                first, offset, grid_.background()[c], [c](const Value& got) { return got[c]; }, parts);
+            for (std::size_t z = 0; z < 8; ++z) {
+                const bool taken = !unfaded_ || (faded >> z & 1) != 0;
+                if (taken) row[z].value[c] = parts[z].first;
+                row[z].on = row[z].on || (taken ? parts[z].second : cut[z].on);
             }
+        }
+    }
+
+    /// Carves all of each value in a row of voxels, or a component.
+    /// @param offset   from a voxel to where the part stands
+    /// @param nothing  the background's part
+    /// @param parts    values and states as they are; become the carved ones
+    /// @return bit z: what voxel z is made of was scaled down on the way
+    template <class Part, class Pick>
+    unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, const Pick& pick, Parts<Part>& parts) {
+        if (places_.interior() && block_.rigid()) {
+            read_row(places_.shift(first, offset, *block_.rigid(), positions_), pick, parts);
+            return 0;
+        }
+        places_.locate(first, offset, found_);
+        unsigned moved = 0, faded = 0;
+        for (int z = 0; z < 8; ++z) {
+            if ((found_.inside >> z & 1) == 0) continue;
+            const auto p = first.offsetBy(0, 0, z).asVec3d();
+            const auto& place = found_.places[static_cast<std::size_t>(z)];
+            if (const auto rigid = block_.rigid_at(place.at)) {
+                if (rigid->fades) faded |= 1u << z;
+                if (rigid->by == openvdb::Vec2d(0)) continue;
+                positions_.set(static_cast<std::size_t>(z), places_.moved(p, place, rigid->by));
+                moved |= 1u << z;
+                continue;
+            }
+            fades_ = false;
+            Blend<Part> blend;
+            auto& part = parts[static_cast<std::size_t>(z)];
+            Reader<Part, Pick> read(*this, p, place, part, pick);
+            gather<Part>(map_.steps().size(), place.at, 1.0, nothing, blend, read);
+            part = {blend.value(), blend.on()};
+            if (fades_) faded |= 1u << z;
+        }
+        read_row(moved, pick, parts);
+        return faded;
+    }
+
+    /// Reads what stands at the positions.
+    /// @param lanes  bit z: voxel z is read
+    template <class Part, class Pick>
+    void read_row(unsigned lanes, const Pick& pick, Parts<Part>& parts) {
+        if constexpr (can_blend<Value>) {
+            if (interpolation_ == Interpolation::linear && lanes != 0) {
+                // What is not read must stand somewhere.
+                for (auto idle = ~lanes & 0xff; idle != 0; idle &= idle - 1)
+                    positions_.set(static_cast<std::size_t>(std::countr_zero(idle)), positions_.at(static_cast<std::size_t>(std::countr_zero(lanes))));
+                window_.find(positions_.xyz, cells_);
+                if (cells_.held) {
+                    for (std::size_t z = 0; z < 8; ++z) {
+                        if ((lanes >> z & 1) == 0) continue;
+                        parts[z] = {window_.between(static_cast<std::size_t>(cells_.lowest[z]), cells_.t(z), pick),
+                                    window_.on(static_cast<std::size_t>(cells_.nearest[z]))};
+                    }
+                    return;
+                }
+            }
+        }
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto z = static_cast<std::size_t>(std::countr_zero(lanes));
+            parts[z] = read(positions_.at(z), pick);
         }
     }
 
@@ -169,14 +180,14 @@ private:
     template <class Part, class Pick>
     class Reader {
     public:
-        Reader(Worker& worker, const Vec3d& p, const BlockPlaces::Place& place, const Part& own, bool own_on, Pick pick)
-            : worker_(worker), p_(p), place_(place), own_{own, own_on}, pick_(pick) {}
+        Reader(Worker& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
+            : worker_(worker), p_(p), place_(place), own_(own), pick_(pick) {}
         std::pair<Part, bool> operator()(const Vec3d& source) {
             if (source == place_.at) return own_;
             for (std::size_t n = 0; n < std::min(count_, kept_.size()); ++n)
                 if (kept_[n].source == source) return kept_[n].read;
             auto& next = kept_[count_++ % kept_.size()];
-            next = {source, worker_.read(worker_.places_.moved(p_, place_, source), pick_)};
+            next = {source, worker_.read(worker_.places_.moved(p_, place_, openvdb::Vec2d(source.x() - place_.at.x(), source.y() - place_.at.y())), pick_)};
             return next.read;
         }
 
@@ -189,7 +200,7 @@ private:
         const Vec3d p_;
         const BlockPlaces::Place& place_;
         const std::pair<Part, bool> own_;
-        const Pick pick_;
+        const Pick& pick_;
         std::array<Kept, 4> kept_;
         std::size_t count_ = 0;
     };
@@ -197,21 +208,18 @@ private:
     /// Value and state at index coordinates.
     template <class Pick>
     auto read(const Vec3d& at, const Pick& pick) {
+        using Part = std::decay_t<decltype(pick(std::declval<Value>()))>;
         const auto q = snapped(at);
-        const auto nearest = nearest_voxel(q);
+        const auto low = voxel_below(q);
+        const auto t = q - low.asVec3d();
+        const Coord nearest(low.x() + (t.x() >= 0.5), low.y() + (t.y() >= 0.5), low.z() + (t.z() >= 0.5));
+        if (!window_.holds_cell(low)) return std::pair<Part, bool>(pick(sample(q, nearest)), values_.isValueOn(nearest));
+        const auto voxel = window_.place(nearest);
         if constexpr (can_blend<Value>) {
-            using Sampler = openvdb::tools::BoxSampler;
-            const auto low = voxel_below(q);
-            // Mostly all that is read stands in one leaf of the window.
-            if (interpolation_ == Interpolation::linear && in_one_leaf(low) && window_.holds(low)) {
-                const auto& cell = window_.cell_of(low);
-                if (!cell.leaf) return std::pair(pick(cell.tile.value), cell.tile.on);
-                Value values[2][2][2];
-                read_cell(*cell.leaf, low, values);
-                return std::pair(pick(Sampler::trilinearInterpolation(values, q - low.asVec3d())), cell.leaf->isValueOn(nearest));
-            }
+            if (interpolation_ == Interpolation::linear) return std::pair<Part, bool>(window_.between(window_.place(low), t, pick), window_.on(voxel));
+            if (t != Vec3d(0)) return std::pair<Part, bool>(pick(sample(q, nearest)), window_.on(voxel));
         }
-        return std::pair(pick(sample(q, nearest)), window_.holds(nearest) ? window_.get(nearest).on : values_.isValueOn(nearest));
+        return std::pair<Part, bool>(pick(window_.value(voxel)), window_.on(voxel));
     }
 
     Value sample(const Vec3d& q, const Coord& nearest) {
@@ -224,7 +232,7 @@ private:
                 }
             }
         }
-        return window_.holds(nearest) ? window_.get(nearest).value : values_.getValue(nearest);
+        return values_.getValue(nearest);
     }
 
     /// Adds, with a weight, what stands at lattice coordinates `l` after the first `count` steps.
@@ -233,15 +241,20 @@ private:
         for (; count > 0; --count) {
             const auto& step = map_.steps()[count - 1];
             const int axis = step.axis();
-            const double u = l[axis], v = l[step.lateral_axis()];
-            if (u < 0 || u > step.reach() - 1 || v < 0 || v > step.laterals() - 1) continue;
-            if (u > step.after() - 1) return out.add(nothing, false, weight);
+            const double u = l[axis];
+            if (!step.holds(l)) continue;
+            const double scale = step.scale(l);
+            if (scale < 1) fades_ = true;
+            if (u > step.end(scale)) {
+                if (step.inserts()) continue;
+                return out.add(nothing, false, weight);
+            }
 
             const auto from = [&](double entry, int displacement, double share) {
                 const auto at = [&](int half, double part) {
                     auto source = l;
-                    const int whole = half / 2;
-                    source[axis] = entry + whole;
+                    const double whole = entry + half / 2;
+                    source[axis] = scale < 1 ? std::min(u + scale * (whole - u), step.before() - 1.0) : whole;
                     gather(count - 1, source, part, nothing, out, read);
                 };
                 if (displacement % 2 == 0) return at(displacement, share);
@@ -249,11 +262,10 @@ private:
                 at(displacement - 1, share / 2);
                 at(displacement + 1, share / 2);
             };
-            const Cell cell(step, l);
+            const auto cell = block_.cell(count - 1, l);
             if (cell.rigid) {
                 if (cell.columns[0].low % 2 != 0) return from(u, cell.columns[0].low, weight);
-                const int whole = cell.columns[0].low / 2;
-                l[axis] = u + whole;
+                l[axis] = u + scale * (cell.columns[0].low / 2);
                 continue;
             }
             for (std::size_t n = 0; n < cell.count; ++n) {
@@ -272,32 +284,40 @@ private:
     }
 
     const GridT& grid_;
-    const Mapping& mapping_;
     BlockPlaces places_;
     BlockPlaces::Row found_;
+    BlockPlaces::Positions positions_;
     const CarveMap& map_;
+    CarveBlock block_;
+    bool fades_ = false;  ///< whether gather met a scale below 1
     const Interpolation interpolation_;
     const bool staggered_;
-    BlockWindow<TreeT> window_;
+    BlockWindow<TreeT> blocks_;
+    std::optional<BlockWindow<TreeT>> unfaded_;
+    VoxelWindow<TreeT> window_;
+    typename VoxelWindow<TreeT>::Cells cells_;
     typename GridT::ConstAccessor values_;
 };
 
 }  // namespace
 
 template <class GridT>
-typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation) {
+typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation,
+                                       const typename GridT::ConstPtr& unfaded) {
     if (map.empty()) return grid;
     // A component's face reaches the lattice before its voxel's centre does.
-    const auto box = index_box(grid->transform(), mapping, map.moved(), 1);
+    const auto range = grid->transform().worldToIndex(mapping.world_box(map.moved()));
+    const CoordBBox box(Coord::floor(range.min() - Vec3d(1)), Coord::ceil(range.max() + Vec3d(1)));
     const BlockPlaces places(mapping, grid->transform());
-    return rewrite_blocks<GridT>(grid, box, [&] {
-        return [worker = std::make_shared<Worker<GridT>>(*grid, mapping, places, map, interpolation)](const Coord& block, LeafOf<GridT>& out) {
+    return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
+        return [worker = std::make_shared<Worker<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {
             return (*worker)(block, out);
         };
     });
 }
 
-#define FLUIDCARVE_INSTANTIATE(GridT) template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation);
+#define FLUIDCARVE_INSTANTIATE(GridT) \
+    template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation, const GridT::ConstPtr&);
 FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_INSTANTIATE)
 #undef FLUIDCARVE_INSTANTIATE
 

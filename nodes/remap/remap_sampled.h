@@ -15,8 +15,12 @@ enum class Interpolation { linear, quadratic, cubic };
 /// values are interpolated and not positions. Voxels of cells that do not move are copied bit for bit. Each component
 /// of a staggered grid is carved at its own face. Whole numbers, booleans and masks are read from the nearest voxel.
 /// @param mapping  of the lattice, with the extent map.reach()
-/// @return the grid itself if nothing changes
+/// Where the map fades, everything that would be read is drawn towards `l` by CarveStep::scale; beside a seam, values
+/// are blended with the same weights.
+/// @param unfaded  what the grid becomes where nothing fades, if that is known; only the rest is sampled then
+/// @return the grid itself, or `unfaded`, if nothing changes
 template <class GridT>
-typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation);
+typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation,
+                                       const typename GridT::ConstPtr& unfaded = nullptr);
 
 }  // namespace fluidcarve

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 namespace fluidcarve {
 
@@ -32,8 +34,10 @@ public:
         return Vec3d(out);
     }
 
-    Vec3d moved(Vec3d p, double duration, double voxel) const {
+    /// Nothing if the point is, or comes, where nothing flows.
+    std::optional<Vec3d> moved(Vec3d p, double duration, double voxel) const {
         for (double left = duration; left > 0;) {
+            if (!accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p))) return std::nullopt;
             const auto a = at(p);
             const double speed = a.length();
             if (speed == 0) return p;
@@ -42,7 +46,7 @@ public:
             p += step / 6 * (a + 2.0 * b + 2.0 * c + d);
             left = step < left ? left - step : 0;
         }
-        return p;
+        return accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p)) ? std::optional(p) : std::nullopt;
     }
 
 private:
@@ -78,31 +82,34 @@ public:
 
     void add(const Params& params, const Ports& io, Context& context) {
         context.check_cancelled();
-        const auto set = points_in_ball(Vec3d(params.seed.data()), params.radius, params.count);
-        points_.insert(points_.end(), set.begin(), set.end());
-        advect(points_, *io.velocity, params.scale * frames_until_next(context));
+        sets_.push_back(points_in_ball(seed_of(params), params.radius, params.count));
+        for (auto& set : sets_) advect(set, *io.velocity, params.scale * frames_until_next(context));
         apart_ = params.apart.value_or(voxel_edge(*io.velocity));
     }
 
     void finish(const Params& params, Ports& io, Context&) {
         Rig rig;
         rig.up = Vec3d(params.up.data());
-        const auto count = static_cast<std::size_t>(params.count);
+        rig.points = {seed_of(params)};
         // The set that came last is nearest to the seed.
-        for (auto begin = points_.size(); begin > 0;) {
-            begin -= count;
-            Vec3d centroid(0);
-            for (std::size_t n = begin; n < begin + count; ++n) centroid += points_[n] / static_cast<double>(count);
-            if (rig.points.empty() || (centroid - rig.points.back()).length() >= std::max(apart_, 1e-12)) rig.points.push_back(centroid);
+        for (auto set = sets_.rbegin(); set != sets_.rend(); ++set) {
+            if (set->empty()) continue;
+            const auto middle = std::accumulate(set->begin(), set->end(), Vec3d(0)) / static_cast<double>(set->size());
+            if ((middle - rig.points.back()).length() >= std::max(apart_, 1e-12)) rig.points.push_back(middle);
         }
+        if (std::all_of(sets_.begin(), sets_.end(), [](const auto& set) { return set.empty(); }))
+            throw Failure(fmt::format("no point around the seed, {}, stays where the velocity is active: move 'seed' into the flow, or take a smaller 'scale'",
+                                      text_of(seed_of(params))));
         if (rig.points.size() < 2)
-            throw Failure(fmt::format("the points stay within {:g} of the seed, {}: the velocity there is too small, or 'scale' is", apart_,
-                                      text_of(Vec3d(params.seed.data()))));
+            throw Failure(
+                fmt::format("the points stay within {:g} of the seed, {}: the velocity there is too small, or 'scale' is", apart_, text_of(seed_of(params))));
         if (const auto fault = rig_fault(rig); !fault.empty()) throw Failure(fault + "; state a larger 'apart' or 'radius'");
         io.rig = std::make_shared<Rig>(std::move(rig));
     }
 
 private:
+    static Vec3d seed_of(const Params& params) { return Vec3d(params.seed.data()); }
+
     static double frames_until_next(const Context& context) {
         const auto& frames = context.frames();
         const auto t = context.place();
@@ -110,7 +117,7 @@ private:
         return t + 1 < frames.size() ? frames[t + 1] - frames[t] : frames[t] - frames[t - 1];
     }
 
-    std::vector<Vec3d> points_;  ///< of one set after the other
+    std::vector<std::vector<Vec3d>> sets_;  ///< of points, one per frame, what is left of them
     double apart_ = 0;
 };
 
@@ -132,30 +139,34 @@ std::vector<Vec3d> points_in_ball(const Vec3d& center, double radius, int count)
     return out;
 }
 
-void advect(std::span<Vec3d> points, const VectorGrid& velocity, double duration) {
+void advect(std::vector<Vec3d>& points, const VectorGrid& velocity, double duration) {
     const double voxel = voxel_edge(velocity);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
+    std::vector<std::optional<Vec3d>> moved(points.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
         const Flow flow(velocity);
-        for (auto n = range.begin(); n < range.end(); ++n) points[n] = flow.moved(points[n], duration, voxel);
+        for (auto n = range.begin(); n < range.end(); ++n) moved[n] = flow.moved(points[n], duration, voxel);
     });
+    points.clear();
+    for (const auto& point : moved)
+        if (point) points.push_back(*point);
 }
 
 NodeType rig_advect() {
     using Params = RigAdvect::Params;
     return Declare<RigAdvect>(
                "rig.advect",
-               "A rig that follows the flow: in each frame points are set out around a seed and all move on; in the end the rig runs through the "
-               "middle of each frame's points, from the seed on.")
+               "A rig that follows the flow: in each frame points are set out around a seed and all move on; in the end the rig runs from the seed through "
+               "the middle of each frame's points, but for those that left the flow.")
         .input("velocity", &RigAdvect::Ports::velocity, "Velocity, staggered or not.")
         .required("seed", &Params::seed, Unit::world, any_number(), "Where the flow comes from.")
         .required("radius", &Params::radius, Unit::world, at_least(0), "Of the ball of points around it.")
         .param("count", &Params::count, Unit::none, between(1, 1e5), "Points that are set out in each frame.")
         .param("scale", &Params::scale, Unit::none, any_number(),
                "World units by which a velocity of 1 moves a point from a frame to the next: 1/24 for units per second at 24 frames. Blender's velocities are "
-               "roughly tenths of a voxel per frame: a tenth of the voxel size.")
+               "roughly tenths of a voxel per frame: a tenth of the voxel size. More makes the rig longer where the frames are few.")
         .param("apart", &Params::apart, Unit::world, at_least(0), "Middles nearer than this to the one before are left out; auto is a voxel.")
         .param("up", &Params::up, Unit::none, any_number(), "Where the lattice's `v` points at the start, made orthogonal to the path.")
-        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames; as they stand in the last frame, the latest points first.");
+        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames: the points as they stand in the last frame, the latest first.");
 }
 
 }  // namespace fluidcarve

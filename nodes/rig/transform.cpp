@@ -1,5 +1,9 @@
 #include "nodes/rig/transform.h"
 
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
 namespace fluidcarve {
 
 using openvdb::Vec3d;
@@ -12,13 +16,16 @@ struct RigTransform {
         double scale = 1;
         Vec3 pivot{};
         Vec3 translate{};
+        double extend = 0;
     };
     struct Ports {
         Ref<Rig> rig, transformed;
     };
     static void run(const Params& params, Ports& io, Context&) {
-        io.transformed =
-            std::make_shared<Rig>(moved(smoothed(*io.rig, params.smooth), params.scale, Vec3d(params.pivot.data()), Vec3d(params.translate.data())));
+        if (params.extend > 0 && io.rig->closed) throw Failure(fmt::format("{} is closed: it has no ends to 'extend'", text_of(*io.rig)));
+        auto rig = moved(smoothed(*io.rig, params.smooth), params.scale, Vec3d(params.pivot.data()), Vec3d(params.translate.data()));
+        if (params.extend > 0) rig = extended(rig, params.extend);
+        io.transformed = std::make_shared<Rig>(std::move(rig));
     }
 };
 
@@ -48,15 +55,25 @@ Rig moved(const Rig& rig, double scale, const Vec3d& pivot, const Vec3d& transla
     return out;
 }
 
+Rig extended(const Rig& rig, double by) {
+    auto out = rig;
+    const auto& from = rig.points;
+    out.points.insert(out.points.begin(), from.front() + by * (from.front() - from[1]).unit());
+    out.points.push_back(from.back() + by * (from.back() - from[from.size() - 2]).unit());
+    return out;
+}
+
 NodeType rig_transform() {
     using Params = RigTransform::Params;
-    return Declare<RigTransform>("rig.transform", "Smooths, scales and moves a rig, in this order.")
+    return Declare<RigTransform>("rig.transform", "Smooths, scales, moves and extends a rig, in this order.")
         .input("rig", &RigTransform::Ports::rig, "The rig.")
         .param("smooth", &Params::smooth, Unit::none, between(0, 1e6),
                "How often each point becomes the mean of itself and its two neighbours. The ends of an open rig stay; a circle shrinks.")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "All distances from `pivot` times this.")
         .param("pivot", &Params::pivot, Unit::world, any_number(), "The point that scaling leaves in its place.")
         .param("translate", &Params::translate, Unit::world, any_number(), "How far it is moved, after scaling.")
+        .param("extend", &Params::extend, Unit::world, at_least(0),
+               "How far an open rig goes on straight beyond both its ends: where a lattice ends within the smoke, seams tear it.")
         .output("rig", &RigTransform::Ports::transformed, "The changed rig.");
 }
 

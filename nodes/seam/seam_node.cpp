@@ -2,6 +2,7 @@
 
 #include "nodes/seam/carve_energy.h"
 #include "nodes/seam/energy_slab.h"
+#include "nodes/seam/lower_bound.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,9 @@
 namespace fluidcarve {
 
 namespace {
+
+/// Up to so many energies a bound takes no longer than a search.
+constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
 
 std::string text(const openvdb::BBoxd& box) {
     return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
@@ -83,6 +87,10 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
     // What does not fit is better told before the frames are read than after.
     const CarveMap before(lattice, io.after, context.frame(), std::nullopt);
     const auto task = task_of(params, io, lattice);
+    if (!task.pair_window) {
+        const int grown = task.shape[static_cast<std::size_t>(params.axis)] + (task.kind == Seams::Kind::insert ? task.count : -task.count);
+        extension_.add(lattice, params.axis, std::max(0, grown - lattice.shape[static_cast<std::size_t>(params.axis)]), context.frame());
+    }
     transform_.require("the energy", *io.energy, context.frame());
     if (task.count == 0) return;
     if (!energy_) energy_.emplace(task.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder(), lattice.closed);
@@ -132,13 +140,33 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
             context.check_cancelled();
             context.progress(done + share * fraction);
         };
-        auto found = find_seams(*energy_, kind, task.count, window, find, tick, keep, still);
+        const auto find_bounded = [&](const EnergyVolume& energy, Window now, int number, const Tick& tell) {
+            auto seam = find(energy, now, number, tell);
+            const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
+            if (!seam.lower_bound && (params.bound_passes || few)) seam.lower_bound = lower_bound(energy, now, params.bound_passes.value_or(0), tell);
+            return seam;
+        };
+        auto found = find_seams(*energy_, kind, task.count, window, find_bounded, tick, keep, still);
         done += share;
         return found;
     };
     const auto energies = [](const std::vector<Seams::Seam>& seams) {
         auto list = nlohmann::ordered_json::array();
         for (const auto& seam : seams) list.push_back(seam.energy);
+        return list;
+    };
+
+    const auto bounds = [](const std::vector<Seams::Seam>& seams) {
+        auto list = nlohmann::ordered_json::array();
+        for (const auto& seam : seams) list.push_back(seam.lower_bound ? nlohmann::ordered_json(*seam.lower_bound) : nullptr);
+        return list;
+    };
+    const auto gaps = [](const std::vector<Seams::Seam>& seams) {
+        auto list = nlohmann::ordered_json::array();
+        for (const auto& seam : seams) {
+            const bool known = seam.lower_bound && *seam.lower_bound > 0;
+            list.push_back(known ? nlohmann::ordered_json(std::max(seam.energy / *seam.lower_bound - 1, 0.0)) : nullptr);
+        }
         return list;
     };
 
@@ -150,7 +178,12 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
     out.seams = std::move(found.seams);
     out.pairs = std::move(pairs.seams);
     report["energy"] = energies(out.seams);
-    if (task.pair_window) report["pair_energy"] = energies(out.pairs);
+    report["lower_bound"] = bounds(out.seams);
+    report["gap"] = gaps(out.seams);
+    if (task.pair_window) {
+        report["pair_energy"] = energies(out.pairs);
+        report["pair_lower_bound"] = bounds(out.pairs);
+    }
     report["zero_share"] = found.zero_share;
     report["wall_s"] = found.wall_s;
     warn_of_zeros(found.zero_share, context);
@@ -176,6 +209,7 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         find_all(params, task, context, find, *out, report);
         energy_.reset();
     }
+    if (const auto fault = extension_.fault(); !fault.empty()) context.warn(fault);
     context.report("seams", report);
     io.seams = std::move(out);
 }

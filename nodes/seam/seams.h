@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct Seams {
         /// Size columns_per_frame() * frames, lateral fastest, then k, then t.
         SeamEntries at;
         double energy = 0;  ///< sum over all columns, in the units of the energy
+        std::optional<double> lower_bound = std::nullopt;  ///< what no seam there could be below, if it was asked for
     };
 
     Axis axis = Axis::u;

@@ -1,65 +1,41 @@
 // Measures against named rivals, each line a ratio within this run: machines are noisy, ratios less so.
 //
-//   build/bench [--large]      --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB)
+//   build/bench [--large] [VORTEX_FOLDER]      --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames
+//                                              (needs 3 GB); the folder: another sequence like tests/data/vortex
 
 #include "nodes/catalogue.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/gradient.h"
 #include "nodes/energy/vorticity.h"
 #include "nodes/io/vdb_file.h"
-#include "nodes/lattice/lattice.h"
+#include "nodes/lattice/build.h"
 #include "nodes/remap/remap.h"
+#include "nodes/rig/circle.h"
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/energy_slab.h"
 #include "nodes/seam/greedy.h"
 #include "runtime/run.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/vortex.h"
 #include "tests/support/program.h"
 
-#include <fmt/format.h>
 #include <openvdb/tools/GridTransformer.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
-#include <functional>
 
 using namespace fluidcarve;
+using openvdb::Vec3d;
 
 namespace {
-
-/// Median seconds of several calls.
-double seconds(int runs, const std::function<void()>& call) {
-    std::vector<double> all;
-    for (int n = 0; n < runs; ++n) {
-        const auto start = std::chrono::steady_clock::now();
-        call();
-        all.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
-    std::sort(all.begin(), all.end());
-    return all[all.size() / 2];
-}
-
-double with_threads(int threads, const std::function<double()>& measure) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    return arena.execute(measure);
-}
-
-void line(const std::string& what, double figure, const std::string& rest = {}) { fmt::print("{:<64} {:>8.2f}   {}\n", what, figure, rest); }
-
-void scaling(const std::string& what, const std::function<double()>& measure) {
-    const double one = with_threads(1, measure), two = with_threads(2, measure);
-    line(what + ": 1 thread / 2 threads", one / two, fmt::format("{:.3f} s, {:.3f} s", one, two));
-}
 
 /// `count` seams that wander by one entry, evenly from an eighth of the way into a lattice on: whatever their number, as many voxels
 /// move.
 Seams wandering(const Lattice& lattice, int count) {
     Seams out;
     out.shape = lattice.shape;
+    out.closed = lattice.closed;
     out.lattice = lattice.description;
     out.lattice_hash = lattice.hash;
     out.frames = {1};
@@ -93,8 +69,18 @@ Lattice lattice_around(const FloatGrid& grid) {
     return make_box(grid.indexToWorld(box.min()), {size.x(), size.y(), size.z()}, grid.voxelSize().x(), {0, 1, 2});
 }
 
-void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid) {
-    const auto lattice = lattice_around(*grid);
+/// A closed lattice around the middle of a field of the shape, about its y axis, that holds most of it.
+Lattice ring_in(const std::array<int, 3>& shape) {
+    const Vec3d middle(0.5 * (shape[0] - 1), 0.5 * (shape[1] - 1), 0.5 * (shape[2] - 1));
+    const double radius = 0.31 * shape[0];
+    LatticeSpec spec;
+    spec.spacing = 1;
+    spec.u = {-0.6 * radius, 0.6 * radius};
+    spec.v = {-middle.y(), middle.y()};
+    return build_lattice(circle_rig(middle, Vec3d(0, 1, 0), {radius, radius}, 0), spec).lattice;
+}
+
+void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const Lattice& lattice) {
     const auto carve = [&](int count) {
         const auto seams = std::make_shared<const Seams>(wandering(lattice, count));
         const CarveMap map(lattice, {seams}, 1, std::nullopt);
@@ -224,13 +210,21 @@ void bench_memory() {
 
 int main(int argc, char** argv) {
     openvdb::initialize();
-    const bool large = argc > 1 && std::strcmp(argv[1], "--large") == 0;
+    bool large = false;
+    std::string vortex = SOURCE_ROOT "/tests/data/vortex";
+    for (int n = 1; n < argc; ++n)
+        if (std::strcmp(argv[n], "--large") == 0) large = true;
+        else vortex = argv[n];
     fmt::print("{:<64} {:>8}\n", "", "ratio");
     bench_pipeline();
     bench_memory();
     bench_energy("plume", SOURCE_ROOT "/tests/data/plume/plume.0056.vdb");
-    bench_remap("plume density", openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(SOURCE_ROOT "/tests/data/plume/plume.0056.vdb", "density")));
-    bench_remap("dense 161x52x165", dense_field({161, 52, 165}));
+    const auto plume = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(SOURCE_ROOT "/tests/data/plume/plume.0056.vdb", "density"));
+    bench_remap("plume density", plume, lattice_around(*plume));
+    const auto dense = dense_field({161, 52, 165});
+    bench_remap("dense 161x52x165", dense, lattice_around(*dense));
+    bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
+    bench_vortex(vortex);
     bench_greedy({161, 52, 165}, 20);
     if (large) bench_greedy({322, 105, 331}, 84);
     return 0;

@@ -1,14 +1,18 @@
 #include "graph/problem.h"
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/build_node.h"
+#include "nodes/lattice/extension.h"
+#include "nodes/lattice/overlap.h"
 #include "nodes/lattice/write.h"
 #include "nodes/rig/circle.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <sstream>
@@ -89,13 +93,24 @@ struct Run {
     }
 };
 
-std::vector<Vec3d> helix_points() {
+std::vector<Vec3d> helix_points(double rise = 0.3) {
     std::vector<Vec3d> out;
     for (int n = 0; n <= 2000; ++n) {
         const double a = 6 * M_PI * n / 2000;
-        out.push_back({2 * std::cos(a), 2 * std::sin(a), 0.3 * a});
+        out.push_back({2 * std::cos(a), 2 * std::sin(a), rise * a});
     }
     return out;
+}
+
+/// Two legs, `apart`, and half a circle between them; `u` points to its outside.
+Rig hairpin(double apart) {
+    std::vector<Vec3d> points{{0, 0, 0}};
+    for (int n = 0; n <= 100; ++n) {
+        const double a = M_PI * n / 100;
+        points.push_back({8 + 0.5 * apart * std::sin(a), 0.5 * apart * (std::cos(a) - 1), 0});
+    }
+    points.push_back({0, -apart, 0});
+    return through(points);
 }
 
 /// Closed and not flat, so that carrying the basis around turns it.
@@ -298,6 +313,106 @@ TEST_CASE("smoothing takes the folds out of a kinked rig") {
     CHECK(build_lattice(kinked, settings).iterations == 0);
 }
 
+TEST_CASE("voxels in several cells are those that are found there one by one, slab by slab") {
+    const auto cubes = openvdb::math::Transform::createLinearTransform(0.11);
+    const auto counted = [&](const Lattice& lattice, const std::array<int, 3>& extent) {
+        const Mapping mapping(lattice, extent);
+        const auto& slabs = *mapping.slabs();
+        const auto box = cubes->worldToIndex(mapping.world_box({Vec3d(0), Vec3d(extent[0] - 1, extent[1] - 1, slabs.size())}));
+        std::size_t shared = 0;
+        std::vector<std::size_t> lowest(static_cast<std::size_t>(slabs.size()));
+        for (auto at = openvdb::CoordBBox(openvdb::Coord::floor(box.min()), openvdb::Coord::ceil(box.max())).begin(); at; ++at) {
+            const auto p = cubes->indexToWorld(*at);
+            int cells = 0, first = 0;
+            for (int k = 0; k < slabs.size(); ++k) {
+                if (!(slabs.divider(k).side(p) >= 0 && slabs.divider(k + 1).side(p) < 0)) continue;
+                Vec3d place;
+                if (slabs.settle(k, slabs[k].solve(slabs[k].products(p), slabs.from(k), slabs.to(k)), place) == Slabs::Holds::no) continue;
+                if (++cells == 1) first = k;
+                if (cells == 2) ++lowest[static_cast<std::size_t>(first)];
+            }
+            shared += cells > 1 ? 1 : 0;
+        }
+        const auto overlap = count_overlap(mapping, *cubes);
+        CHECK(overlap.voxels == shared);
+        if (shared > 0) CHECK(overlap.plane == std::max_element(lowest.begin(), lowest.end()) - lowest.begin());
+        return shared;
+    };
+    const auto built = [](const Rig& rig, const LatticeSpec& spec) { return build_lattice(rig, spec).lattice; };
+    auto kinked = spec(0.2);
+    kinked.smooth = Smooth::none;
+    const auto wide = spec(0.2, {-0.6, 0.6}, {-0.6, 0.6});
+    for (const auto& [lattice, meets] :
+         {std::pair(built(through(helix_points()), spec(0.2)), false), std::pair(built(through(helix_points(0.1)), spec(0.2)), true),
+          std::pair(built(through(saddle_points(), true), wide), false), std::pair(built(circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0), wide), false),
+          std::pair(built(hairpin(2), spec(0.2)), false), std::pair(built(hairpin(2), spec(0.2, {-1.3, 0.5})), true),
+          std::pair(built(through({{0, 0, 0}, {4, 0, 0}, {2, 3, 0}}), kinked), true)}) {
+        INFO(lattice.description);
+        CHECK((counted(lattice, lattice.shape) > 0) == meets);
+    }
+    const auto legs = built(hairpin(2), spec(0.2, {-0.8, 0.5}));
+    CHECK(counted(legs, legs.shape) == 0);
+    auto flipped = spec(0.2, {-0.5, 0.8});
+    flipped.flip_u = true;
+    const auto inwards = built(hairpin(2), flipped);
+    CHECK(counted(inwards, {inwards.shape[0] + 3, inwards.shape[1], inwards.shape[2]}) > 0);
+}
+
+TEST_CASE("insertions that make a sound lattice fold or meet itself are told with the worst frame") {
+    auto inwards = spec(0.2, {-0.5, 0.5});
+    inwards.flip_u = true;
+    const auto legs = [&](double apart) { return build_lattice(hairpin(apart), inwards).lattice; };
+    Extension sound;
+    sound.add(legs(2), Axis::u, 0, 1);
+    sound.add(legs(2), Axis::u, 2, 1);
+    sound.add(legs(2), Axis::v, 40, 1);
+    CHECK(sound.fault().empty());
+
+    Extension one;
+    one.add(legs(2), Axis::u, 4, 1);
+    const auto lattice = legs(2);
+    auto extent = lattice.shape;
+    extent[0] += 4;
+    const auto folds = count_folds(lattice, extent[0], extent[1]);
+    const auto overlap = count_overlap(Mapping(lattice, extent), *openvdb::math::Transform::createLinearTransform(0.2));
+    REQUIRE(folds.cells > 0);
+    REQUIRE(overlap.voxels > 0);
+    const auto between = [&](int plane) { return fmt::format("most of them between planes {} and {}", plane, plane + 1); };
+    CHECK(one.fault() ==
+          fmt::format("to insert 4 seams the lattice goes on beyond its last vertex along u, and there {} cells are folded, {}, and {} voxels, as "
+                      "large as the spacing, lie in several cells, {}: what is pushed there is lost in part; insert fewer, or turn the lattice "
+                      "round by its `flip_u` or its rig's `up`, so that it grows to the other side",
+                      folds.cells, between(folds.plane), overlap.voxels, between(overlap.plane)));
+    Extension moving;
+    for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)}) moving.add(legs(apart), Axis::u, 4, frame);
+    CHECK(moving.fault().find(fmt::format("{} cells are folded in frame 2, ", folds.cells)) != std::string::npos);
+    CHECK(moving.fault().find(fmt::format("{} voxels, as large as the spacing, lie in several cells in frame 2, ", overlap.voxels)) != std::string::npos);
+}
+
+TEST_CASE("lattice.build tells where a lattice meets itself, in the worst frame") {
+    // More than a turn of a circle: nothing is folded.
+    const auto turned = [](double degrees) {
+        std::vector<Vec3d> points;
+        for (double a = 0; a <= degrees; ++a) points.push_back({2 * std::cos(a * M_PI / 180), 2 * std::sin(a * M_PI / 180), 0});
+        return through(points);
+    };
+    const std::string around = "spacing: 0.2, extent_u: [-0.5, 0.5], extent_v: [-0.4, 0.4]";
+    const Run run("{" + around + "}", {turned(380), turned(440), turned(400)}, {4, 5, 6});
+    REQUIRE(run.heard.warnings.size() == 2);
+    const auto overlap = count_overlap(Mapping(*run.lattices[1]), *openvdb::math::Transform::createLinearTransform(0.2));
+    REQUIRE(overlap.voxels > 100);
+    const auto message = [&](const std::string& frame) {
+        return fmt::format(
+            "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice meets itself; "
+            "each is carved in the lowest only: reduce the extents, or lead the rig further away from itself",
+            overlap.voxels, frame, overlap.plane, overlap.plane + 1);
+    };
+    CHECK(run.heard.warnings[1] == message(" in frame 5"));
+    CHECK(run.heard.reported.at("lattices").at("shared_voxels") == overlap.voxels);
+    CHECK(Run("{" + around + "}", {turned(350)}).heard.warnings.empty());
+    CHECK(failure_of([&] { Run("{" + around + ", on_fold: error}", {turned(440)}); }) == message(""));
+}
+
 TEST_CASE("a rig that can't carry a lattice is refused") {
     const auto fault = [](const Rig& rig, double spacing, std::optional<int> planes = std::nullopt) {
         return failure_of([&] { build_lattice(rig, spec(spacing), planes); });
@@ -333,6 +448,8 @@ TEST_CASE("lattice.build delivers a static rig's lattice once, and reports it") 
     CHECK(entry.at("spacing") == 0.1);
     CHECK(entry.at("step").at(0).get<double>() == Approx(10 * std::sin(M_PI / 314)));
     CHECK(entry.at("folded_cells") == 0);
+    CHECK(entry.at("shared_voxels") == 0);
+    CHECK(entry.at("smoothed") == 0);
     CHECK(entry.at("moved") == 0);
 }
 
@@ -376,6 +493,11 @@ TEST_CASE("lattice.build tells of folds and of smoothing against them, where the
     REQUIRE(smoothed.heard.warnings.size() == 1);
     CHECK(smoothed.heard.warnings[0] == "the rig was smoothed 4 times against folded cells, which moved it by up to 0.4539");
     CHECK(smoothed.heard.reported.at("lattices").at("moved").get<double>() == Approx(0.4539).epsilon(1e-4));
+    // Less than half a spacing goes without saying.
+    const Run rounded("{spacing: 0.5, extent_u: [-5, 5], extent_v: [-1, 1]}", {through({{0, 0, 0}, {4, 0, 0}, {8, 1, 0}})});
+    CHECK(rounded.heard.warnings.empty());
+    CHECK(rounded.heard.reported.at("lattices").at("smoothed") > 0);
+    CHECK(rounded.heard.reported.at("lattices").at("moved") > 0);
 }
 
 TEST_CASE("lattice.build says at once that no smoothing cures a circle that is reached across") {

@@ -196,7 +196,7 @@ TEST_CASE("a block's voxels are found where they are found one by one") {
                         const auto& place = found.places[static_cast<std::size_t>(z)];
                         REQUIRE(distance(lattice, place.at, *single) < 1e-9);
                         const auto source = place.at + Vec3d(3, -1, 0);
-                        const auto moved = transform->indexToWorld(places.moved(p, place, source));
+                        const auto moved = transform->indexToWorld(places.moved(p, place, openvdb::Vec2d(3, -1)));
                         REQUIRE((moved - (world + mapping.position(source) - mapping.position(place.at))).length() < 1e-9);
 
                         const double w = place.at.z() < range.min().z() - Mapping::snap ? place.at.z() + lattice.shape[2] : place.at.z();

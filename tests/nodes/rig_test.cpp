@@ -190,7 +190,7 @@ TEST_CASE("rig.curve with a frame token reads a file per frame, and says before 
     CHECK(NodeBench(rig_curve(), "{path: " + (folder / "c.0009.csv") + "}").survey({3, 4}).absent.at(3) == (folder / "c.0009.csv") + " does not exist");
 }
 
-TEST_CASE("rig.transform smooths, scales about its pivot and moves; a circle stays one unless it is smoothed") {
+TEST_CASE("rig.transform smooths, scales about its pivot, moves and extends; a circle stays one unless it is smoothed") {
     const auto line = std::make_shared<Rig>(through({{0, 0, 0}, {3, 3, 0}, {6, 0, 0}}));
     const auto run = [](const std::string& yaml, const std::shared_ptr<Rig>& rig) {
         return *NodeBench(rig_transform(), yaml).run({{"rig", {Payload(rig)}}}).at("rig").as<Rig>();
@@ -198,7 +198,13 @@ TEST_CASE("rig.transform smooths, scales about its pivot and moves; a circle sta
     CHECK(run("{smooth: 1}", line).points == std::vector<Vec3d>{{0, 0, 0}, {3, 1, 0}, {6, 0, 0}});
     CHECK(run("{scale: 2, pivot: [6, 0, 0], translate: [0, 0, 1]}", line).points == std::vector<Vec3d>{{-6, 0, 1}, {0, 6, 1}, {6, 0, 1}});
 
+    // Scaled to twice its size, then extended by what was said.
+    CHECK((run("{scale: 2, extend: 1}", line).points[0] + Vec3d(1, 1, 0).unit()).length() < 1e-12);
+    CHECK(run("{extend: 5}", std::make_shared<Rig>(through({{0, 0, 0}, {0, 3, 0}, {2, 3, 0}}))).points ==
+          std::vector<Vec3d>{{0, -5, 0}, {0, 0, 0}, {0, 3, 0}, {2, 3, 0}, {7, 3, 0}});
+
     const auto circle = std::make_shared<Rig>(circle_rig(Vec3d(1, 0, 0), Vec3d(0, 0, 1), {2, 2}, 0));
+    CHECK(failure_of([&] { run("{extend: 1}", circle); }) == "a circle of radius 2 around (1, 0, 0) is closed: it has no ends to 'extend'");
     const auto larger = run("{scale: 3, translate: [0, 5, 0]}", circle);
     REQUIRE(larger.oval);
     CHECK(text_of(larger) == "a circle of radius 6 around (3, 5, 0)");
@@ -228,14 +234,15 @@ TEST_CASE("rig.advect in a uniform flow is the straight line from the seed on, w
     const auto flow = sampled<VectorGrid>(CoordBBox(Coord(-8), Coord(40)), 0.25, [](const Vec3d&) { return openvdb::Vec3s(2, 0, 1); });
     const std::string yaml = "{seed: [0, 1, 2], radius: 0.5, scale: 0.25}";
     const auto rig = advected(yaml, flow, {1, 2, 3, 4});
-    REQUIRE(rig.points.size() == 4);
-    for (std::size_t n = 0; n < 4; ++n) CHECK((rig.points[n] - (Vec3d(0, 1, 2) + (n + 1) * 0.25 * Vec3d(2, 0, 1))).length() < 1e-6);
+    REQUIRE(rig.points.size() == 5);
+    CHECK(rig.points[0] == Vec3d(0, 1, 2));
+    for (std::size_t n = 1; n <= 4; ++n) CHECK((rig.points[n] - (Vec3d(0, 1, 2) + n * 0.25 * Vec3d(2, 0, 1))).length() < 1e-6);
     CHECK(!rig.closed);
 
     const auto sparse = advected(yaml, flow, {1, 3, 5});
-    REQUIRE(sparse.points.size() == 3);
-    CHECK((sparse.points[0] - Vec3d(1, 1, 2.5)).length() < 1e-6);
-    CHECK((sparse.points[2] - Vec3d(3, 1, 3.5)).length() < 1e-6);
+    REQUIRE(sparse.points.size() == 4);
+    CHECK((sparse.points[1] - Vec3d(1, 1, 2.5)).length() < 1e-6);
+    CHECK((sparse.points[3] - Vec3d(3, 1, 3.5)).length() < 1e-6);
 }
 
 TEST_CASE("rig.advect in a rotation runs along its circle, on centred and on staggered velocities") {
@@ -245,9 +252,9 @@ TEST_CASE("rig.advect in a rotation runs along its circle, on centred and on sta
     const std::vector<int> frames{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
     for (const auto& flow : {sampled<VectorGrid>(box, voxel, velocity), sampled_staggered(box, voxel, velocity)}) {
         const auto rig = advected("{seed: [2, 0, 0], radius: 0.2, count: 100, scale: 0.1}", flow, frames);
-        REQUIRE(rig.points.size() == frames.size());
+        REQUIRE(rig.points.size() == frames.size() + 1);
         for (std::size_t n = 0; n < rig.points.size(); ++n) {
-            const double angle = turn * static_cast<double>(n + 1);
+            const double angle = turn * static_cast<double>(n);
             CHECK((rig.points[n] - Vec3d(2 * std::cos(angle), 2 * std::sin(angle), 0)).length() < 0.01 * voxel);
         }
     }
@@ -258,7 +265,7 @@ TEST_CASE("rig.advect leaves out middles that hardly moved, and refuses if none 
         return sampled<VectorGrid>(CoordBBox(Coord(-8), Coord(40)), 0.25, [=](const Vec3d&) { return velocity; });
     };
     CHECK(advected("{seed: [0, 0, 0], radius: 0, count: 1, scale: 0.13}", flow({1, 0, 0}), {1, 2, 3, 4, 5}).points.size() == 3);
-    CHECK(advected("{seed: [0, 0, 0], radius: 0, count: 1, scale: 0.13, apart: 0}", flow({1, 0, 0}), {1, 2, 3, 4, 5}).points.size() == 5);
+    CHECK(advected("{seed: [0, 0, 0], radius: 0, count: 1, scale: 0.13, apart: 0}", flow({1, 0, 0}), {1, 2, 3, 4, 5}).points.size() == 6);
     CHECK(failure_of([&] {
               advected("{seed: [0, 0, 9], radius: 1}", flow({0, 0, 0}), {1, 2, 3});
           }) == "the points stay within 0.25 of the seed, (0, 0, 9): the velocity there is too small, or 'scale' is");
@@ -266,4 +273,24 @@ TEST_CASE("rig.advect leaves out middles that hardly moved, and refuses if none 
               advected("{seed: [0, 0, 0], radius: 0}", flow({NAN, 0, 0}), {1, 2});
           }) == "grid 'sampled' has a value that is not finite near (0, 0, 0)");
     CHECK(NodeBench(rig_advect(), "{seed: [0, 0, 0], radius: 0, scale: 0}").faults() == "scale: 'scale' wants more than 0\n");
+}
+
+TEST_CASE("rig.advect goes by the points that are in the flow, and ends where it ends") {
+    // A channel along x, from -1 to 4, that fills y below 0 only.
+    const auto channel = sampled<VectorGrid>(CoordBBox(Coord(-4, -16, -8), Coord(16, -1, 8)), 0.25, [](const Vec3d&) { return openvdb::Vec3s(1, 0, 0); });
+    const auto half = advected("{seed: [0, 0, 0], radius: 0.5, count: 500, scale: 1.5}", channel, {1, 2});
+    REQUIRE(half.points.size() == 3);
+    CHECK(half.points[0] == Vec3d(0));
+    // What is left of the ball: the cap below the last voxels' edge, whose middle is a quarter of a unit down. By the edge the
+    // flow is slower.
+    CHECK(half.points[1].y() == Approx(-0.25).margin(0.02));
+    CHECK(half.points[1].x() == Approx(1.4).margin(0.15));
+    const auto whole = advected("{seed: [0, -2, 0], radius: 0.5, count: 500, scale: 1.5}", channel, {1, 2, 3, 4});
+    REQUIRE(whole.points.size() == 4);
+    CHECK((whole.points[2] - Vec3d(3, -2, 0)).length() < 1e-6);
+    CHECK(whole.points[3].x() == Approx(4).margin(0.13));
+    CHECK(failure_of([&] {
+              advected("{seed: [0, 2, 0], radius: 0.5}", channel, {1, 2});
+          }) == "no point around the seed, (0, 2, 0), stays where the velocity is active: move 'seed' into the flow, or take a smaller 'scale'");
+    CHECK(failure_of([&] { advected("{seed: [0, -1, 0], radius: 0.5, scale: 20}", channel, {1, 2}); }).starts_with("no point around the seed, (0, -1, 0)"));
 }

@@ -1,0 +1,37 @@
+#include "nodes/remap/carve_inputs.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace fluidcarve {
+namespace {
+
+std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
+    if (!asked) return std::nullopt;
+    const int count = asked->of(last.carved());
+    if (count < 0 && last.kind == Seams::Kind::insert) throw Failure(fmt::format("count {} removes, but the seams insert", count));
+    return static_cast<std::size_t>(std::abs(count));
+}
+
+/// A source that is the same in all frames is carved once; seams that move would each want another result.
+void require_still(const Seams& seams) {
+    const auto columns = static_cast<std::ptrdiff_t>(seams.columns_per_frame());
+    for (const auto* const window : {&seams.seams, &seams.pairs})
+        for (const auto& seam : *window)
+            if (!std::equal(seam.at.begin() + columns, seam.at.end(), seam.at.begin()))
+                throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
+}
+
+}  // namespace
+
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context) {
+    if (!context.per_frame())
+        for (const auto& set : seams) require_still(*set);
+    return {lattice, seams, context.frame(), seams_of(count, *seams.back())};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,53 @@
+#include "nodes/seam/dynamic.h"
+
+#include "graph/problem.h"
+#include "nodes/seam/columns.h"
+#include "nodes/seam/cut_seam.h"
+#include "nodes/seam/strip.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+    const Columns columns(energy);
+    if (std::max({columns.laterals(), columns.slices(), columns.frames()}) != columns.count())
+        throw Failure(
+            fmt::format("seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in {} x {} x {} (lateral, k, frames); "
+                        "seam.pyramid and seam.graph_cut take any",
+                        columns.laterals(), columns.slices(), columns.frames()));
+    if (columns.closed()) return exact_seam(energy, window, number, [&] { tick(0); });
+
+    const auto length = columns.count(), width = static_cast<std::size_t>(window.size());
+    const Strip strip(energy, Band::whole(length, window));
+    // Of an entry's cheapest ways through the column before, by how much that differs: stay, or this seam's side first.
+    std::vector<std::int8_t> steps(length * width);
+    const std::array<int, 3> order{0, number % 2 == 0 ? -1 : 1, number % 2 == 0 ? 1 : -1};
+    std::vector<double> before(width), now(width);
+    for (std::size_t c = 0; c < length; ++c) {
+        const auto* const energies = strip.energies(c);
+        for (int i = 0; i < window.size(); ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            int best = 0;
+            if (c > 0)
+                for (const int step : order)
+                    if (i + step >= 0 && i + step < window.size() && before[static_cast<std::size_t>(i + step)] < before[static_cast<std::size_t>(i + best)])
+                        best = step;
+            steps[c * width + at] = static_cast<std::int8_t>(best);
+            now[at] = energies[at] + (c > 0 ? before[static_cast<std::size_t>(i + best)] : 0.0);
+        }
+        std::swap(before, now);
+    }
+    auto entry = std::min_element(before.begin(), before.end()) - before.begin();
+    const auto sum = before[static_cast<std::size_t>(entry)];
+    std::vector<std::uint16_t> at(length);
+    for (auto c = length; c-- > 0;) {
+        at[c] = static_cast<std::uint16_t>(window.first + entry);
+        entry += steps[c * width + static_cast<std::size_t>(entry)];
+    }
+    return {std::move(at), sum, sum};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "nodes/seam/find_seams.h"
+
+namespace fluidcarve {
+
+/// The seam of least energy in a volume whose columns stand in one line, as an image's do: dynamic programming (Avidan and
+/// Shamir 2007). Ties as greedy_seam. Through a ring by a minimum cut.
+/// @throws Failure if columns stand beside each other in more than one dimension
+Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick);
+
+}  // namespace fluidcarve

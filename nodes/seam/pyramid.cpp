@@ -1,0 +1,92 @@
+#include "nodes/seam/pyramid.h"
+
+#include "nodes/seam/coarse.h"
+#include "nodes/seam/cut_seam.h"
+#include "nodes/seam/greedy.h"
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Energies of so many entries are cut as a whole.
+constexpr std::size_t exact_entries = std::size_t{1} << 18;
+
+/// Beyond so many columns a seam is cut once, not twice, and mostly looked for from the last: seams bunch.
+constexpr std::size_t many_columns = std::size_t{1} << 20;
+
+/// Of so many seams in a row one is then looked for from coarse to fine.
+constexpr int seams_from_last = 4;
+
+bool small(const EnergyVolume& energy, Window window) {
+    const auto columns = Columns(energy).count();
+    return columns == 1 || columns * static_cast<std::size_t>(window.size()) <= exact_entries;
+}
+
+}  // namespace
+
+void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+    // As far as all steps together may move it.
+    const Strip strip(energy, Band::around(seam, 3, window));
+    const auto sweep = [&] {
+        for (int turn = 0; turn < 2; ++turn) {
+            tick();
+            sweep_lines(strip, seam, turn);
+        }
+    };
+    const auto cut = [&](int radius, double tolerance) { seam = cut_seam(strip, seam, radius, tolerance, number, tick).at; };
+    switch (quality_) {
+        case Quality::draft: return sweep();
+        case Quality::normal:
+            if (strip.columns().count() <= many_columns) cut(1, 2e-3);
+            sweep();
+            return cut(1, 2e-3);
+        case Quality::best:
+            cut(2, 1e-3);
+            sweep();
+            return cut(1, 1e-4);
+    }
+}
+
+std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const {
+    const Columns columns(energy);
+    if (small(energy, window)) return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
+    std::vector<std::uint16_t> seam;
+    {
+        const auto coarse = restrict_energy(energy, window);
+        tick();
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, tick);
+        seam = prolong_seam(Columns(coarse), found, columns, window);
+    }
+    refine(energy, window, number, seam, tick);
+    return seam;
+}
+
+Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+    const auto alive = [&] { tick(0); };
+    if (small(energy, window)) return exact_seam(energy, window, number, alive);
+    std::vector<std::uint16_t> best;
+    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best) {
+        best = coarse_to_fine(energy, window, number, alive);
+    } else {
+        best = std::move(last_);
+        for (auto& entry : best) entry = static_cast<std::uint16_t>(std::clamp<int>(entry, window.first, window.last));
+        refine(energy, window, number, best, alive);
+    }
+    auto least = energy_of(energy, best);
+    auto greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); });
+    if (greedy.energy < least) {
+        best.assign(greedy.at.begin(), greedy.at.end());
+        refine(energy, window, number, best, alive);
+        least = energy_of(energy, best);
+        if (greedy.energy < least) {
+            best.assign(greedy.at.begin(), greedy.at.end());
+            least = greedy.energy;
+        }
+    }
+    last_ = best;
+    return {std::move(best), least};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "nodes/seam/find_seams.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace fluidcarve {
+
+enum class Quality { draft, normal, best };
+
+/// Seams from coarse to fine (METHOD 8): exact where the energy is small, else in energies of half, a quarter, ... of the
+/// resolution first, the coarsest exactly, and from there in narrow bands around what the next coarser one gave, by line
+/// sweeps (strip.h) and minimum cuts (cut_seam.h). Never worse than seam.greedy, whose seam starts beside the coarse one.
+class Pyramid {
+public:
+    /// @param starts  of the greedy search
+    Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
+
+    /// A FindSeam. Seams of one set are to be asked for in their order: each starts from the last.
+    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick);
+
+private:
+    std::vector<std::uint16_t> coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const;
+    /// Along bands around a seam, in which it comes to lie anew.
+    void refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
+
+    Quality quality_;
+    int starts_;
+    std::vector<std::uint16_t> last_;  ///< the seam before, if there is one
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "nodes/seam/band.h"
+#include "nodes/seam/columns.h"
+#include "nodes/seam/cut.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The energies of a band of equal width, column after column: what is read again and again while a seam is refined.
+class Strip {
+public:
+    /// @param band  intervals of one size
+    Strip(const EnergyVolume& energy, const Band& band);
+
+    const Columns& columns() const { return columns_; }
+    Band::Column operator[](std::size_t column) const { return band_.columns[column]; }
+    const Band& band() const { return band_; }
+    /// At the interval's first entry; those of the others follow.
+    const float* energies(std::size_t column) const { return energies_.data() + column * width_; }
+    float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
+    /// Sum over a seam in the band.
+    double energy(std::span<const std::uint16_t> seam) const;
+
+private:
+    Columns columns_;
+    Band band_;
+    std::size_t width_;
+    std::vector<float> energies_;
+};
+
+/// Sum of the energies at a seam's entries. The same for any number of threads.
+double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
+
+/// Makes a seam cheaper where a whole line of columns can do better while its neighbours stay: along each dimension, for
+/// every line by dynamic programming (multi-pass dynamic programming, Furuta et al. 2018). Lines that are neighbours take turns.
+/// @param seam  feasible, in the strip; stays so
+/// @param turn  in a closed lattice, which slice holds still; another each time
+void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn);
+
+}  // namespace fluidcarve
