@@ -107,7 +107,7 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
         const int by = a[0];
         if (((by & 1) | (a[1] ^ by) | (b[0] ^ by) | (b[1] ^ by) | (c[0] ^ by) | (c[1] ^ by) | (d[0] ^ by) | (d[1] ^ by)) != 0) return std::nullopt;
-        const double scaled = scale * (by / 2);
+        const double whole = 0.5 * by, scaled = scale < 1 ? step.drawn(at[axis], at[axis] + whole, scale) - at[axis] : whole;
         at[axis] += scaled;
         out.by[axis] += scaled;
         out.fades = out.fades || scale < 1;

@@ -56,6 +56,9 @@ public:
     }
     /// Where the carved space ends along the axis: what a removal frees, or an insertion adds, is scaled too.
     double end(double scale) const { return before_ - 1 + scale * (after() - before_); }
+    /// The entry `source`, from which a point at `u` on the axis comes where nothing is scaled, drawn towards it; never from
+    /// beyond the lattice.
+    double drawn(double u, double source, double scale) const { return scale < 1 ? std::min(u + scale * (source - u), before_ - 1.0) : source; }
     bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
     /// entry. Of pairs, those of the first window come first.
@@ -108,7 +111,8 @@ public:
 
     /// Lets displacements go linearly to 0 towards lateral rims and open ends, where they else end with a jump (METHOD 4,
     /// "Tears"): what stands at a point comes from `u + s (m - u)` instead of `m`, `s` from 0 to 1 (CarveStep::scale). `m`
-    /// never falls along the axis, so neither does this: the map does not fold. As far as `vertices` from rims and ends
+    /// never falls along the axis, so neither does this: the map does not fold. What a removal frees, or an insertion adds
+    /// beyond the lattice, shrinks by `s` too. As far as `vertices` from rims and ends
     /// and beyond, nothing changes.
     /// @param vertices  above 0, over which they go to 0
     /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for

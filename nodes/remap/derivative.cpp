@@ -25,7 +25,11 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step)
         std::vector<int> before(static_cast<std::size_t>(to - from) + 2);
         const auto sum = [&](int entry) { return before[static_cast<std::size_t>(entry - from)]; };
         for (auto column = range.begin(); column < range.end(); ++column) {
-            const auto bounds = step.bounds(static_cast<int>(column % laterals), static_cast<int>(column / laterals));
+            const int lateral = static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+            const auto bounds = step.bounds(lateral, k);
+            Vec3d vertex(0, 0, k);
+            vertex[step.lateral_axis()] = lateral;
+            const double scale = step.scale(vertex);
             std::size_t passed = CarveStep::passed(from, bounds);
             for (int e = from; e <= to; ++e) {
                 while (passed < bounds.size() && bounds[passed] <= e) ++passed;
@@ -34,7 +38,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step)
             for (int e = first_; e <= last_; ++e) {
                 const int beside = std::min({reach, e, last_entry_ - e});
                 entries_[column * size + static_cast<std::size_t>(e - first_)] =
-                    static_cast<float>(0.5 * (sum(e + beside + 1) - sum(e - beside)) / (2 * beside + 1));
+                    static_cast<float>(0.5 * scale * (sum(e + beside + 1) - sum(e - beside)) / (2 * beside + 1));
             }
         }
     });
@@ -92,7 +96,10 @@ std::optional<Mat3d> CarveDerivative::operator()(const Vec3d& at) const {
         const auto& step = map_.steps()[n - 1];
         const int axis = step.axis();
         if (!step.holds(source)) continue;
-        if (source[axis] > step.after() - 1) return std::nullopt;
+        if (source[axis] > step.end(step.scale(source))) {
+            if (step.inserts()) continue;
+            return std::nullopt;
+        }
         const auto [d, gradient] = smooth_[n - 1].at(source);
         source[axis] += d;
         slope.setRow(axis, slope.row(axis) + slope.transpose() * gradient);

@@ -12,6 +12,7 @@ namespace fluidcarve {
 
 /// A step's displacements, box-filtered along its axis (METHOD 5): over 2n + 1 entries, n the number of its seams, but
 /// not beyond the first and the last entry, where fewer count, as many on both sides. So an end moves as far as before.
+/// Scaled at the vertices where the map fades.
 class SmoothDisplacement {
 public:
     explicit SmoothDisplacement(const CarveStep& step);

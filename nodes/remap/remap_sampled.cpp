@@ -251,10 +251,9 @@ private:
             }
 
             const auto from = [&](double entry, int displacement, double share) {
-                const auto at = [&](int half, double part) {
+                const auto at = [&](int even, double part) {
                     auto source = l;
-                    const double whole = entry + half / 2;
-                    source[axis] = scale < 1 ? std::min(u + scale * (whole - u), step.before() - 1.0) : whole;
+                    source[axis] = step.drawn(u, entry + 0.5 * even, scale);
                     gather(count - 1, source, part, nothing, out, read);
                 };
                 if (displacement % 2 == 0) return at(displacement, share);
@@ -265,7 +264,7 @@ private:
             const auto cell = block_.cell(count - 1, l);
             if (cell.rigid) {
                 if (cell.columns[0].low % 2 != 0) return from(u, cell.columns[0].low, weight);
-                l[axis] = u + scale * (cell.columns[0].low / 2);
+                l[axis] = step.drawn(u, u + 0.5 * cell.columns[0].low, scale);
                 continue;
             }
             for (std::size_t n = 0; n < cell.count; ++n) {

@@ -41,7 +41,8 @@ public:
     /// @param at  inside the window
     std::size_t place(const openvdb::Coord& at) const {
         const auto from = at - low_;
-        return static_cast<std::size_t>((from.x() * size_.y() + from.y()) * size_.z() + from.z());
+        const int out = (from.x() * size_.y() + from.y()) * size_.z() + from.z();
+        return static_cast<std::size_t>(out);
     }
     Value value(std::size_t place) const { return Value(values_[place]); }
     bool on(std::size_t place) const { return on_[place] != 0; }

@@ -18,7 +18,11 @@ struct Places {
     }
 };
 
-std::uint16_t mean(std::uint16_t a, std::uint16_t b) { return encode_energy(0.5f * (decode_energy(a) + decode_energy(b))); }
+std::uint16_t mean(std::uint16_t a, std::uint16_t b) {
+    for (const auto mark : {protected_code, attracted_code})
+        if (a == mark || b == mark) return mark;
+    return encode_energy(0.5f * (decode_energy(a) + decode_energy(b)));
+}
 
 std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step) {
     std::vector<std::uint16_t> out(size);

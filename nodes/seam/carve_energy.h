@@ -10,7 +10,7 @@
 namespace fluidcarve {
 
 /// One frame's energy in the space that seams carved before leave: removed entries go, inserted ones are the mean of their
-/// neighbours (METHOD 4).
+/// neighbours (METHOD 4), and marked if either is.
 /// @param slab   as sample_energy fills it
 /// @param shape  I, J, K of the slab, which the steps carve in their order
 /// @param axis   along which the slab is contiguous; the steps' own may differ

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -17,36 +20,67 @@ constexpr float share_of_mean = 0.15f;
 
 constexpr std::size_t half(std::size_t size) { return (size + 1) / 2; }
 
-float value_of(std::uint16_t code) { return decode_energy(code); }
-float value_of(float sum) { return sum; }
+/// What a column's two entries cost a seam that can mostly choose.
+template <bool protects>
+float cost_of_pair(float a, float b, float barrier) {
+    if constexpr (protects) {
+        if (std::isinf(a)) a = std::isinf(b) ? barrier : b;
+        if (std::isinf(b)) b = a;
+    }
+    return share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b);
+}
 
-template <class Cell>
-EnergyVolume restricted(const EnergyVolume& energy, Window window) {
+/// A row of columns along the lateral dimension, `[lateral][entry]`.
+template <class Cell, bool protects>
+void restrict_row(const EnergyVolume& energy, Window window, const Columns& coarse, std::size_t k, std::size_t t, std::vector<float>& out) {
     const Columns fine(energy);
     const auto width = static_cast<std::size_t>(window.size()), coarse_width = half(width);
-    const std::array<int, 3> shape{static_cast<int>(coarse_width), static_cast<int>(half(fine.laterals())), static_cast<int>(half(fine.slices()))};
-    EnergyVolume out(shape, Axis::u, half(fine.frames()), ~std::uint64_t{0}, "", energy.closed());
-    const Columns coarse(out);
-    tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
-        const auto k = row % coarse.slices(), t = row / coarse.slices();
-        std::vector<float> sums(coarse_width);
-        for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
-            std::ranges::fill(sums, 0.0f);
-            float count = 0;
-            for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
-                for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
-                    for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
-                        const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
-                        for (std::size_t n = 0; n < width / 2; ++n) {
-                            const float a = value_of(cells[2 * n]), b = value_of(cells[2 * n + 1]);
-                            sums[n] += share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b);
-                        }
-                        if (width % 2 != 0) sums.back() += value_of(cells[width - 1]);
-                        ++count;
+    const auto cost = energy.costs();
+    const auto barrier = energy.barrier();
+    std::ranges::fill(out, 0.0f);
+    for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
+        auto* const sums = out.data() + lateral * coarse_width;
+        float count = 0;
+        for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
+            for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
+                for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
+                    const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
+                    for (std::size_t n = 0; n < width / 2; ++n) sums[n] += cost_of_pair<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier);
+                    if (width % 2 != 0) {
+                        const auto last = cost(cells[width - 1]);
+                        sums[coarse_width - 1] += protects && std::isinf(last) ? barrier : last;
                     }
-            auto* const codes = out.slab(t).data() + (lateral + coarse.laterals() * k) * coarse_width;
-            for (std::size_t n = 0; n < coarse_width; ++n) codes[n] = encode_energy(sums[n] / count);
-        }
+                    ++count;
+                }
+        for (std::size_t n = 0; n < coarse_width; ++n) sums[n] /= count;
+    }
+}
+
+template <class Cell, bool protects>
+EnergyVolume restricted(const EnergyVolume& energy, Window window) {
+    const Columns fine(energy);
+    const std::array<int, 3> shape{(window.size() + 1) / 2, static_cast<int>(half(fine.laterals())), static_cast<int>(half(fine.slices()))};
+    const Columns coarse(shape[1], shape[2], static_cast<int>(half(fine.frames())), energy.closed());
+    const auto row_size = static_cast<std::size_t>(shape[0]) * coarse.laterals();
+    const auto for_rows = [&](const auto& take) {
+        tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
+            std::vector<float> costs(row_size);
+            restrict_row<Cell, protects>(energy, window, coarse, row % coarse.slices(), row / coarse.slices(), costs);
+            take(row, costs);
+        });
+    };
+    // Codes hold no cost below 0.
+    if (energy.summed() || energy.attracts()) {
+        std::vector<float> costs(row_size * coarse.slices() * coarse.frames());
+        for_rows(
+            [&](std::size_t row, const std::vector<float>& of_row) { std::ranges::copy(of_row, costs.begin() + static_cast<std::ptrdiff_t>(row * row_size)); });
+        return {shape, Axis::u, coarse.frames(), std::move(costs), energy.closed()};
+    }
+    EnergyVolume out(shape, Axis::u, coarse.frames(), ~std::uint64_t{0}, "", energy.closed());
+    const auto most = decode_energy(highest_energy_code);
+    for_rows([&](std::size_t row, const std::vector<float>& of_row) {
+        auto* const codes = out.slab(row / coarse.slices()).data() + row % coarse.slices() * row_size;
+        for (std::size_t n = 0; n < row_size; ++n) codes[n] = encode_energy(std::min(of_row[n], most));
     });
     return out;
 }
@@ -67,7 +101,8 @@ Between between(std::size_t fine, std::size_t fine_size, bool closed) {
 }  // namespace
 
 EnergyVolume restrict_energy(const EnergyVolume& energy, Window window) {
-    return energy.summed() ? restricted<float>(energy, window) : restricted<std::uint16_t>(energy, window);
+    if (energy.summed()) return energy.protects() ? restricted<float, true>(energy, window) : restricted<float, false>(energy, window);
+    return energy.protects() ? restricted<std::uint16_t, true>(energy, window) : restricted<std::uint16_t, false>(energy, window);
 }
 
 std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const std::uint16_t> seam, const Columns& fine, Window window) {

@@ -16,7 +16,7 @@ public:
     static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
 
     explicit Columns(const EnergyVolume& energy)
-        : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.summed() ? 1 : energy.frames()), energy.closed()) {}
+        : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
     Columns(int laterals, int slices, int frames, bool closed)
         : laterals_(static_cast<std::size_t>(laterals)),
           slices_(static_cast<std::size_t>(slices)),

@@ -106,6 +106,8 @@ public:
     bool idle() const { return active_.empty() && sent_[0].empty() && sent_[1].empty(); }
     /// What came to the sink.
     std::int64_t sunk() const { return sunk_; }
+    /// Whether more flow came together than an arc holds.
+    bool overflowed() const { return overflowed_; }
     /// How much excess could still get there when the last search was finished.
     std::int64_t left() const { return left_; }
     /// Nodes of the part before and of the part behind that were reached or given something.
@@ -264,6 +266,7 @@ private:
                         auto& lowered = arcs.lowered[d];
                         if (at + 1 == label && excess > 0) {
                             const auto amount = std::min<std::int64_t>(excess, endless - lowered);
+                            overflowed_ = overflowed_ || amount < excess;
                             lowered += static_cast<std::int32_t>(amount);
                             tag.set_lowered(d, true);
                             give(below, other, lower(entry), out, amount);
@@ -276,6 +279,7 @@ private:
                 if (at + 1 == label) {
                     auto& up = cut_.arcs_[own - 1].up;
                     const auto amount = up == endless ? excess : std::min<std::int64_t>(excess, endless - 1 - up);
+                    overflowed_ = overflowed_ || amount < excess;
                     if (up != endless) up += static_cast<std::int32_t>(amount);
                     cut_.tags_[own - 1].set_up(true);
                     give(own - 1, c, lower(entry), -1, amount);
@@ -298,6 +302,7 @@ private:
     unsigned along_ = 0;  ///< the dimension in which what is left and right of the box is another's
     std::size_t size_ = 0;
     std::int64_t sunk_ = 0, left_ = 0;
+    bool overflowed_ = false;
     std::vector<Spot> front_, next_, active_;
     std::array<std::vector<Spot>, 2> sent_;
 };
@@ -344,24 +349,27 @@ std::vector<Cut::Box> Cut::slabs() const {
     return out;
 }
 
-void Cut::solve_tiles(bool shifted, double tolerance) {
+bool Cut::solve_tiles(bool shifted, double tolerance) {
     const auto boxes = tiles(tile_nodes, shifted);
     const double share = tolerance * static_cast<double>(flow_) / static_cast<double>(tags_.size());
     std::vector<std::int64_t> sunk(boxes.size());
+    std::atomic<bool> overflowed = false;
     tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t n) {
         Region region(*this, boxes[n], true);
-        while (true) {
+        while (!region.overflowed()) {
             region.begin_search();
             for (Label distance = 2; region.go_on(distance); ++distance) {}
             if (static_cast<double>(region.left()) <= share * static_cast<double>(region.size())) break;
             region.push(steps_between_searches(region.size()));
         }
         sunk[n] = region.sunk();
+        if (region.overflowed()) overflowed = true;
     });
     flow_ += std::accumulate(sunk.begin(), sunk.end(), std::int64_t{0});
+    return !overflowed;
 }
 
-void Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
+bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
     std::vector<Region> regions;
     for (const auto& box : slabs()) regions.emplace_back(*this, box, false);
     const auto count = regions.size();
@@ -403,16 +411,16 @@ void Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
                 });
             idle = std::ranges::all_of(regions, [](const Region& region) { return region.idle(); });
         }
+        if (std::ranges::any_of(regions, [](const Region& region) { return region.overflowed(); })) return false;
     }
     for (const auto& region : regions) flow_ += region.sunk();
+    return true;
 }
 
-void Cut::solve(double tolerance, const std::function<void()>& tick) {
-    if (tags_.size() > 4 * tile_nodes) {
-        solve_tiles(false, 4 * tolerance);
-        solve_tiles(true, 2 * tolerance);
-    }
-    solve_whole(tolerance, tick);
+bool Cut::solve(double tolerance, const std::function<void()>& tick) {
+    const bool tiled = tags_.size() > 4 * tile_nodes;
+    if (tiled && !(solve_tiles(false, 4 * tolerance) && solve_tiles(true, 2 * tolerance))) return false;
+    return solve_whole(tolerance, tick);
 }
 
 std::vector<std::uint16_t> Cut::seam() const {

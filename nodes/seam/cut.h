@@ -28,7 +28,7 @@ class Cut {
 public:
     /// The cost of a column's entries in the band, 0 to most_cost or endless; written for entries band.first to band.last.
     using CostOf = std::function<void(std::size_t column, Band::Column band, std::int32_t* costs)>;
-    /// No seam goes through an entry of this cost if it can go elsewhere.
+    /// No seam goes through an entry of this cost if it can go elsewhere. Not for the ends of a column.
     static constexpr std::int32_t endless = 0x7FFFFFFF;
     static constexpr std::int32_t most_cost = 1 << 26;
 
@@ -36,7 +36,8 @@ public:
     Cut(const Columns& columns, const Band& band, const CostOf& cost_of, bool reversed = false);
 
     /// @param tolerance  how much the seam may cost above the least, as a share of the flow
-    void solve(double tolerance, const std::function<void()>& tick);
+    /// @return false if more flow came together than an arc holds, 31 bits: then there is no seam, and lower costs are wanted
+    [[nodiscard]] bool solve(double tolerance, const std::function<void()>& tick);
 
     /// Entry per column; feasible.
     std::vector<std::uint16_t> seam() const;
@@ -95,8 +96,8 @@ private:
     void fill(const Band& band, const CostOf& cost_of);
     std::vector<Box> tiles(std::size_t nodes, bool shifted) const;
     std::vector<Box> slabs() const;
-    void solve_tiles(bool shifted, double tolerance);
-    void solve_whole(double tolerance, const std::function<void()>& tick);
+    bool solve_tiles(bool shifted, double tolerance);
+    bool solve_whole(double tolerance, const std::function<void()>& tick);
 
     const Columns columns_;
     const bool reversed_;

@@ -1,78 +1,77 @@
 #include "nodes/seam/cut_seam.h"
 
-#include "nodes/seam/energy_code.h"
+#include "nodes/seam/protection.h"
 
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numeric>
 
 namespace fluidcarve {
 
 namespace {
 
-bool feasible(const Columns& columns, std::span<const std::uint16_t> seam) {
-    for (std::size_t c = 0; c < seam.size(); ++c)
-        for (const auto other : columns.around(c, columns.place(c)))
-            if (other != Columns::none && std::abs(seam[c] - seam[other]) > 1) return false;
-    return true;
-}
-
-/// @param energy_at  (column, entry)
-template <class EnergyAt>
-CutSeam solve(const Columns& columns, const Band& band, const EnergyAt& energy_at, double tolerance, int number, const std::function<void()>& tick) {
-    const auto highest = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, columns.count(), 4096), 0.0f,
-        [&](const tbb::blocked_range<std::size_t>& range, float most) {
+/// @param cost_at   (column, entry)
+/// @param protects  whether some cost is infinite
+template <class CostAt>
+CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, bool protects, double tolerance, int number,
+              const std::function<void()>& tick) {
+    const auto band = protects ? tightened(columns, whole, cost_at) : whole;
+    struct Span {
+        float low = 0, high = 0;
+    };
+    const auto span = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, columns.count(), 4096), Span{},
+        [&](const tbb::blocked_range<std::size_t>& range, Span out) {
             for (auto c = range.begin(); c < range.end(); ++c)
-                for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) most = std::max(most, energy_at(c, entry));
-            return most;
+                for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) {
+                    const auto cost = cost_at(c, entry);
+                    out.low = std::min(out.low, cost);
+                    if (!std::isinf(cost)) out.high = std::max(out.high, cost);
+                }
+            return out;
         },
-        [](float a, float b) { return std::max(a, b); });
+        [](const Span& a, const Span& b) {
+            return Span{std::min(a.low, b.low), std::max(a.high, b.high)};
+        });
+    // Where some costs are below 0, those of each column count from its lowest, so that `tolerance` is a share of what
+    // seams differ in.
+    std::vector<float> lows(span.low < 0 ? columns.count() : 0);
+    for (std::size_t c = 0; c < lows.size(); ++c) {
+        lows[c] = cost_at(c, band.columns[c].first);
+        for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) lows[c] = std::min(lows[c], cost_at(c, entry));
+    }
+    const auto sum_of_lows = std::accumulate(lows.begin(), lows.end(), 0.0);
     // A power of two, so that what fits into 24 bits is not rounded.
     int exponent = 0;
-    std::frexp(highest, &exponent);
+    std::frexp(span.high - span.low, &exponent);
     for (int bits = 24;; bits -= 6) {
         const double scale = std::ldexp(1.0, bits - exponent);
         const auto cost_of = [&](std::size_t c, Band::Column range, std::int32_t* costs) {
-            for (int entry = range.first; entry <= range.last; ++entry) *costs++ = static_cast<std::int32_t>(scale * energy_at(c, entry));
+            const double low = lows.empty() ? 0.0 : lows[c];
+            for (int entry = range.first; entry <= range.last; ++entry) {
+                const double cost = cost_at(c, entry);
+                *costs++ = std::isinf(cost) ? Cut::endless : static_cast<std::int32_t>(scale * (cost - low));
+            }
         };
         Cut cut(columns, band, cost_of, number % 2 != 0);
-        cut.solve(tolerance, tick);
-        CutSeam out{cut.seam(), static_cast<double>(cut.flow()) / scale};
-        // Where more flow gathered than an arc holds, neighbours may be torn apart; lower figures leave more room.
-        if (feasible(columns, out.at)) return out;
+        // Where more flow gathers than an arc holds, lower figures leave more room.
+        if (cut.solve(tolerance, tick)) return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
 }
 
 }  // namespace
 
-namespace {
-
-/// Calls back with a function that gives the energy at (column, entry).
-template <class Call>
-auto with_energies(const EnergyVolume& energy, const Call& call) {
-    const auto in = [&](auto cell) {
-        using Cell = decltype(cell);
-        return call([&energy, per_frame = energy.columns_per_frame()](std::size_t c, int entry) {
-            const auto value = energy.cells<Cell>(c / per_frame)[c % per_frame * energy.stride() + static_cast<std::size_t>(entry)];
-            if constexpr (std::is_same_v<Cell, float>) return value;
-            else return decode_energy(value);
-        });
-    };
-    return energy.summed() ? in(float{}) : in(std::uint16_t{});
-}
-
-}  // namespace
-
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number, const std::function<void()>& tick) {
-    return with_energies(energy, [&](const auto& energy_at) { return solve(Columns(energy), band, energy_at, tolerance, number, tick); });
+    return with_costs(energy, [&](const auto& cost_at) { return solve(Columns(energy), band, cost_at, energy.protects(), tolerance, number, tick); });
 }
 
 Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) {
     auto cut = cut_seam(energy, Band::whole(Columns(energy).count(), window), 0, number, tick);
-    const auto sum = energy_of(energy, cut.at);
-    return {std::move(cut.at), sum, cut.lower_bound};
+    const auto sum = energy_of(energy, cut.at), bound = energy_bound(energy, cut.at, cut.lower_bound);
+    return {std::move(cut.at), sum, bound};
 }
 
 Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number, int interval, double threshold, const std::function<void()>& tick) {
@@ -80,22 +79,36 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
     std::vector<std::uint16_t> at;
     for (std::size_t begin = 0; begin < all.frames(); begin += static_cast<std::size_t>(interval)) {
         const auto frames = std::min(static_cast<std::size_t>(interval), all.frames() - begin);
-        const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.closed());
-        auto band = Band::whole(columns.count(), window);
-        // A frame may drift from the last frame of the interval before by one entry for each frame between.
-        for (std::size_t c = 0; begin > 0 && c < columns.count(); ++c) {
+        // Of all columns that are left; a frame may drift from the last one before by one entry for each frame between.
+        const Columns rest(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(all.frames() - begin), all.closed());
+        auto band = Band::whole(rest.count(), window);
+        for (std::size_t c = 0; begin > 0 && c < rest.count(); ++c) {
             const int home = at[begin * all.per_frame() - all.per_frame() + c % all.per_frame()], reach = static_cast<int>(c / all.per_frame()) + 1;
             band.columns[c] = {static_cast<std::uint16_t>(std::max(home - reach, window.first)),
                                static_cast<std::uint16_t>(std::min(home + reach, window.last))};
         }
-        const auto part = with_energies(energy, [&](const auto& energy_at) {
+        auto part = with_costs(energy, [&](const auto& cost_at) {
+            const auto later = [&](std::size_t c, int entry) { return cost_at(begin * all.per_frame() + c, entry); };
             const auto above_threshold = [&](std::size_t c, int entry) {
-                const auto value = energy_at(begin * all.per_frame() + c, entry);
-                return value < threshold ? 0.0f : value;
+                const auto cost = later(c, entry);
+                return cost > 0 && cost < threshold ? 0.0f : cost;
             };
-            return solve(columns, band, above_threshold, 0, number, tick);
+            if (energy.protects()) band = tightened(rest, band, later);
+            const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.closed());
+            auto cut = solve(columns, {{band.columns.begin(), band.columns.begin() + static_cast<std::ptrdiff_t>(columns.count())}}, above_threshold,
+                             energy.protects(), 0, number, tick)
+                           .at;
+            if (!energy.protects()) return cut;
+            // What comes later may find no way on from here.
+            for (auto c = cut.size(); c < rest.count(); ++c) {
+                const auto [first, last] = band.columns[c];
+                cut.push_back(std::clamp(cut[c - all.per_frame()], first, last));
+            }
+            cut = moved_aside(rest, cut, band, later);
+            cut.resize(columns.count());
+            return cut;
         });
-        at.insert(at.end(), part.at.begin(), part.at.end());
+        at.insert(at.end(), part.begin(), part.end());
     }
     const auto sum = energy_of(energy, at);
     return {std::move(at), sum};
@@ -108,7 +121,7 @@ CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int ra
         band.columns.push_back({static_cast<std::uint16_t>(std::max<int>(seam[c] - radius, strip[c].first)),
                                 static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
     return solve(
-        strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); }, tolerance, number, tick);
+        strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.protects(), tolerance, number, tick);
 }
 
 }  // namespace fluidcarve

@@ -26,6 +26,7 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
     std::vector<std::int8_t> steps(length * width);
     const std::array<int, 3> order{0, number % 2 == 0 ? -1 : 1, number % 2 == 0 ? 1 : -1};
     std::vector<double> before(width), now(width);
+    const auto way = [&](int i) { return before[static_cast<std::size_t>(i)]; };
     for (std::size_t c = 0; c < length; ++c) {
         const auto* const energies = strip.energies(c);
         for (int i = 0; i < window.size(); ++i) {
@@ -33,20 +34,20 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
             int best = 0;
             if (c > 0)
                 for (const int step : order)
-                    if (i + step >= 0 && i + step < window.size() && before[static_cast<std::size_t>(i + step)] < before[static_cast<std::size_t>(i + best)])
-                        best = step;
+                    if (i + step >= 0 && i + step < window.size() && way(i + step) < way(i + best)) best = step;
             steps[c * width + at] = static_cast<std::int8_t>(best);
-            now[at] = energies[at] + (c > 0 ? before[static_cast<std::size_t>(i + best)] : 0.0);
+            now[at] = energies[at] + (c > 0 ? way(i + best) : 0.0);
         }
         std::swap(before, now);
     }
     auto entry = std::min_element(before.begin(), before.end()) - before.begin();
-    const auto sum = before[static_cast<std::size_t>(entry)];
+    const auto least = before[static_cast<std::size_t>(entry)];
     std::vector<std::uint16_t> at(length);
     for (auto c = length; c-- > 0;) {
         at[c] = static_cast<std::uint16_t>(window.first + entry);
         entry += steps[c * width + static_cast<std::size_t>(entry)];
     }
+    const auto sum = energy.attracts() ? energy_of(energy, at) : least;
     return {std::move(at), sum, sum};
 }
 

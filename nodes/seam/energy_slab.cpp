@@ -3,7 +3,7 @@
 #include "graph/problem.h"
 #include "nodes/field/leaf_cell.h"
 #include "nodes/lattice/alignment.h"
-#include "nodes/lattice/mapping.h"
+#include "nodes/seam/column_places.h"
 #include "nodes/seam/energy_code.h"
 
 #include <fmt/format.h>
@@ -11,15 +11,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace fluidcarve {
 
 namespace {
 
 using openvdb::Vec3d;
-
-/// The vertex of entry `i` in column `(lateral, k)`.
-std::array<int, 3> vertex(Axis axis, int entry, int lateral, int k) { return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k}; }
 
 /// Readers go along one column at a time, whose vertices stand on a line at equal distances.
 class ByIndex {
@@ -36,28 +34,12 @@ private:
     openvdb::Coord first_;
 };
 
+/// Values between voxels.
 class Trilinear {
 public:
-    Trilinear(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis)
-        : transform_(grid.transform()), linear_(transform_.isLinear()), values_(grid.getConstAccessor()), lattice_(lattice), axis_(axis) {}
-    void move_to(const std::array<int, 3>& first) {
-        const Vec3d at(first[0], first[1], first[2]);
-        auto next = at;
-        next[static_cast<int>(axis_)] += 1;
-        const auto position = [&](const Vec3d& vertex) {
-            const auto world = lattice_.position(vertex);
-            return linear_ ? transform_.worldToIndex(world) : world;
-        };
-        first_ = position(at);
-        step_ = position(next) - first_;
-    }
-    float operator()(int entry) {
-        const auto at = first_ + entry * step_;
-        return sample(snapped(linear_ ? at : transform_.worldToIndex(at)));
-    }
-
-private:
-    float sample(const Vec3d& q) {
+    explicit Trilinear(const openvdb::FloatGrid& grid) : values_(grid.getConstAccessor()) {}
+    /// @param q  index coordinates
+    float operator()(const Vec3d& q) {
         using Sampler = openvdb::tools::BoxSampler;
         const auto low = voxel_below(q);
         float cell[2][2][2];
@@ -67,12 +49,50 @@ private:
         return Sampler::trilinearInterpolation(cell, q - low.asVec3d());
     }
 
-    const openvdb::math::Transform& transform_;
-    const bool linear_;
+private:
     openvdb::FloatGrid::ConstAccessor values_;
+};
+
+class AtVertices {
+public:
+    AtVertices(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis) : sample_(grid), places_(grid.transform(), lattice, axis) {}
+    void move_to(const std::array<int, 3>& first) { places_.move_to(first); }
+    float operator()(int entry) { return sample_(places_(entry)); }
+
+private:
+    Trilinear sample_;
+    ColumnPlaces places_;
+};
+
+/// Over the space that is nearest to each vertex.
+class OverCells {
+public:
+    OverCells(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis)
+        : sample_(grid), transform_(grid.transform()), lattice_(lattice), axis_(axis) {}
+    void move_to(const std::array<int, 3>& first) { first_ = Vec3d(first[0], first[1], first[2]); }
+    float operator()(int entry) {
+        auto at = first_;
+        at[static_cast<int>(axis_)] += entry;
+        // Planes are even: only between them space is more or less than a spacing wide.
+        const auto& plane = lattice_.planes[static_cast<std::size_t>(at.z())];
+        const auto across = 0.5 * (lattice_.position(at + Vec3d(0, 0, 1)) - lattice_.position(at - Vec3d(0, 0, 1)));
+        const double volume = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing;
+        const int samples = std::max(1, static_cast<int>(std::ceil(volume - whole)));
+        double sum = 0;
+        for (int n = 0; n < samples; ++n) {
+            const auto off = (n + 0.5) / samples - 0.5;
+            sum += sample_(snapped(transform_.worldToIndex(lattice_.position(at + Vec3d(0, 0, off)))));
+        }
+        return static_cast<float>(volume * sum / samples);
+    }
+
+private:
+    static constexpr double whole = 1e-6;
+    Trilinear sample_;
+    const openvdb::math::Transform& transform_;
     const Lattice& lattice_;
     const Axis axis_;
-    Vec3d first_, step_;  ///< of the column: index units, or world units if the transform is not linear
+    Vec3d first_;
 };
 
 template <class MakeReader>
@@ -82,7 +102,7 @@ void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Make
         auto read = make_reader();
         auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
         for (int column = range.begin(); column < range.end(); ++column) {
-            read.move_to(vertex(axis, 0, column % laterals, column / laterals));
+            read.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
             for (int entry = 0; entry < entries; ++entry) *out++ = encode_energy(read(entry));
         }
     });
@@ -91,10 +111,10 @@ void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Make
     if (bad == slab.end()) return;
     const auto place = bad - slab.begin();
     const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
-    const auto at = vertex(axis, entry, lateral, static_cast<int>(place / entries / laterals));
+    const auto at = vertex_of(axis, entry, lateral, static_cast<int>(place / entries / laterals));
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
     auto read = make_reader();
-    read.move_to(vertex(axis, 0, lateral, at[2]));
+    read.move_to(vertex_of(axis, 0, lateral, at[2]));
     throw Failure(fmt::format("the energy is {} at ({:g}, {:g}, {:g}), vertex ({}, {}, {}); seams need energies from 0 to {:.3g}", read(entry), world.x(),
                               world.y(), world.z(), at[0], at[1], at[2], decode_energy(highest_energy_code)));
 }
@@ -108,9 +128,10 @@ openvdb::BBoxd world_box(const Lattice& lattice) {
 
 }  // namespace
 
-void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab) {
+void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure) {
     if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, slab, [&] { return ByIndex(energy, *alignment, axis); });
-    else fill(lattice, axis, slab, [&] { return Trilinear(energy, lattice, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, slab, [&] { return AtVertices(energy, lattice, axis); });
+    else fill(lattice, axis, slab, [&] { return OverCells(energy, lattice, axis); });
 }
 
 bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice) {

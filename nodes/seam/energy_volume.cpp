@@ -1,12 +1,11 @@
 #include "nodes/seam/energy_volume.h"
 
-#include "nodes/seam/energy_code.h"
-
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
-#include <functional>
 
 namespace fluidcarve {
 
@@ -16,31 +15,79 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
     : width_(shape[axis == Axis::u ? 0 : 1]),
       laterals_(shape[axis == Axis::u ? 1 : 0]),
       slices_(shape[2]),
+      frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
       slabs_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
 
-EnergyVolume::EnergyVolume(const EnergyVolume& whole, std::vector<float> sums)
-    : width_(whole.width_),
-      laterals_(whole.laterals_),
-      slices_(whole.slices_),
-      stride_(whole.stride_),
-      closed_(whole.closed_),
-      slabs_(1, 0, 0, ""),
-      sums_(std::move(sums)) {}
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed)
+    : width_(shape[axis == Axis::u ? 0 : 1]),
+      laterals_(shape[axis == Axis::u ? 1 : 0]),
+      slices_(shape[2]),
+      frames_(frames),
+      stride_(static_cast<std::size_t>(width_)),
+      closed_(closed),
+      slabs_(frames, 0, 0, ""),
+      sums_(std::move(costs)) {}
+
+void EnergyVolume::find_marks() {
+    struct Found {
+        std::size_t guarded = 0, attracted = 0;
+        std::uint16_t highest = 0;
+    };
+    const auto found = tbb::parallel_reduce(
+        ColumnRange(0, columns_per_frame() * frames(), 4096), Found{},
+        [&](const ColumnRange& range, Found out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto* const codes = slab(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
+                for (int entry = 0; entry < width_; ++entry) {
+                    const auto code = codes[entry];
+                    if (code < protected_code) out.highest = std::max(out.highest, code);
+                    else ++(code == protected_code ? out.guarded : out.attracted);
+                }
+            }
+            return out;
+        },
+        [](const Found& a, const Found& b) {
+            return Found{a.guarded + b.guarded, a.attracted + b.attracted, std::max(a.highest, b.highest)};
+        });
+    protects_ = found.guarded > 0;
+    attracted_ = found.attracted;
+    attraction_ = attraction_of_highest * (found.highest > 0 ? decode_energy(found.highest) : 1.0f);
+}
 
 EnergyVolume EnergyVolume::sum() const {
-    std::vector<float> sums(stride_ * columns_per_frame());
+    std::vector<float> sums(stride_ * columns_per_frame()), energies(attracts() ? sums.size() : 0);
     tbb::parallel_for(ColumnRange(0, sums.size(), 4096), [&](const ColumnRange& range) {
         std::vector<double> part(range.size(), 0.0);
+        std::vector<std::size_t> attracted(energies.empty() ? 0 : range.size(), 0);
         for (std::size_t t = 0; t < frames(); ++t)
-            for (std::size_t n = 0; n < part.size(); ++n) part[n] += decode_energy(slab(t)[range.begin() + n]);
-        for (std::size_t n = 0; n < part.size(); ++n) sums[range.begin() + n] = static_cast<float>(part[n]);
+            for (std::size_t n = 0; n < part.size(); ++n) {
+                const auto code = slab(t)[range.begin() + n];
+                if (code == attracted_code) ++attracted[n];
+                else part[n] += Costs{}(code);
+            }
+        for (std::size_t n = 0; n < part.size(); ++n) {
+            const auto at = range.begin() + n;
+            if (!energies.empty()) {
+                energies[at] = static_cast<float>(part[n]);
+                part[n] -= static_cast<double>(attracted[n]) * static_cast<double>(attraction_);
+            }
+            sums[at] = static_cast<float>(part[n]);
+        }
     });
-    return {*this, std::move(sums)};
+    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums), closed_);
+    out.width_ = width_;
+    out.energies_ = std::move(energies);
+    out.frames_summed_ = frames();
+    out.protects_ = protects_;
+    out.attracted_ = attracted_;
+    out.attraction_ = attraction_;
+    return out;
 }
 
 void EnergyVolume::remove(std::span<const std::uint16_t> at) {
+    if (attracts()) attracted_ -= met(at).attracted;
     const auto columns = columns_per_frame();
     const auto close = [&](auto* column, std::size_t entry) {
         std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry - 1) * sizeof(*column));
@@ -49,21 +96,40 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at) {
         for (auto c = range.begin(); c < range.end(); ++c) {
             if (summed()) close(sums_.data() + c * stride_, at[c]);
             else close(slab(c / columns).data() + c % columns * stride_, at[c]);
+            if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
         }
     });
     --width_;
 }
 
-std::size_t EnergyVolume::zeros(std::span<const std::uint16_t> at) const {
+std::size_t EnergyVolume::attracted_at(std::size_t place) const {
+    if (energies_.empty() || !std::isfinite(sums_[place])) return 0;
+    return static_cast<std::size_t>(std::lround((energies_[place] - sums_[place]) / attraction_));
+}
+
+EnergyVolume::Met EnergyVolume::met(std::span<const std::uint16_t> at) const {
     const auto columns = columns_per_frame();
     return tbb::parallel_reduce(
-        ColumnRange(0, columns * frames(), 4096), std::size_t{0},
-        [&](const ColumnRange& range, std::size_t count) {
-            for (auto c = range.begin(); c < range.end(); ++c)
-                count += summed() ? sums_[c * stride_ + at[c]] == 0 : slab(c / columns)[c % columns * stride_ + at[c]] == 0;
-            return count;
+        ColumnRange(0, columns * frames(), 4096), Met{},
+        [&](const ColumnRange& range, Met out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                if (summed()) {
+                    const auto place = c * stride_ + at[c];
+                    out.zeros += sums_[place] == 0;
+                    out.attracted += attracted_at(place);
+                    out.blocked += std::isinf(sums_[place]);
+                } else {
+                    const auto code = slab(c / columns)[c % columns * stride_ + at[c]];
+                    out.zeros += code == 0;
+                    out.attracted += code == attracted_code;
+                    out.blocked += code == protected_code;
+                }
+            }
+            return out;
         },
-        std::plus<>());
+        [](const Met& a, const Met& b) {
+            return Met{a.zeros + b.zeros, a.attracted + b.attracted, a.blocked + b.blocked};
+        });
 }
 
 }  // namespace fluidcarve

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "nodes/seam/energy_code.h"
 #include "nodes/seam/seams.h"
 #include "nodes/seam/slab_store.h"
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -11,24 +13,51 @@
 
 namespace fluidcarve {
 
+/// What an entry costs the seam that takes it: its energy; infinity if it is protected; if it is attracted, less than
+/// nothing. Seams of least cost pass no protected vertex and as many attracted ones as is worth the way.
+struct Costs {
+    float attraction = 0;  ///< how much less than nothing
+
+    float operator()(std::uint16_t code) const {
+        if (code < protected_code) return decode_energy(code);
+        return code == protected_code ? std::numeric_limits<float>::infinity() : -attraction;
+    }
+    float operator()(float cost) const { return cost; }
+};
+
 /// The energy `E(i,j,k,t)` in which seams are found, and from which found seams are deleted: one slab of energy codes
 /// per frame (layout: sample_energy).
 class EnergyVolume {
 public:
+    /// An attracted vertex is worth a way through so many of the highest energy.
+    static constexpr float attraction_of_highest = 64;
+
     /// All energies 0. @throws Failure as SlabStore
     /// @param closed  column k = K-1 is a neighbour of k = 0
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false);
+    /// 32-bit costs in place of codes. @param costs  laid out as slabs, frame after frame
+    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed);
 
-    /// What a seam costs that is the same in all frames: one frame of energies summed over the frames, 32-bit floats in
+    /// Looks for protected and attracted vertices in the slabs. Until then there are none.
+    void find_marks();
+    bool protects() const { return protects_; }
+    std::size_t attracted() const { return attracted_; }  ///< vertices that are left
+    bool attracts() const { return attracted_ > 0; }
+    Costs costs() const { return {attraction_}; }
+    /// A cost that stands for a protected vertex where it must be weighed against others.
+    float barrier() const { return attraction_ * static_cast<float>(frames_summed_); }
+
+    /// What a seam costs that is the same in all frames: one frame of costs summed over the frames, 32-bit floats in
     /// place of codes.
     EnergyVolume sum() const;
+    /// Whether entries are costs in 32-bit floats.
     bool summed() const { return !sums_.empty(); }
 
     int width() const { return width_; }  ///< entries per column, fewer after each deletion
     int laterals() const { return laterals_; }
     int slices() const { return slices_; }  ///< columns per frame are laterals * slices
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_); }
-    std::size_t frames() const { return slabs_.count(); }
+    std::size_t frames() const { return frames_; }
     std::size_t stride() const { return stride_; }  ///< entries from a column to the next
     bool closed() const { return closed_; }
 
@@ -37,24 +66,50 @@ public:
     /// A frame's entries: codes (std::uint16_t), or float if summed().
     template <class Cell>
     const Cell* cells(std::size_t t) const {
-        if constexpr (std::is_same_v<Cell, float>) return sums_.data();
+        if constexpr (std::is_same_v<Cell, float>) return sums_.data() + t * columns_per_frame() * stride_;
         else return slab(t);
     }
+    /// The same for the energies of a sum, in which attracted vertices count 0.
+    const float* energies() const { return energies_.empty() ? sums_.data() : energies_.data(); }
 
     /// Deletes one entry of each column; what is behind it moves up.
     /// @param at  as Seams::Seam::at, each below width()
     void remove(std::span<const std::uint16_t> at);
-    /// In how many columns a seam meets no energy. @param at  as for remove
-    std::size_t zeros(std::span<const std::uint16_t> at) const;
+
+    /// What a seam meets. In a sum, marked vertices count once for each frame that marks them.
+    struct Met {
+        std::size_t zeros = 0;  ///< columns without energy
+        std::size_t attracted = 0;
+        std::size_t blocked = 0;  ///< columns in which it passes a protected vertex
+    };
+    /// @param at  as for remove
+    Met met(std::span<const std::uint16_t> at) const;
 
 private:
-    EnergyVolume(const EnergyVolume& whole, std::vector<float> sums);
+    std::size_t attracted_at(std::size_t place) const;  ///< in how many of the frames that a sum is of
 
     int width_, laterals_, slices_;
-    std::size_t stride_;
+    std::size_t frames_, stride_;
     bool closed_;
     SlabStore slabs_;
     std::vector<float> sums_;
+    std::vector<float> energies_;  ///< beside sums_, if vertices are attracted
+    std::size_t frames_summed_ = 1;
+    bool protects_ = false;
+    std::size_t attracted_ = 0;
+    float attraction_ = 0;
 };
+
+/// Calls back with a function that gives the cost at (column, entry), columns as in Seams::Seam::at.
+template <class Call>
+auto with_costs(const EnergyVolume& energy, const Call& call) {
+    const auto in = [&](auto cell) {
+        using Cell = decltype(cell);
+        return call([&energy, costs = energy.costs(), per_frame = energy.columns_per_frame()](std::size_t c, int entry) {
+            return costs(energy.cells<Cell>(c / per_frame)[c % per_frame * energy.stride() + static_cast<std::size_t>(entry)]);
+        });
+    };
+    return energy.summed() ? in(float{}) : in(std::uint16_t{});
+}
 
 }  // namespace fluidcarve

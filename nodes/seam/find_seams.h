@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/problem.h"
 #include "nodes/seam/energy_volume.h"
 #include "nodes/seam/seams.h"
 
@@ -18,8 +19,8 @@ struct Window {
 /// Told a few times a second how far the work has come, 0 to 1, from several threads at once; stops it by throwing.
 using Tick = std::function<void(double fraction)>;
 
-/// A solver: one seam inside a window that is not empty, in the energy as it is now, codes or sums, feasible, with its
-/// energy.
+/// A solver: one seam inside a window in which there is one, in the energy as it is now, codes or sums, feasible, past all
+/// protected vertices, with its energy; that of attracted vertices is 0.
 /// @param number  how many seams were found before; ties lean to one side for even numbers, to the other for odd
 using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
 
@@ -28,8 +29,24 @@ using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;      ///< per seam
-    std::vector<double> zero_share;  ///< per seam, how much of its columns has no energy, 0 to 1
+    std::vector<double> wall_s;          ///< per seam
+    std::vector<double> zero_share;      ///< per seam, how much of its columns has no energy, 0 to 1
+    std::vector<std::size_t> attracted;  ///< per seam, how many attracted vertices it takes
+    std::vector<std::size_t> blocked;    ///< per seam, how many protected vertices it passes
+    std::size_t attracted_left = 0;      ///< attracted vertices that none takes
+};
+
+/// Protected vertices leave no way for the next seam.
+struct NoSeam : Failure {
+    /// Where a way would have to lead: the first column that has no free vertex, else the first that can't be reached.
+    struct Bottleneck {
+        std::size_t column;  ///< as in Seams::Seam::at; if still, of a single frame
+        int vertices;        ///< that seams before left in the window
+        int free;            ///< of those
+    };
+    NoSeam(int found, const Bottleneck& at);
+    int found;  ///< seams before
+    Bottleneck at;
 };
 
 /// Whether the window has room for `count` seams, at least 0. An insertion stands between an entry and the next: it leaves
@@ -43,7 +60,7 @@ void require_room(Seams::Kind kind, int count, Window window, int width);
 /// @param volume  used up
 /// @param window  original entries
 /// @param still   each seam is the same in all frames; found in their sum, and the volume stays as it is
-/// @throws Failure as require_room
+/// @throws Failure as require_room; NoSeam
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,
                       bool still = false);
 

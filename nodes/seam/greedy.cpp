@@ -1,6 +1,8 @@
 #include "nodes/seam/greedy.h"
 
 #include "nodes/seam/energy_code.h"
+#include "nodes/seam/protection.h"
+#include "nodes/seam/strip.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -27,11 +29,45 @@ constexpr std::size_t group = 64;
 
 enum class Ring { open, cone, gaussian };
 
-float energy_of(std::uint16_t code) { return decode_energy(code); }
-float energy_of(float sum) { return sum; }
-/// Orders as the energies do.
-std::uint32_t rank_of(std::uint16_t code) { return code; }
-std::uint32_t rank_of(float energy) { return std::bit_cast<std::uint32_t>(energy); }
+/// What entries cost where none is marked, and ranks that order as the costs do.
+struct Unmarked {
+    explicit Unmarked(const EnergyVolume&) {}
+    static float cost(std::uint16_t code) { return decode_energy(code); }
+    static float cost(float sum) { return sum; }
+    static std::uint32_t rank(std::uint16_t code) { return code; }
+    static std::uint32_t rank(float energy) { return std::bit_cast<std::uint32_t>(energy); }
+    template <class Cell>
+    static float cost_of_rank(std::uint32_t rank) {
+        if constexpr (std::is_same_v<Cell, float>) return std::bit_cast<float>(rank);
+        else return decode_energy(static_cast<std::uint16_t>(rank));
+    }
+};
+
+/// The same where some are.
+class Marked {
+public:
+    /// What a protected entry costs: more than any way around it, but so that fewer of them cost less.
+    static constexpr float blocked = 1e30f;
+
+    explicit Marked(const EnergyVolume& energy) : costs_(energy.costs()) {}
+    template <class Cell>
+    float cost(Cell cell) const {
+        return std::min(costs_(cell), blocked);
+    }
+    template <class Cell>
+    std::uint32_t rank(Cell cell) const {
+        const auto bits = std::bit_cast<std::uint32_t>(cost(cell));
+        return bits ^ (bits >> 31 != 0 ? ~std::uint32_t{0} : sign);
+    }
+    template <class Cell>
+    static float cost_of_rank(std::uint32_t rank) {
+        return std::bit_cast<float>(rank ^ ((rank & sign) != 0 ? sign : ~std::uint32_t{0}));
+    }
+
+private:
+    static constexpr std::uint32_t sign = 0x80000000;
+    Costs costs_;
+};
 
 /// The paper's guide, in energy: `[k][distance from the entry in slice 0]`, as far as the cone of slice k reaches.
 using GuideTable = std::vector<std::vector<float>>;
@@ -50,24 +86,31 @@ template <class Cell>
 double mean_energy(const EnergyVolume& energy, Window window) {
     const auto* const cells = energy.cells<Cell>(0);
     const auto row = static_cast<std::size_t>(energy.laterals());
+    // Marked entries count 0.
+    const auto energies = [](Cell cell) {
+        const auto cost = Costs{}(cell);
+        return std::isinf(cost) ? 0.0f : std::max(cost, 0.0f);
+    };
     // Slices are added one by one, so that the sum does not depend on the threads.
     std::vector<double> sums(static_cast<std::size_t>(energy.slices()), 0.0);
     tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t k) {
         for (std::size_t c = k * row; c < (k + 1) * row; ++c)
-            for (int entry = window.first; entry <= window.last; ++entry) sums[k] += energy_of(cells[c * energy.stride() + static_cast<std::size_t>(entry)]);
+            for (int entry = window.first; entry <= window.last; ++entry) sums[k] += energies(cells[c * energy.stride() + static_cast<std::size_t>(entry)]);
     });
     return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(energy.columns_per_frame()) * window.size());
 }
 
 /// Seams that advance together through all columns, so that the energy is read once for all of them. Each leaves behind
 /// its steps: by how much, -1 to 1, its entry differs from that of the nearest column before.
-template <class Cell>
+/// @tparam Values  Unmarked or Marked
+template <class Cell, class Values>
 class Sweep {
 public:
     /// @param starts  the entry of each seam in the first column
     /// @param guide   empty: none
     Sweep(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide)
         : energy_(energy),
+          values_(energy),
           first_(static_cast<unsigned>(window.first)),
           last_(static_cast<unsigned>(window.last)),
           below_first_(number % 2 == 0),
@@ -150,7 +193,7 @@ private:
     void start(const Cell* column, Entry* out) {
         for (std::size_t s = 0; s < starts_.size(); ++s) {
             out[s] = starts_[s];
-            sums_[s] += energy_of(column[out[s]]);
+            sums_[s] += values_.cost(column[out[s]]);
         }
     }
 
@@ -169,16 +212,15 @@ private:
             const unsigned stay = std::clamp<unsigned>(a[s], low, high), middle = (low + high) / 2;
             const auto key = [&](unsigned entry) {
                 std::uint32_t rank = 0;
-                if constexpr (ring == Ring::gaussian) rank = rank_of(energy_of(column[entry]) + home.guide[entry > from ? entry - from : from - entry]);
-                else rank = rank_of(column[entry]);
+                if constexpr (ring == Ring::gaussian) rank = values_.rank(values_.cost(column[entry]) + home.guide[entry > from ? entry - from : from - entry]);
+                else rank = values_.rank(column[entry]);
                 return key_of(rank, entry, stay);
             };
             const auto best = std::min({key(low), key(middle), key(high)});
             out[s] = static_cast<Entry>(best);
             steps[s / 4] = static_cast<std::uint8_t>(steps[s / 4] | (out[s] - a[s] + 1) << (2 * (s % 4)));
-            if constexpr (ring == Ring::gaussian) sums_[s] += energy_of(column[out[s]]);
-            else if constexpr (std::is_same_v<Cell, float>) sums_[s] += std::bit_cast<float>(static_cast<std::uint32_t>(best >> 32));
-            else sums_[s] += energy_of(static_cast<Cell>(best >> 32));
+            if constexpr (ring == Ring::gaussian) sums_[s] += values_.cost(column[out[s]]);
+            else sums_[s] += Values::template cost_of_rank<Cell>(static_cast<std::uint32_t>(best >> 32));
             __builtin_prefetch(column + ahead * energy_.stride() + out[s]);
         }
     }
@@ -190,6 +232,7 @@ private:
     }
 
     const EnergyVolume& energy_;
+    const Values values_;
     const unsigned first_, last_;
     const bool below_first_;
     const std::span<const Entry> starts_;
@@ -208,17 +251,17 @@ std::vector<Entry> spread(Window window, int starts) {
     return out;
 }
 
-/// The cheapest of seams that race in as many sweeps as there are threads; of equals the first.
-template <class Cell>
+/// The cheapest of seams that race in as many sweeps as there are threads; of equals the first. Its energy is the cost.
+template <class Cell, class Values>
 Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
-    std::vector<std::optional<Sweep<Cell>>> sweeps(threads);
+    std::vector<std::optional<Sweep<Cell, Values>>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
         const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
         sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin), guide);
         sweeps[n]->run(tick);
     });
-    const Sweep<Cell>* best = nullptr;
+    const Sweep<Cell, Values>* best = nullptr;
     std::size_t seam = 0;
     for (const auto& sweep : sweeps)
         for (std::size_t s = 0; s < sweep->sums().size(); ++s)
@@ -229,7 +272,7 @@ Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::spa
     return {best->entries(seam), best->sums()[seam]};
 }
 
-template <class Cell>
+template <class Cell, class Values>
 Seams::Seam find(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
     const bool guided = energy.closed() && guide == Guide::gaussian;
     const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, window)) : GuideTable();
@@ -238,17 +281,27 @@ Seams::Seam find(const EnergyVolume& energy, Window window, int number, int star
     std::optional<Seams::Seam> best;
     for (std::size_t n = 0; n < groups; ++n) {
         const auto some = std::span(entries).subspan(n * group).first(std::min(group, entries.size() - n * group));
-        auto seam =
-            race<Cell>(energy, window, number, some, table, [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
+        auto seam = race<Cell, Values>(energy, window, number, some, table,
+                                       [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
         if (!best || seam.energy < best->energy) best = std::move(seam);
     }
     return std::move(*best);
 }
 
+template <class Cell>
+Seams::Seam find_marked(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
+    const auto seam = find<Cell, Marked>(energy, window, number, starts, tick, guide);
+    auto at = past_protected(energy, window, {seam.at.begin(), seam.at.end()});
+    const auto sum = energy_of(energy, at);
+    return {std::move(at), sum};
+}
+
 }  // namespace
 
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
-    return energy.summed() ? find<float>(energy, window, number, starts, tick, guide) : find<std::uint16_t>(energy, window, number, starts, tick, guide);
+    const auto with = [&](const auto& search) { return search(energy, window, number, starts, tick, guide); };
+    if (energy.protects() || energy.attracts()) return energy.summed() ? with(find_marked<float>) : with(find_marked<Entry>);
+    return energy.summed() ? with(find<float, Unmarked>) : with(find<Entry, Unmarked>);
 }
 
 }  // namespace fluidcarve

@@ -18,6 +18,8 @@ enum class Guide {
 /// Through a closed energy, seams close: the guide's cone always holds an entry that all neighbours allow. The Gaussian
 /// stands on the entry in slice 0, is half as wide as the cone there, and as high as the window's mean energy in the first
 /// frame; it bends the way and does not count as energy.
+/// Where vertices are marked, costs (Costs) stand in for energies. A search that protected vertices leave no way goes on
+/// through one; if all have to, the one that passes fewest is moved aside (protection.h), which finds a way wherever there is one.
 /// Deterministic. Takes 0.4 s for 322 x 105 x 331 vertices, 84 frames and 16 starts on two cores.
 /// @param starts  at least 1; more than the window has entries means all of them
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide = Guide::cone);

@@ -1,12 +1,12 @@
 #include "nodes/seam/lower_bound.h"
 
 #include "nodes/seam/columns.h"
-#include "nodes/seam/energy_code.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -19,10 +19,7 @@ namespace {
 /// Of an entry's surplus, what is handed on. More leaves nothing for the rest of the line, less takes more passes.
 constexpr float handed_on = 0.1f;
 
-float value_of(std::uint16_t code) { return decode_energy(code); }
-float value_of(float sum) { return sum; }
-
-/// What sums of floats along a line may be off, with room.
+/// What sums of floats along a line may be off, as a share of them, with room.
 constexpr double rounding = 1e-5;
 
 /// What the cheapest neighbour within 1 costs, for each entry.
@@ -54,13 +51,17 @@ struct Lines {
     std::size_t begin(std::size_t line) const { return line % first_count * first_step + line / first_count * second_step; }
 };
 
-/// Sums the minima of all lines, which `minimum` finds given a line's first column, in a fixed order.
+/// Sums the minima of all lines, which `minimum` finds given a line's first column, in a fixed order; each less what it may
+/// be off.
 template <class Minimum>
 double sum_of_lines(const Lines& lines, const Minimum& minimum) {
     std::vector<double> minima(lines.count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lines.count, 16), [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<float> scratch;
-        for (auto n = range.begin(); n < range.end(); ++n) minima[n] = minimum(lines.begin(n), scratch);
+        for (auto n = range.begin(); n < range.end(); ++n) {
+            const double least = minimum(lines.begin(n), scratch);
+            minima[n] = least - rounding * std::abs(least);
+        }
     });
     return std::accumulate(minima.begin(), minima.end(), 0.0);
 }
@@ -78,6 +79,7 @@ template <class Cell>
 double even_split(const EnergyVolume& energy, const Columns& columns, Window window) {
     const auto width = static_cast<std::size_t>(window.size());
     const auto all = dimensions(columns);
+    const auto cost = energy.costs();
     double sum = 0;
     for (const auto along : all) {
         const Lines lines(columns, along);
@@ -91,7 +93,7 @@ double even_split(const EnergyVolume& energy, const Columns& columns, Window win
                     spread(way, next, width);
                     std::swap(way, next);
                 }
-                for (std::size_t i = 0; i < width; ++i) way[i] += value_of(cells[i]);
+                for (std::size_t i = 0; i < width; ++i) way[i] += cost(cells[i]);
             }
             return static_cast<double>(*std::min_element(way, way + width));
         });
@@ -106,11 +108,11 @@ public:
     Split(const EnergyVolume& energy, const Columns& columns, Window window)
         : columns_(columns), all_(dimensions(columns)), width_(static_cast<std::size_t>(window.size())), parts_(all_.size()) {
         for (auto& part : parts_) part.resize(columns.count() * width_);
-        tbb::parallel_for(std::size_t{0}, columns.slices() * columns.frames(), [&](std::size_t row) {
+        tbb::parallel_for(std::size_t{0}, columns.slices() * columns.frames(), [&, cost = energy.costs()](std::size_t row) {
             for (auto c = row * columns.laterals(); c < (row + 1) * columns.laterals(); ++c) {
                 const auto* const cells = energy.cells<Cell>(c / columns.per_frame()) + c % columns.per_frame() * energy.stride() + window.first;
                 for (std::size_t i = 0; i < width_; ++i)
-                    for (auto& part : parts_) part[c * width_ + i] = value_of(cells[i]) / static_cast<float>(parts_.size());
+                    for (auto& part : parts_) part[c * width_ + i] = cost(cells[i]) / static_cast<float>(parts_.size());
             }
         });
     }
@@ -156,7 +158,9 @@ private:
         for (std::size_t n = 0; n < parts_.size(); ++n) {
             auto* const part = parts_[n].data() + at;
             const float factor = n == own ? -handed_on : share;
-            for (std::size_t i = 0; i < width_; ++i) part[i] += factor * (surplus[i] - least);
+            // An entry that protected ones cut off has nothing to hand on.
+            for (std::size_t i = 0; i < width_; ++i)
+                if (!std::isinf(surplus[i])) part[i] += factor * (surplus[i] - least);
         }
     }
 
@@ -183,7 +187,7 @@ double lower_bound(const EnergyVolume& energy, Window window, int passes, const 
         }
         return bound;
     };
-    return (1 - rounding) * (energy.summed() ? in(float{}) : in(std::uint16_t{}));
+    return energy.summed() ? in(float{}) : in(std::uint16_t{});
 }
 
 }  // namespace fluidcarve

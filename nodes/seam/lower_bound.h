@@ -10,7 +10,7 @@ namespace fluidcarve {
 /// dimensions, which lowers no line's minimum and raises others': the bound rises with every pass. In a closed lattice
 /// lines along k are left open.
 /// Typically 95 to 99 % of the least energy with no pass, 98 to 99.9 % with 10. Takes 12 bytes for each entry of the window
-/// if there are passes.
+/// if there are passes. Where vertices are marked it is a bound of the cost (Costs); energy_bound makes one of the energy of it.
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick);
 
 }  // namespace fluidcarve

@@ -3,6 +3,7 @@
 #include "nodes/seam/coarse.h"
 #include "nodes/seam/cut_seam.h"
 #include "nodes/seam/greedy.h"
+#include "nodes/seam/protection.h"
 
 #include <algorithm>
 
@@ -13,7 +14,8 @@ namespace {
 /// Energies of so many entries are cut as a whole.
 constexpr std::size_t exact_entries = std::size_t{1} << 18;
 
-/// Beyond so many columns a seam is cut once, not twice, and mostly looked for from the last: seams bunch.
+/// Beyond so many columns cuts are left to coarser energies, whose seams are the closer the finer the columns are, and a
+/// seam is mostly looked for from the last: they bunch.
 constexpr std::size_t many_columns = std::size_t{1} << 20;
 
 /// Of so many seams in a row one is then looked for from coarse to fine.
@@ -39,7 +41,8 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
     switch (quality_) {
         case Quality::draft: return sweep();
         case Quality::normal:
-            if (strip.columns().count() <= many_columns) cut(1, 2e-3);
+            if (strip.columns().count() > many_columns) return sweep();
+            cut(1, 2e-3);
             sweep();
             return cut(1, 2e-3);
         case Quality::best:
@@ -57,7 +60,7 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
         const auto coarse = restrict_energy(energy, window);
         tick();
         const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, tick);
-        seam = prolong_seam(Columns(coarse), found, columns, window);
+        seam = past_protected(energy, window, prolong_seam(Columns(coarse), found, columns, window));
     }
     refine(energy, window, number, seam, tick);
     return seam;
@@ -67,26 +70,29 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     const auto alive = [&] { tick(0); };
     if (small(energy, window)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
-    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best) {
+    // What is attracted may be far from the last seam.
+    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts()) {
         best = coarse_to_fine(energy, window, number, alive);
     } else {
         best = std::move(last_);
         for (auto& entry : best) entry = static_cast<std::uint16_t>(std::clamp<int>(entry, window.first, window.last));
+        best = past_protected(energy, window, std::move(best));
         refine(energy, window, number, best, alive);
     }
-    auto least = energy_of(energy, best);
+    auto least = cost_of(energy, best);
     auto greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); });
-    if (greedy.energy < least) {
+    const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
+    if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());
         refine(energy, window, number, best, alive);
-        least = energy_of(energy, best);
-        if (greedy.energy < least) {
+        least = cost_of(energy, best);
+        if (cost < least) {
             best.assign(greedy.at.begin(), greedy.at.end());
-            least = greedy.energy;
+            least = cost;
         }
     }
     last_ = best;
-    return {std::move(best), least};
+    return {std::move(best), energy.attracts() ? energy_of(energy, last_) : least};
 }
 
 }  // namespace fluidcarve

@@ -29,8 +29,10 @@ NodeType seam_pyramid() {
         "never worse than `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
-               "How wide the bands are and how often they are cut. `draft` cuts coarse energies only: about 1 % above the least energy, nearly as fast as "
-               "`seam.greedy`. `best` also takes no short cuts from one seam to the next.")
+               "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and improves the seam line by line from there: "
+               "about 1 % "
+               "above the least energy, nearly as fast as `seam.greedy`. `normal` does so on the finest energies beyond a million columns (vertices across the "
+               "axis, times frames), and starts most seams from the last there; `best` never does.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Searches of the greedy solver that compete; the cheapest of all wins.");
 }
 

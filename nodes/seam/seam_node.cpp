@@ -1,8 +1,10 @@
 #include "nodes/seam/seam_node.h"
 
 #include "nodes/seam/carve_energy.h"
-#include "nodes/seam/energy_slab.h"
+#include "nodes/seam/column_places.h"
 #include "nodes/seam/lower_bound.h"
+#include "nodes/seam/marks.h"
+#include "nodes/seam/strip.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 namespace fluidcarve {
 
@@ -34,6 +37,15 @@ Window window_of(const char* name, const Auto<Interval>& window, int size, Axis 
 
 std::size_t vertices(const std::array<int, 3>& shape) {
     return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
+}
+
+/// Where a vertex of the space that seams carved before leave stands in the lattice; an inserted one halfway between two.
+openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec3d at) {
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+        const auto whole = [&](int axis) { return static_cast<int>(std::floor(at[axis])); };
+        at[step->axis()] += 0.5 * step->displacement(whole(step->axis()), whole(step->lateral_axis()), whole(2));
+    }
+    return at;
 }
 
 void warn_of_zeros(const std::vector<double>& zero_share, const Context& context) {
@@ -77,13 +89,11 @@ SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const La
 }
 
 void SeamNode::add(const Params& params, const Ports& io, Context& context) {
-    ++added_;
     const auto& lattice = *io.lattice;
-    if (!lattice_) lattice_ = io.lattice;
-    if (lattice.shape != lattice_->shape)
+    lattices_.push_back(io.lattice);
+    if (const auto& first = *lattices_.front(); lattice.shape != first.shape)
         throw Failure(
-            fmt::format("the lattice has {} vertices here, but {} in the first frame", fmt::join(lattice.shape, " x "), fmt::join(lattice_->shape, " x ")));
-    lattice_hashes_.push_back(lattice.hash);
+            fmt::format("the lattice has {} vertices here, but {} in the first frame", fmt::join(lattice.shape, " x "), fmt::join(first.shape, " x ")));
     // What does not fit is better told before the frames are read than after.
     const CarveMap before(lattice, io.after, context.frame(), std::nullopt);
     const auto task = task_of(params, io, lattice);
@@ -100,32 +110,81 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
         active_box_.expand(io.energy->transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d())));
     }
     if (io.after.empty()) {
-        sample_energy(*io.energy, lattice, params.axis, energy_->slab(context.place()));
+        sample(params, io, lattice, energy_->slab(context.place()));
     } else {
         sampled_.resize(vertices(lattice.shape));
-        sample_energy(*io.energy, lattice, params.axis, sampled_);
+        sample(params, io, lattice, sampled_);
         fill_slab(before.steps(), params.axis, context.place());
     }
 }
 
+void SeamNode::sample(const Params& params, const Ports& io, const Lattice& lattice, std::span<std::uint16_t> slab) {
+    sample_energy(*io.energy, lattice, params.axis, slab, params.measure);
+    if (io.attract) attracted_ = attracted_.value_or(0) + mark_vertices(*io.attract->grid, lattice, params.axis, attracted_code, slab);
+    if (io.protect) protected_ = protected_.value_or(0) + mark_vertices(*io.protect->grid, lattice, params.axis, protected_code, slab);
+}
+
 void SeamNode::fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t) {
-    std::ranges::copy(carve_energy(sampled_, lattice_->shape, axis, before), energy_->slab(t).begin());
+    std::ranges::copy(carve_energy(sampled_, lattices_.front()->shape, axis, before), energy_->slab(t).begin());
 }
 
 Seams SeamNode::empty_seams(const Params& params, const Task& task, const Context& context) const {
     Seams out;
     out.axis = params.axis;
     out.kind = task.kind;
-    out.closed = lattice_->closed;
+    out.closed = lattices_.front()->closed;
     out.shape = task.shape;
     out.frames = context.frames();
-    out.lattice = lattice_->description;
-    const bool same = std::all_of(lattice_hashes_.begin(), lattice_hashes_.end(), [&](const auto& hash) { return hash == lattice_hashes_.front(); });
-    out.lattice_hash = same ? lattice_hashes_.front() : fmt::format("{}", fmt::join(lattice_hashes_, ","));
+    out.lattice = lattices_.front()->description;
+    std::vector<std::string> hashes;
+    for (const auto& lattice : lattices_) hashes.push_back(lattice->hash);
+    const bool same = std::all_of(hashes.begin(), hashes.end(), [&](const auto& hash) { return hash == hashes.front(); });
+    out.lattice_hash = same ? hashes.front() : fmt::format("{}", fmt::join(hashes, ","));
     return out;
 }
 
-void SeamNode::find_all(const Params& params, const Task& task, const Context& context, const FindSeam& find, Seams& out, nlohmann::ordered_json& report) {
+std::string SeamNode::why_no_more(const NoSeam& none, const Params& params, const Task& task, const Ports& io, const Context& context,
+                                  bool in_pair_window) const {
+    const auto lateral_axis = params.axis == Axis::u ? 1u : 0u;
+    const int laterals = task.shape[lateral_axis];
+    const auto per_frame = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(task.shape[2]);
+    const auto t = none.at.column / per_frame;
+    const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals, k = c / laterals;
+    const auto& window = in_pair_window ? *task.pair_window : task.window;
+    const bool still = in_pair_window ? params.pair_still : params.still;
+    const auto& lattice = *lattices_[std::min(t, lattices_.size() - 1)];
+    const CarveMap before(lattice, io.after, context.frames()[t], std::nullopt);
+    const auto world = [&](int entry) {
+        const auto vertex = vertex_of(params.axis, entry, lateral, k);
+        const auto at = lattice.position(original_vertex(before.steps(), openvdb::Vec3d(vertex[0], vertex[1], vertex[2])));
+        return fmt::format("({:g}, {:g}, {:g})", at.x(), at.y(), at.z());
+    };
+    const int last = window.first + none.found + none.at.vertices - 1;
+    const auto span = fmt::format("{} to {}", window.first, last);
+    const auto column = fmt::format("column ({}, {}, {}), from {} to {},", params.axis == Axis::u ? span : std::to_string(lateral),
+                                    params.axis == Axis::u ? std::to_string(lateral) : span, k, world(window.first), world(last));
+    return fmt::format("{} possible in {} [{}, {}]: {} {}; ask for fewer, widen the window or protect less",
+                       none.found == 0 ? "no seam is" : fmt::format("{} of {} seams {}", none.found, task.count, none.found == 1 ? "is" : "are"),
+                       in_pair_window ? "pair_window" : "window", window.first, window.last,
+                       still ? "over all frames" : fmt::format("in frame {}", context.frames()[t]),
+                       none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
+                                         : fmt::format("of the {} vertices left in {} {} {} unprotected, but out of reach from the columns beside",
+                                                       none.at.vertices, column, none.at.free, none.at.free == 1 ? "is" : "are"));
+}
+
+void SeamNode::warn_of_masks(Seams::Kind kind, const FoundSeams& found, const Context& context) const {
+    for (const auto& [name, vertices] : {std::pair("protect", protected_), std::pair("attract", attracted_)})
+        if (vertices == std::size_t{0}) context.warn(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed", name, name));
+    const auto idle = std::ranges::count(found.attracted, std::size_t{0});
+    if (kind == Seams::Kind::remove && idle > 0 && found.attracted_left > 0)
+        context.warn(
+            fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it is out of their window, or the way there too long; "
+                        "seam.greedy sees only what is beside its way, other solvers all",
+                        idle, found.attracted.size()));
+}
+
+void SeamNode::find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, Seams& out,
+                        nlohmann::ordered_json& report) {
     // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
     const auto columns = out.columns_per_frame() * out.frames.size();
     const auto seam_bytes = static_cast<std::uint64_t>(task.count) * (task.pair_window ? 2 : 1) * columns * sizeof(std::uint16_t);
@@ -134,7 +193,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
     if (energy_bytes + seam_bytes > context.memory_budget())
         keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
     double done = 0;
-    const auto search = [&](Seams::Kind kind, Window window, bool still) {
+    const auto search = [&](Seams::Kind kind, bool in_pair_window) {
         const double share = task.pair_window ? 0.5 : 1;
         const auto tick = [&](double fraction) {
             context.check_cancelled();
@@ -143,12 +202,18 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
         const auto find_bounded = [&](const EnergyVolume& energy, Window now, int number, const Tick& tell) {
             auto seam = find(energy, now, number, tell);
             const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
-            if (!seam.lower_bound && (params.bound_passes || few)) seam.lower_bound = lower_bound(energy, now, params.bound_passes.value_or(0), tell);
+            if (!seam.lower_bound && (params.bound_passes || few))
+                seam.lower_bound = energy_bound(energy, seam.at, lower_bound(energy, now, params.bound_passes.value_or(0), tell));
             return seam;
         };
-        auto found = find_seams(*energy_, kind, task.count, window, find_bounded, tick, keep, still);
-        done += share;
-        return found;
+        try {
+            auto found = find_seams(*energy_, kind, task.count, in_pair_window ? *task.pair_window : task.window, find_bounded, tick, keep,
+                                    in_pair_window ? params.pair_still : params.still);
+            done += share;
+            return found;
+        } catch (const NoSeam& none) {
+            throw Failure(why_no_more(none, params, task, io, context, in_pair_window));
+        }
     };
     const auto energies = [](const std::vector<Seams::Seam>& seams) {
         auto list = nlohmann::ordered_json::array();
@@ -172,8 +237,8 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
 
     // The pair window first: what is taken there moves nothing in the window below.
     FoundSeams pairs;
-    if (task.pair_window) pairs = search(opposite(task.kind), *task.pair_window, params.pair_still);
-    auto found = search(task.kind, task.window, params.still);
+    if (task.pair_window) pairs = search(opposite(task.kind), true);
+    auto found = search(task.kind, false);
     for (std::size_t n = 0; n < pairs.wall_s.size(); ++n) found.wall_s[n] += pairs.wall_s[n];
     out.seams = std::move(found.seams);
     out.pairs = std::move(pairs.seams);
@@ -184,13 +249,20 @@ void SeamNode::find_all(const Params& params, const Task& task, const Context& c
         report["pair_energy"] = energies(out.pairs);
         report["pair_lower_bound"] = bounds(out.pairs);
     }
+    for (const auto& [name, mask, member] :
+         {std::tuple("attracted", attracted_, &FoundSeams::attracted), std::tuple("protected", protected_, &FoundSeams::blocked)})
+        if (mask) {
+            report[name] = found.*member;
+            if (task.pair_window) report[fmt::format("pair_{}", name)] = pairs.*member;
+        }
     report["zero_share"] = found.zero_share;
     report["wall_s"] = found.wall_s;
     warn_of_zeros(found.zero_share, context);
+    warn_of_masks(task.kind, found, context);
 }
 
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find) {
-    const auto task = task_of(params, io, *lattice_);
+    const auto task = task_of(params, io, *lattices_.front());
     auto out = std::make_shared<Seams>(empty_seams(params, task, context));
     nlohmann::ordered_json report{{"axis", to_text(out->axis)},
                                   {"kind", to_text(out->kind)},
@@ -200,13 +272,15 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
                                   {"wall_s", nlohmann::json::array()}};
     if (energy_) {
         if (any_active_ && !any_met_)
-            throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice_->description, text(active_box_)));
+            throw Failure(
+                fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattices_.front()->description, text(active_box_)));
         // An energy that is the same for all frames comes once.
-        for (std::size_t t = added_; t < out->frames.size(); ++t) {
+        for (auto t = lattices_.size(); t < out->frames.size(); ++t) {
             if (io.after.empty()) std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
-            else fill_slab(CarveMap(*lattice_, io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
+            else fill_slab(CarveMap(*lattices_.front(), io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
         }
-        find_all(params, task, context, find, *out, report);
+        if (protected_ || attracted_) energy_->find_marks();
+        find_all(params, task, io, context, find, *out, report);
         energy_.reset();
     }
     if (const auto fault = extension_.fault(); !fault.empty()) context.warn(fault);

@@ -5,6 +5,7 @@
 #include "nodes/lattice/extension.h"
 #include "nodes/payloads.h"
 #include "nodes/remap/carve_map.h"
+#include "nodes/seam/energy_slab.h"
 #include "nodes/seam/find_seams.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,8 +23,13 @@ struct ChoiceNames<Axis> {
     static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v}};
 };
 
+template <>
+struct ChoiceNames<Measure> {
+    static constexpr std::array names = {std::pair{"vertex", Measure::vertex}, std::pair{"volume", Measure::volume}};
+};
+
 /// What every solver node takes and gives (METHOD 8), with all that does not depend on how one seam is found: windows,
-/// pairs, static seams, the space that other seams leave. A new solver is a FindSeam, its own parameters and
+/// pairs, static seams, masks, the space that other seams leave. A new solver is a FindSeam, its own parameters and
 ///
 ///     struct Mine : SeamNode {
 ///         struct Params : SeamNode::Params { int passes = 3; };
@@ -42,11 +48,13 @@ public:
         Auto<Interval> pair_window;
         bool still = false;
         bool pair_still = false;
+        Measure measure = Measure::vertex;
         Auto<int> bound_passes;
     };
     struct Ports {
         Ref<FloatGrid> energy;
         Ref<Lattice> lattice;
+        Optional<AnyGrid> protect, attract;
         OptionalList<Seams> after;
         Ref<Seams> seams;
     };
@@ -57,7 +65,8 @@ public:
 
 protected:
     /// Finds the seams, reports them under `seams`: axis, kind, shape, and per seam energy, lower_bound, gap, wall_s and
-    /// zero_share, and pair_energy and pair_lower_bound for pairs.
+    /// zero_share, and pair_energy and pair_lower_bound for pairs; where there are masks, how many vertices of them seams pass:
+    /// attracted, protected (none), pair_attracted, pair_protected.
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find);
 
 private:
@@ -71,17 +80,21 @@ private:
     };
     static Task task_of(const Params& params, const Ports& io, const Lattice& lattice);
     Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
+    void sample(const Params& params, const Ports& io, const Lattice& lattice, std::span<std::uint16_t> slab);
     void fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t);
     /// Moves the seams found into `out`, and says in the report what each is like.
-    void find_all(const Params& params, const Task& task, const Context& context, const FindSeam& find, Seams& out, nlohmann::ordered_json& report);
+    void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, Seams& out,
+                  nlohmann::ordered_json& report);
+    /// How many seams are possible, and where no other finds a way.
+    std::string why_no_more(const NoSeam& none, const Params& params, const Task& task, const Ports& io, const Context& context, bool in_pair_window) const;
+    void warn_of_masks(Seams::Kind kind, const FoundSeams& found, const Context& context) const;
 
-    Ref<Lattice> lattice_;                     ///< of the first frame
-    std::vector<std::string> lattice_hashes_;  ///< of each frame
+    std::vector<Ref<Lattice>> lattices_;  ///< of each frame that was added
     std::optional<EnergyVolume> energy_;
     std::vector<std::uint16_t> sampled_;  ///< one frame's energy in the whole lattice, before `after`
     OneTransform transform_;
-    Extension extension_;  ///< of the lattice, where insertions reach beyond it
-    std::size_t added_ = 0;
+    Extension extension_;                               ///< of the lattice, where insertions reach beyond it
+    std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
     bool any_active_ = false;
     bool any_met_ = false;
     openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
@@ -94,6 +107,14 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
     using Ports = SeamNode::Ports;
     return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
+        .input("protect", &Ports::protect,
+               "What no seam may pass: a mask, or the active voxels of any grid (of a level set, its narrow band). A vertex counts where any of the 8 voxels "
+               "around it is set; if it stands on a voxel, where that voxel is.")
+        .input(
+            "attract", &Ports::attract,
+            "What seams take first, to remove an object, or to widen one: a mask, or any grid, as `protect`, which comes before it. A vertex of it is worth a "
+            "way through 64 vertices of the highest energy; it counts as no energy itself. seam.greedy, which looks no further than a step, takes only what "
+            "lies beside its way.")
         .input("after", &Ports::after,
                "Seam sets of this lattice that are carved before, in their order: these seams are found in what those leave, and windows count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
@@ -104,6 +125,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "the size stays. Auto is no pairs.")
         .param("static", &Params::still, "Whether each seam in `window` is the same in all frames; it is found in the energy's sum over them.")
         .param("pair_static", &Params::pair_still, "The same for the seams in `pair_window`: a river bank that stands still beside a river.")
+        .param("measure", &Params::measure,
+               "vertex: each vertex counts as much; volume: as much as the space around it, since in bent lattices inner cells are smaller than outer ones. "
+               "Energies are then reported so. In straight boxes both are the same.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 mostly to 98 "
                "to 99.9 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")

@@ -1,7 +1,5 @@
 #include "nodes/seam/strip.h"
 
-#include "nodes/seam/energy_code.h"
-
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
@@ -16,10 +14,7 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 
-float value_of(std::uint16_t code) { return decode_energy(code); }
-float value_of(float sum) { return sum; }
-
-/// Calls back with a column and its energies.
+/// Calls back with a column and its entries.
 template <class Cell, class Call>
 void for_columns(const EnergyVolume& energy, std::size_t begin, std::size_t end, const Call& call) {
     const auto per_frame = energy.columns_per_frame();
@@ -39,12 +34,13 @@ Strip::Strip(const EnergyVolume& energy, const Band& band)
     : columns_(energy),
       band_(band),
       width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
-      energies_(width_ * columns_.count()) {
-    const auto fill = [&](auto cell) {
+      energies_(width_ * columns_.count()),
+      protects_(energy.protects()) {
+    const auto fill = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
             for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
-                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = value_of(cells[band_.columns[c].first + n]);
+                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = costs(cells[band_.columns[c].first + n]);
             });
         });
     };
@@ -60,16 +56,34 @@ double Strip::energy(std::span<const std::uint16_t> seam) const {
     });
 }
 
-double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
-    const auto add = [&](auto cell) {
+double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
+    const auto add = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
         return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
             double sum = 0;
-            for_columns<Cell>(energy, begin, end, [&](std::size_t c, const Cell* cells) { sum += value_of(cells[seam[c]]); });
+            for_columns<Cell>(energy, begin, end, [&](std::size_t c, const Cell* cells) { sum += costs(cells[seam[c]]); });
             return sum;
         });
     };
     return energy.summed() ? add(float{}) : add(std::uint16_t{});
+}
+
+double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
+    if (!energy.attracts()) return cost_of(energy, seam);
+    return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        if (energy.summed()) {
+            for (auto c = begin; c < end; ++c) sum += energy.energies()[c * energy.stride() + seam[c]];
+        } else {
+            for_columns<std::uint16_t>(energy, begin, end, [&](std::size_t c, const std::uint16_t* codes) { sum += Costs{}(codes[seam[c]]); });
+        }
+        return sum;
+    });
+}
+
+double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound) {
+    if (!energy.attracts()) return cost_bound;
+    return std::max(cost_bound + energy_of(energy, seam) - cost_of(energy, seam), 0.0);
 }
 
 namespace {

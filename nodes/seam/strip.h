@@ -11,7 +11,8 @@
 
 namespace fluidcarve {
 
-/// The energies of a band of equal width, column after column: what is read again and again while a seam is refined.
+/// The energies of a band of equal width, column after column: what is read again and again while a seam is refined. Where
+/// vertices are marked, Costs stand in for energies.
 class Strip {
 public:
     /// @param band  intervals of one size
@@ -25,20 +26,27 @@ public:
     float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
     /// Sum over a seam in the band.
     double energy(std::span<const std::uint16_t> seam) const;
+    bool protects() const { return protects_; }
 
 private:
     Columns columns_;
     Band band_;
     std::size_t width_;
     std::vector<float> energies_;
+    bool protects_;
 };
 
-/// Sum of the energies at a seam's entries. The same for any number of threads.
+/// Sum of the energies at a seam's entries; those of attracted vertices are 0. The same for any number of threads.
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
+/// Sum of the costs there.
+double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
+/// What no seam is below in energy that takes as many attracted vertices as this one.
+/// @param cost_bound  what no seam is below in cost
+double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound);
 
 /// Makes a seam cheaper where a whole line of columns can do better while its neighbours stay: along each dimension, for
 /// every line by dynamic programming (multi-pass dynamic programming, Furuta et al. 2018). Lines that are neighbours take turns.
-/// @param seam  feasible, in the strip; stays so
+/// @param seam  feasible, in the strip, of finite cost; stays so
 /// @param turn  in a closed lattice, which slice holds still; another each time
 void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn);
 

@@ -15,6 +15,7 @@
 #include "nodes/seam/energy_slab.h"
 #include "nodes/seam/greedy.h"
 #include "runtime/run.h"
+#include "tests/bench/cut.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/vortex.h"
 #include "tests/support/program.h"
@@ -30,19 +31,21 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// `count` seams that wander by one entry, evenly from an eighth of the way into a lattice on: whatever their number, as many voxels
-/// move.
-Seams wandering(const Lattice& lattice, int count) {
+/// Entries between `count` seams that are spread evenly over a lattice.
+int evenly(const Lattice& lattice, int count) { return std::max(1, lattice.shape[0] * 3 / 4 / count); }
+
+/// `count` seams that wander by one entry, so many entries apart, from an eighth of the way into a lattice on: whatever their
+/// number, as many voxels move.
+Seams wandering(const Lattice& lattice, int count, int apart) {
     Seams out;
     out.shape = lattice.shape;
     out.closed = lattice.closed;
     out.lattice = lattice.description;
     out.lattice_hash = lattice.hash;
     out.frames = {1};
-    const int step = std::max(1, out.carved() * 3 / 4 / count);
     for (int n = 0; n < count; ++n) {
         // In the space that the seams before leave.
-        const int first = out.carved() / 8 + n * (step - 1);
+        const int first = out.carved() / 8 + n * (apart - 1);
         std::vector<std::uint16_t> at;
         for (int k = 0; k < out.shape[2]; ++k)
             for (int j = 0; j < out.lateral(); ++j) at.push_back(static_cast<std::uint16_t>(first + (j / 3 + k / 5) % 2));
@@ -81,11 +84,12 @@ Lattice ring_in(const std::array<int, 3>& shape) {
 }
 
 void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const Lattice& lattice) {
-    const auto carve = [&](int count) {
-        const auto seams = std::make_shared<const Seams>(wandering(lattice, count));
+    const auto carve_apart = [&](int count, int apart) {
+        const auto seams = std::make_shared<const Seams>(wandering(lattice, count, apart));
         const CarveMap map(lattice, {seams}, 1, std::nullopt);
         return seconds(9, [&] { carve_grid(grid, lattice, map, Interpolation::linear); });
     };
+    const auto carve = [&](int count) { return carve_apart(count, evenly(lattice, count)); };
     const auto resample = seconds(3, [&] {
         auto out = FloatGrid::create(grid->background());
         auto moved = grid->transform().copy();
@@ -93,9 +97,12 @@ void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const
         out->setTransform(moved);
         openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*grid, *out);
     });
-    const double twelve = carve(12);
-    line(fmt::format("{}: resampleToMatch / remap of 12 seams", name), resample / twelve,
-         fmt::format("{:.1f} M voxels/s", static_cast<double>(grid->activeVoxelCount()) / twelve / 1e6));
+    const auto rate = [&](const std::string& which, double carved) {
+        line(fmt::format("{}: resampleToMatch / remap of 12 seams{}", name, which), resample / carved,
+             fmt::format("{:.1f} M voxels/s", static_cast<double>(grid->activeVoxelCount()) / carved / 1e6));
+    };
+    rate("", carve(12));
+    rate(", side by side", carve_apart(12, 1));
     line(fmt::format("{}: remap of {} seams / of 1", name, std::min(40, lattice.shape[0] / 2)), carve(std::min(40, lattice.shape[0] / 2)) / carve(1));
     scaling(fmt::format("{}: remap of 12 seams", name), [&] { return carve(12); });
 }
@@ -225,6 +232,7 @@ int main(int argc, char** argv) {
     bench_remap("dense 161x52x165", dense, lattice_around(*dense));
     bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
     bench_vortex(vortex);
+    bench_cut();
     bench_greedy({161, 52, 165}, 20);
     if (large) bench_greedy({322, 105, 331}, 84);
     return 0;

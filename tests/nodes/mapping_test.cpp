@@ -274,6 +274,37 @@ TEST_CASE("cells of the lattice win over those by which insertions extend it") {
     CHECK(count_overlap(extended, *voxels).voxels > 1000);
 }
 
+TEST_CASE("eight cubics at once have the root that one has, or say that they do not know it") {
+    std::mt19937 random(12);
+    int solved = 0, unsolved = 0;
+    for (int n = 0; n < 2000; ++n) {
+        CubicRow row;
+        for (std::size_t z = 0; z < 8; ++z) {
+            // From gentle ones to such that Newton's method from the secant's root is far from done.
+            const double bend = std::pow(10, between(random, -6, -0.2)), root = between(random, 0, 1);
+            const double q3 = bend * between(random, -0.3, 0.3), q2 = bend * between(random, -1, 1), q1 = -1 - 2 * bend;
+            row.set(z, {-((q3 * root + q2) * root + q1) * root, q1, q2, q3});
+        }
+        row.solve();
+        for (std::size_t z = 0; z < 8; ++z) {
+            const double root = cubic_root(row.at(z), 0, 1);
+            const auto [q0, q1, q2, q3] = row.at(z);
+            REQUIRE(std::abs(((q3 * root + q2) * root + q1) * root + q0) < 1e-12);
+            if (row.solved(z, 0, 1)) {
+                ++solved;
+                REQUIRE(std::abs(row.c[z] - root) < 3e-13);
+            } else {
+                ++unsolved;
+            }
+        }
+    }
+    CHECK(solved > 5000);
+    CHECK(unsolved > 500);
+    CubicRow level{};
+    level.solve();
+    CHECK(!level.solved(0, 0, 1));
+}
+
 TEST_CASE("too few planes do not bend") {
     auto lattice = make_box(Vec3d(0), {3, 3, 2}, 1.0, {0, 1, 2});
     lattice.closed = true;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "nodes/lattice/lattice.h"
+#include "nodes/lattice/mapping.h"
+
+#include <openvdb/math/Transform.h>
+
+#include <array>
+
+namespace fluidcarve {
+
+/// The vertex of an entry in column `(lateral, k)`.
+inline std::array<int, 3> vertex_of(Axis axis, int entry, int lateral, int k) {
+    return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k};
+}
+
+/// A column's vertices in a grid's index space: on a line at equal distances, if its transform is linear.
+class ColumnPlaces {
+public:
+    ColumnPlaces(const openvdb::math::Transform& transform, const Lattice& lattice, Axis axis)
+        : transform_(transform), linear_(transform_.isLinear()), lattice_(lattice), axis_(axis) {}
+
+    /// @param first  the column's first vertex
+    void move_to(const std::array<int, 3>& first) {
+        const openvdb::Vec3d at(first[0], first[1], first[2]);
+        auto next = at;
+        next[static_cast<int>(axis_)] += 1;
+        const auto position = [&](const openvdb::Vec3d& vertex) {
+            const auto world = lattice_.position(vertex);
+            return linear_ ? transform_.worldToIndex(world) : world;
+        };
+        first_ = position(at);
+        step_ = position(next) - first_;
+    }
+    /// Where an entry's vertex is, snapped.
+    openvdb::Vec3d operator()(int entry) const {
+        const auto at = first_ + entry * step_;
+        return snapped(linear_ ? at : transform_.worldToIndex(at));
+    }
+
+private:
+    const openvdb::math::Transform& transform_;
+    const bool linear_;
+    const Lattice& lattice_;
+    const Axis axis_;
+    openvdb::Vec3d first_, step_;  ///< index units, or world units if the transform is not linear
+};
+
+}  // namespace fluidcarve
