@@ -36,8 +36,8 @@
 #include "nodes/seam/dynamic_node.h"
 #include "nodes/seam/graph_cut_node.h"
 #include "nodes/seam/greedy_node.h"
-#include "nodes/seam/pyramid_node.h"
 #include "nodes/seam/payload_types.h"
+#include "nodes/seam/pyramid_node.h"
 #include "nodes/seam/seams_read.h"
 #include "nodes/seam/seams_write.h"
 

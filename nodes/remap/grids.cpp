@@ -92,7 +92,8 @@ NodeType remap_grids() {
             "Whether vectors turn and stretch with the space around them, as velocities of a flow that itself is carved do: all grids of float vectors (also "
             "in three parts). Carve colours by a node of their own.")
         .param("rim", &RemapGrids::Params::rim,
-               "What the carve does at the rims of the lattice beside the carved axis (the rims along v where u is carved), and at open ends: it ends there (cut), or "
+               "What the carve does at the rims of the lattice beside the carved axis (the rims along v where u is carved), and at open ends: it ends there "
+               "(cut), or "
                "its displacements go evenly to 0 towards them (fade), and what a seam takes or adds with them. Where content crosses a cut rim it may tear; a "
                "warning says so.")
         .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000),

@@ -15,8 +15,7 @@ public:
     /// The direction that leads back.
     static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
 
-    explicit Columns(const EnergyVolume& energy)
-        : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
+    explicit Columns(const EnergyVolume& energy) : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
     Columns(int laterals, int slices, int frames, bool closed)
         : laterals_(static_cast<std::size_t>(laterals)),
           slices_(static_cast<std::size_t>(slices)),

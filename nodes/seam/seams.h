@@ -21,7 +21,7 @@ struct Seams {
         /// `remove`: index in the space as it is when this seam is carved; `insert`: the original index that is doubled.
         /// Size columns_per_frame() * frames, lateral fastest, then k, then t.
         SeamEntries at;
-        double energy = 0;  ///< sum over all columns, in the units of the energy
+        double energy = 0;                                 ///< sum over all columns, in the units of the energy
         std::optional<double> lower_bound = std::nullopt;  ///< what no seam there could be below, if it was asked for
     };
 
