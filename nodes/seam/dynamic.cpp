@@ -11,9 +11,20 @@
 
 namespace fluidcarve {
 
+namespace {
+
+bool in_line(const Columns& columns) { return std::max({columns.laterals(), columns.slices(), columns.frames()}) == columns.count(); }
+
+}  // namespace
+
+bool in_open_line(const EnergyVolume& energy) {
+    const Columns columns(energy);
+    return in_line(columns) && !columns.closed();
+}
+
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     const Columns columns(energy);
-    if (std::max({columns.laterals(), columns.slices(), columns.frames()}) != columns.count())
+    if (!in_line(columns))
         throw Failure(
             fmt::format("seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in {} x {} x {} (lateral, k, frames); "
                         "seam.pyramid and seam.graph_cut take any",

@@ -2,6 +2,7 @@
 
 #include "nodes/seam/coarse.h"
 #include "nodes/seam/cut_seam.h"
+#include "nodes/seam/dynamic.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/protection.h"
 
@@ -69,6 +70,7 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     const auto alive = [&] { tick(0); };
     if (small(energy, window)) return exact_seam(energy, window, number, alive);
+    if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     std::vector<std::uint16_t> best;
     // What is attracted may be far from the last seam.
     if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts()) {

@@ -25,13 +25,14 @@ struct PyramidNode : SeamNode {
 NodeType seam_pyramid() {
     Declare<PyramidNode> node(
         "seam.pyramid",
-        "Seams from coarse to fine by minimum cuts in narrow bands: mostly within half a percent of the least energy, exact in small volumes, and "
-        "never worse than `seam.greedy`.");
+        "Seams from coarse to fine by minimum cuts in narrow bands: within half a percent of the least energy in real smoke and fire, a few percent in "
+        "rougher energies, exact in images and small volumes, and never worse than `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
                "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and improves the seam line by line from there: "
-               "about 1 % "
-               "above the least energy, nearly as fast as `seam.greedy`. `normal` does so on the finest energies beyond a million columns (vertices across the "
+               "about "
+               "1 % above the least energy in real smoke and fire, nearly as fast as `seam.greedy`. `normal` does so on the finest energies beyond a million "
+               "columns (vertices across the "
                "axis, times frames), and starts most seams from the last there; `best` never does.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Searches of the greedy solver that compete; the cheapest of all wins.");
 }

@@ -129,8 +129,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "vertex: each vertex counts as much; volume: as much as the space around it, since in bent lattices inner cells are smaller than outer ones. "
                "Energies are then reported so. In straight boxes both are the same.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
-               "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 mostly to 98 "
-               "to 99.9 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")
+               "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
+               "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.");
 }
 

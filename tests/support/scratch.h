@@ -1,19 +1,20 @@
 #pragma once
 
-#include <unistd.h>
-#include <atomic>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 
-/// A folder of a test's own, removed with all in it.
+/// A new folder of a test's own, removed with all in it. What a killed process left behind is never met again.
 class Scratch {
 public:
     Scratch() {
-        static std::atomic<int> serial{0};
-        path_ = std::filesystem::temp_directory_path() / ("fluidcarve-test-" + std::to_string(getpid()) + "-" + std::to_string(serial++));
-        std::filesystem::create_directories(path_);
+        auto name = (std::filesystem::temp_directory_path() / "fluidcarve-test-XXXXXX").string();
+        if (!mkdtemp(name.data())) throw std::filesystem::filesystem_error("no scratch folder", name, std::error_code(errno, std::generic_category()));
+        path_ = name;
     }
     ~Scratch() {
         std::error_code ignored;
