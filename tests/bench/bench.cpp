@@ -19,6 +19,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/vortex.h"
 #include "tests/support/program.h"
+#include "tests/support/seams_through.h"
 
 #include <openvdb/tools/GridTransformer.h>
 
@@ -37,12 +38,7 @@ int evenly(const Lattice& lattice, int count) { return std::max(1, lattice.shape
 /// `count` seams that wander by one entry, so many entries apart, from an eighth of the way into a lattice on: whatever their
 /// number, as many voxels move.
 Seams wandering(const Lattice& lattice, int count, int apart) {
-    Seams out;
-    out.shape = lattice.shape;
-    out.closed = lattice.closed;
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
-    out.frames = {1};
+    auto out = test::no_seams(lattice);
     for (int n = 0; n < count; ++n) {
         // In the space that the seams before leave.
         const int first = out.carved() / 8 + n * (apart - 1);

@@ -4,6 +4,7 @@
 #include "nodes/preview/slice.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
+#include "tests/support/seams_through.h"
 
 #include <catch2/catch.hpp>
 
@@ -106,16 +107,7 @@ Payload volume_of(const FloatGrid::Ptr& grid) { return Payload(std::make_shared<
 /// A lattice of 10 x 1 x 4 vertices on the voxels (0, 5, 0) to (9, 5, 3), u along x, and seams of one entry each in every
 /// column of frames 1 to 3.
 Lattice row_lattice() { return make_box({0, 5, 0}, {10, 1, 4}, 1, {0, 1, 2}); }
-Seams straight(const Lattice& lattice, Seams::Kind kind, const std::vector<std::uint16_t>& entries) {
-    Seams out;
-    out.kind = kind;
-    out.shape = lattice.shape;
-    out.frames = {1, 2, 3};
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
-    for (const auto entry : entries) out.seams.push_back({std::vector<std::uint16_t>(3 * out.columns_per_frame(), entry), 0});
-    return out;
-}
+Seams straight(const Lattice& lattice, Seams::Kind kind, const std::vector<int>& entries) { return straight_seams(lattice, Axis::u, kind, entries, {1, 2, 3}); }
 
 /// Where lines cross a height, from the left.
 std::vector<double> crossings(const std::vector<PictureLine>& lines, double height) {

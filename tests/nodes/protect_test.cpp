@@ -48,8 +48,6 @@ FindSeam greedy(int starts) {
 /// What a protected vertex costs the oracle: more than all energies of a tiny volume.
 constexpr double blocked = 1e9;
 
-int below(std::mt19937& random, int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
-
 std::uint16_t& code_at(EnergyVolume& energy, std::size_t c, int entry) {
     return energy.slab(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry)];
 }

@@ -18,24 +18,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-Seams closed_as(Seams seams, const Lattice& lattice) {
-    seams.closed = lattice.closed;
-    return seams;
-}
-
-/// Seams that run straight through the lattice, at the same entry in all columns.
-Seams constant_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, const std::vector<int>& entries) {
-    Seams out;
-    out.axis = axis;
-    out.kind = kind;
-    out.shape = lattice.shape;
-    out.frames = {1};
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
-    for (const int entry : entries) out.seams.push_back({std::vector<std::uint16_t>(out.columns_per_frame(), static_cast<std::uint16_t>(entry)), 0.0});
-    return closed_as(out, lattice);
-}
-
 CarveMap map_of(const Lattice& lattice, const Seams& seams) { return {lattice, {std::make_shared<Seams>(seams)}, 1, {}}; }
 
 template <class Grid>
@@ -88,9 +70,9 @@ TEST_CASE("without seams a grid comes back from every lattice as it is") {
     for (const auto& lattice : {random_bent(random, true), random_bent(random, false), helix({7, 5, 60}, 0.4, 5, 1),
                                 as_planes(make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2})), ring(Vec3d(0), {9, 7, 40}, 0.5, Vec2d(-2, -1))}) {
         const FloatGrid::ConstPtr grid = field_around(lattice, lattice.spacing, swirl);
-        CHECK(carve_grid(grid, lattice, map_of(lattice, constant_seams(lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) == grid);
+        CHECK(carve_grid(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) == grid);
         const FloatGrid::ConstPtr flat = FloatGrid::create(0.5f);
-        CHECK(carve_grid(flat, lattice, map_of(lattice, constant_seams(lattice, Axis::v, Seams::Kind::insert, {2})), Interpolation::linear) == flat);
+        CHECK(carve_grid(flat, lattice, map_of(lattice, straight_seams(lattice, Axis::v, Seams::Kind::insert, {2})), Interpolation::linear) == flat);
     }
 }
 
@@ -100,7 +82,7 @@ TEST_CASE("in a bent lattice, what lies outside or before the seams stays bit fo
     const auto lattice = ring(centre, {20, 9, 120}, 0.25, Vec2d(-2, -1));
     const auto linear = [&](const Vec3d& at) { return static_cast<float>(slope.dot(at)); };
     const FloatGrid::ConstPtr grid = field_around(lattice, 0.2, linear);
-    const auto map = map_of(lattice, constant_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector{7, 7, 7} : std::vector{7, 8, 9}));
+    const auto map = map_of(lattice, straight_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector{7, 7, 7} : std::vector{7, 8, 9}));
     const auto got = carved<FloatGrid>(grid, lattice, map);
     const Mapping mapping(lattice, map.reach());
     int kept = 0, moved = 0, freed = 0;
@@ -140,7 +122,7 @@ TEST_CASE("a ring carved inside its wall moves its outer rim by the number of se
     // Vertex 14 is on the rig; the wall is solid from 8 to 19.
     const int count = 6;
     const auto map = map_of(
-        lattice, constant_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector<int>(count, 11) : std::vector{10, 11, 12, 13, 14, 15}));
+        lattice, straight_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector<int>(count, 11) : std::vector{10, 11, 12, 13, 14, 15}));
     const auto got = carved<FloatGrid>(grid, lattice, map);
 
     const auto rim = outline(*got, centre, rig, 0.1), before = outline(*grid, centre, rig, 0.1);
@@ -164,7 +146,7 @@ TEST_CASE("a closed lattice has no first plane: seams and grids do not know wher
         if (lattice.shape[0] < 6 || lattice.shape[1] < 6) continue;
         auto grid = field_around(lattice, lattice.spacing * 0.9, swirl);
         const auto axis = n % 2 ? Axis::u : Axis::v;
-        const auto seams = closed_as(random_seams(random, lattice, lattice.shape, axis, n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 3, {1}), lattice);
+        const auto seams = random_seams(random, lattice, lattice.shape, axis, n % 3 ? Seams::Kind::remove : Seams::Kind::insert, 3, {1});
 
         const int shift = 1 + static_cast<int>(random() % static_cast<unsigned>(lattice.shape[2] - 1));
         auto planes = lattice.planes;
@@ -216,7 +198,7 @@ TEST_CASE("a bar of ten voxels is gone after ten seams in a lattice that is turn
             const double u = std::cos(angle) * at.x() + std::sin(angle) * at.y();
             return u > 14.5 && u < 24.5 ? 1.0f : 0.0f;
         });
-        const auto got = carved<FloatGrid>(grid, turned, map_of(turned, constant_seams(turned, Axis::u, Seams::Kind::remove, std::vector<int>(10, 15))));
+        const auto got = carved<FloatGrid>(grid, turned, map_of(turned, straight_seams(turned, Axis::u, Seams::Kind::remove, std::vector<int>(10, 15))));
         int shining = 0, inside = 0;
         for (auto voxel = got->cbeginValueAll(); voxel; ++voxel)
             if (voxel.isVoxelValue() && mapping.locate(got->indexToWorld(voxel.getCoord()))) {
@@ -239,7 +221,7 @@ TEST_CASE("the paper's closed form moves a ring's rim too, but less evenly") {
         auto used = lattice;
         used.closed_form = closed_form;
         used.hash = lattice_hash(used);
-        const auto got = carved<FloatGrid>(grid, used, map_of(used, constant_seams(used, Axis::u, Seams::Kind::remove, std::vector<int>(6, 4))));
+        const auto got = carved<FloatGrid>(grid, used, map_of(used, straight_seams(used, Axis::u, Seams::Kind::remove, std::vector<int>(6, 4))));
         const auto rim = outline(*got, centre, outer - 5, 0.1);
         const auto [low, high] = std::minmax_element(rim.begin(), rim.end());
         CHECK(std::abs(*low - (outer - 3)) < 0.25);
@@ -253,7 +235,7 @@ TEST_CASE("the result does not depend on the number of threads") {
     std::mt19937 random(11);
     const auto lattice = ring(Vec3d(0), {18, 10, 90}, 0.5, Vec2d(-4, -2));
     const auto grid = field_around(lattice, 0.4, swirl);
-    const auto map = map_of(lattice, closed_as(random_seams(random, lattice, lattice.shape, Axis::u, Seams::Kind::remove, 5, {1}), lattice));
+    const auto map = map_of(lattice, random_seams(random, lattice, lattice.shape, Axis::u, Seams::Kind::remove, 5, {1}));
     FloatGrid::ConstPtr one, four;
     tbb::task_arena(1).execute([&] { one = carved<FloatGrid>(grid, lattice, map); });
     tbb::task_arena(4).execute([&] { four = carved<FloatGrid>(grid, lattice, map); });

@@ -18,8 +18,6 @@ namespace {
 
 using SeamList = std::vector<std::shared_ptr<const Seams>>;
 
-int below(std::mt19937& random, int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
-
 template <class T>
 T random_value(std::mt19937& random) {
     if constexpr (std::is_same_v<T, bool>) return random() % 2 == 0;
@@ -88,18 +86,6 @@ CoordBBox around(const Layout& layout, const std::array<int, 3>& reach) {
     CoordBBox out(layout.origin, layout.origin);
     out.expand(layout({reach[0] - 1, reach[1] - 1, reach[2] - 1}));
     out.expand(9);
-    return out;
-}
-
-Seams straight_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, const std::vector<int>& entries) {
-    Seams out;
-    out.axis = axis;
-    out.kind = kind;
-    out.shape = lattice.shape;
-    out.frames = {1};
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
-    for (const int entry : entries) out.seams.push_back({std::vector<std::uint16_t>(out.columns_per_frame(), static_cast<std::uint16_t>(entry)), 0.0});
     return out;
 }
 

@@ -20,8 +20,6 @@ namespace {
 
 using SeamList = std::vector<std::shared_ptr<const Seams>>;
 
-int below(std::mt19937& random, int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
-
 /// Noise over and around a lattice that begins at the origin, every seventh voxel inactive.
 template <class Grid>
 typename Grid::Ptr noise(std::mt19937& random, const CoordBBox& box) {
@@ -44,17 +42,10 @@ bool same(const Dense<T>& a, const Dense<T>& b) {
 
 /// `count` pairs along planes: at `first` and at `second`, entries that rise or stay as the kind asks.
 Seams straight_pairs(const Lattice& lattice, Axis axis, Seams::Kind kind, int first, int second, int count) {
-    Seams out;
-    out.axis = axis;
-    out.kind = kind;
-    out.shape = lattice.shape;
-    out.frames = {1};
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
-    const auto plane = [&](int entry) { return Seams::Seam{std::vector<std::uint16_t>(out.columns_per_frame(), static_cast<std::uint16_t>(entry)), 0.0}; };
+    auto out = no_seams(lattice, axis, kind);
     for (int n = 0; n < count; ++n) {
-        out.seams.push_back(plane(kind == Seams::Kind::remove ? first : first + n));
-        out.pairs.push_back(plane(kind == Seams::Kind::remove ? second + n : second));
+        out.seams.push_back(straight_seam(out, kind == Seams::Kind::remove ? first : first + n));
+        out.pairs.push_back(straight_seam(out, kind == Seams::Kind::remove ? second + n : second));
     }
     return out;
 }

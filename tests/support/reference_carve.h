@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/seams.h"
+#include "tests/support/seams_through.h"
 
 #include <openvdb/openvdb.h>
 
@@ -80,16 +80,14 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
         }
 }
 
+/// 0 to n - 1.
+inline int below(std::mt19937& random, int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
+
 /// A set of arbitrary seams, not even feasible: carving does not ask for it.
 inline Seams random_seams(std::mt19937& random, const Lattice& lattice, const std::array<int, 3>& shape, Axis axis, Seams::Kind kind, int count,
                           std::vector<int> frames) {
-    Seams out;
-    out.axis = axis;
-    out.kind = kind;
+    auto out = no_seams(lattice, axis, kind, std::move(frames));
     out.shape = shape;
-    out.frames = std::move(frames);
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
     const auto columns = out.columns_per_frame() * out.frames.size();
     out.seams.resize(static_cast<std::size_t>(count));
     for (auto& seam : out.seams) seam.at = std::vector<std::uint16_t>(columns);

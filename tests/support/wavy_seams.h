@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/remap/carve_map.h"
+#include "tests/support/seams_through.h"
 
 #include <cmath>
 #include <memory>
@@ -10,14 +11,7 @@ namespace fluidcarve::test {
 /// Seams side by side around one entry, in waves across the lattice that close with it.
 /// @param amplitude  entries; 0: straight
 inline Seams wavy_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, int entry, int count, double amplitude) {
-    Seams out;
-    out.axis = axis;
-    out.kind = kind;
-    out.closed = lattice.closed;
-    out.shape = lattice.shape;
-    out.frames = {1};
-    out.lattice = lattice.description;
-    out.lattice_hash = lattice.hash;
+    auto out = no_seams(lattice, axis, kind);
     for (int n = 0; n < count; ++n) {
         std::vector<std::uint16_t> at;
         for (int k = 0; k < out.shape[2]; ++k)
