@@ -18,13 +18,17 @@ struct Places {
     }
 };
 
-std::uint16_t mean(std::uint16_t a, std::uint16_t b) {
+std::uint16_t mean_energy(std::uint16_t a, std::uint16_t b) {
     for (const auto mark : {protected_code, attracted_code})
         if (a == mark || b == mark) return mark;
     return encode_energy(0.5f * (decode_energy(a) + decode_energy(b)));
 }
 
-std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step) {
+std::uint16_t mean_field(std::uint16_t a, std::uint16_t b) { return encode_field(0.5f * (decode_field(a) + decode_field(b))); }
+
+template <class Mean>
+std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step,
+                                 const Mean& mean) {
     std::vector<std::uint16_t> out(size);
     const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis());
     tbb::parallel_for(0, step.slices(), [&](int k) {
@@ -47,16 +51,25 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
     return out;
 }
 
-}  // namespace
-
-std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> slab, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps) {
+template <class Mean>
+std::vector<std::uint16_t> carve(std::vector<std::uint16_t> slab, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mean& mean) {
     for (const auto& step : steps) {
         const Places before(shape, axis);
         shape[static_cast<std::size_t>(step.axis())] = step.after();
         const auto size = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
-        slab = carve(slab, before, Places(shape, axis), size, step);
+        slab = carve(slab, before, Places(shape, axis), size, step, mean);
     }
     return slab;
+}
+
+}  // namespace
+
+std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
+    return carve(std::move(slab), shape, axis, steps, mean_energy);
+}
+
+std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
+    return carve(std::move(slab), shape, axis, steps, mean_field);
 }
 
 }  // namespace fluidcarve

@@ -56,6 +56,28 @@ void restrict_row(const EnergyVolume& energy, Window window, const Columns& coar
     }
 }
 
+/// The field at half the resolution: the mean of what an entry stands for. Its new edges there are twice as long, and so count half.
+void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse, EnergyVolume& out) {
+    const Columns fine(energy);
+    out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
+    tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
+        const auto k = row % coarse.slices(), t = row / coarse.slices();
+        for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral)
+            for (std::size_t n = 0; n < out.stride(); ++n) {
+                float sum = 0, count = 0;
+                for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
+                    for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
+                        for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl)
+                            for (auto i = 2 * n; i < std::min(2 * n + 2, static_cast<std::size_t>(window.size())); ++i) {
+                                sum +=
+                                    decode_field(energy.field(ft)[(fl + fine.laterals() * fk) * energy.stride() + static_cast<std::size_t>(window.first) + i]);
+                                ++count;
+                            }
+                out.field(t)[(lateral + coarse.laterals() * k) * out.stride() + n] = encode_field(sum / count);
+            }
+    });
+}
+
 template <class Cell, bool protects>
 EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     const Columns fine(energy);
@@ -101,8 +123,14 @@ Between between(std::size_t fine, std::size_t fine_size, bool closed) {
 }  // namespace
 
 EnergyVolume restrict_energy(const EnergyVolume& energy, Window window) {
-    if (energy.summed()) return energy.protects() ? restricted<float, true>(energy, window) : restricted<float, false>(energy, window);
-    return energy.protects() ? restricted<std::uint16_t, true>(energy, window) : restricted<std::uint16_t, false>(energy, window);
+    const auto in = [&](auto cell) {
+        using Cell = decltype(cell);
+        return energy.protects() ? restricted<Cell, true>(energy, window) : restricted<Cell, false>(energy, window);
+    };
+    auto out = energy.summed() ? in(float{}) : in(std::uint16_t{});
+    out.set_rigidity(energy.rigidity());
+    if (energy.has_field()) restrict_field(energy, window, Columns(out), out);
+    return out;
 }
 
 std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const std::uint16_t> seam, const Columns& fine, Window window) {

@@ -25,10 +25,50 @@ std::int64_t steps_between_searches(std::size_t nodes) { return static_cast<std:
 
 }  // namespace
 
-Cut::Cut(const Columns& columns, const Band& band, const CostOf& cost_of, bool reversed) : columns_(columns), reversed_(reversed) { fill(band, cost_of); }
+Cut::Cut(const Columns& columns, const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of, bool reversed) : columns_(columns), reversed_(reversed) {
+    fill(band, cost_of, lifts_of);
+}
+
+void Cut::lifts(std::size_t high, std::size_t low, unsigned direction, int first, const LiftsOf& lifts_of, std::span<std::int32_t> out) const {
+    const bool in_time = direction / 2 == 2;
+    if (!reversed_) return lifts_of(high, low, in_time, first, out);
+    // Upside down the lower one is the higher.
+    lifts_of(low, high, in_time, 0xFFFF - first - static_cast<int>(out.size()), out);
+    std::ranges::reverse(out);
+}
+
+/// Gives a column's nodes their arcs to those beside them. Where a neighbour's band ends there is no such node: the only seams
+/// that step there take the entry next to the end, which then costs as much more.
+void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs, std::vector<std::int32_t>& scratch) {
+    const auto& column = column_[c];
+    const auto around = columns_.around(c, columns_.place(c));
+    const auto add = [&](int entry, std::int32_t lift) {
+        auto& cost = costs[static_cast<std::size_t>(entry - column.first)];
+        if (cost != endless) cost += lift;
+    };
+    const auto has = [](const Column& of, int entry) { return entry >= of.first && entry <= of.last; };
+    std::int32_t one = 0;
+    for (unsigned d = 0; d < around.size(); ++d) {
+        if (around[d] == Columns::none) continue;
+        const auto& other = column_[around[d]];
+        if (has(column, other.last + 1)) {
+            lifts(c, around[d], d, other.last, lifts_of, {&one, 1});
+            add(other.last + 1, one);
+        }
+        if (has(column, other.first - 1) && column.last != other.first - 1) {
+            lifts(around[d], c, d, other.first - 1, lifts_of, {&one, 1});
+            add(other.first - 1, one);
+        }
+        const int first = std::max(column.first, other.first), last = std::min(column.last, other.last);
+        if (first >= last) continue;
+        scratch.resize(static_cast<std::size_t>(last - first));
+        lifts(c, around[d], d, first, lifts_of, scratch);
+        for (std::size_t n = 0; n < scratch.size(); ++n) level_[column.begin + static_cast<std::size_t>(first - column.first) + n][d] = scratch[n];
+    }
+}
 
 /// Makes the nodes, with as much flow up each column as it takes alone.
-void Cut::fill(const Band& band, const CostOf& cost_of) {
+void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of) {
     column_.resize(columns_.count());
     std::uint32_t begin = 0;
     for (std::size_t c = 0; c < column_.size(); ++c) {
@@ -41,15 +81,17 @@ void Cut::fill(const Band& band, const CostOf& cost_of) {
     tags_.resize(begin);
     excess_.resize(begin);
     arcs_.resize(begin);
+    if (lifts_of) level_.resize(begin);
     flow_ = tbb::parallel_deterministic_reduce(
         tbb::blocked_range<std::size_t>(0, column_.size(), 4096), std::int64_t{0},
         [&](const tbb::blocked_range<std::size_t>& range, std::int64_t sum) {
-            std::vector<std::int32_t> costs;
+            std::vector<std::int32_t> costs, scratch;
             for (auto c = range.begin(); c < range.end(); ++c) {
                 const auto& column = column_[c];
                 costs.resize(static_cast<std::size_t>(column.size()) + 1);
                 cost_of(c, band.columns[c], costs.data());
                 if (reversed_) std::reverse(costs.begin(), costs.end());
+                if (lifts_of) add_lifts(c, lifts_of, costs, scratch);
                 std::int64_t flow = costs[0];
                 for (std::size_t n = 0; n + 1 < costs.size(); ++n) {
                     const auto cost = costs[n + 1];
@@ -145,6 +187,8 @@ public:
                 };
                 if (const auto above = node(beside, entry + 1); above != none) go(higher(entry), above);
                 if (tag.lowered(d)) go(lower(entry), node(beside, entry - 1));
+                if (cut_.level_.empty()) return;
+                if (const auto level = node(beside, entry); level != none && cut_.level_[level][Columns::back(d)] > 0) go(spot.entry, level);
             });
         }
         std::swap(front_, next_);
@@ -260,6 +304,17 @@ private:
                             give(above, other, higher(entry), out, amount);
                         }
                         if (lowered > 0) nearest = std::min(nearest, at);
+                    }
+                    if (const auto level = cut_.level_.empty() ? none : node(beside, entry); level != none && cut_.level_[own][d] > 0) {
+                        const auto at = cut_.tags_[level].label();
+                        auto& through = cut_.level_[own][d];
+                        if (at + 1 == label && excess > 0) {
+                            const auto amount = std::min<std::int64_t>(excess, through);
+                            through -= static_cast<std::int32_t>(amount);
+                            cut_.level_[level][Columns::back(d)] += static_cast<std::int32_t>(amount);
+                            give(level, other, spot.entry, out, amount);
+                        }
+                        if (through > 0) nearest = std::min(nearest, at);
                     }
                     if (const auto below = node(beside, entry - 1); below != none) {
                         const auto at = cut_.tags_[below].label();

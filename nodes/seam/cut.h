@@ -3,6 +3,7 @@
 #include "nodes/seam/band.h"
 #include "nodes/seam/columns.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -14,9 +15,9 @@ namespace fluidcarve {
 ///
 /// Node (c, a) stands between the entries a-1 and a of column c, and says whether the seam is at a or above. Up a column
 /// an arc costs what the entry between its ends does, down it none can be cut; nor can arcs to the next lower node in
-/// each neighbouring column, which keep neighbours within 1. None of the arcs is stored: they follow from the place of a
-/// node. A node holds what its arcs still let through, its excess and its distance to the sink: 40 bytes, and 8 for each
-/// column.
+/// each neighbouring column, which keep neighbours within 1. Where steps cost something, arcs to the nodes at the same height
+/// beside it cost that. None of the arcs is stored: they follow from the place of a node. A node holds what its arcs still let
+/// through, its excess and its distance to the sink: 40 bytes, 64 where steps cost something, and 8 for each column.
 ///
 /// The flow is found by push-relabel (Goldberg and Tarjan 1988) in sweeps over the rows of columns, with distances
 /// computed anew by breadth-first search (Cherkassky and Goldberg 1997), and without its second phase: excess that can
@@ -32,8 +33,13 @@ public:
     static constexpr std::int32_t endless = 0x7FFFFFFF;
     static constexpr std::int32_t most_cost = 1 << 26;
 
+    /// What steps cost, 0 to most_cost: being at entry + 1 in column `high` and at entry in its neighbour `low`; written for
+    /// entries from `first` on.
+    using LiftsOf = std::function<void(std::size_t high, std::size_t low, bool in_time, int first, std::span<std::int32_t> lifts)>;
+
+    /// @param lifts_of  none: steps are free
     /// @param reversed  of equal seams the lowest is found, not the highest
-    Cut(const Columns& columns, const Band& band, const CostOf& cost_of, bool reversed = false);
+    Cut(const Columns& columns, const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of = nullptr, bool reversed = false);
 
     /// @param tolerance  how much the seam may cost above the least, as a share of the flow
     /// @return false if more flow came together than an arc holds, 31 bits: then there is no seam, and lower costs are wanted
@@ -93,7 +99,9 @@ private:
     static std::uint32_t node(const Column& column, int entry) {
         return entry > column.first && entry <= column.last ? column.begin + static_cast<std::uint32_t>(entry - column.first - 1) : none;
     }
-    void fill(const Band& band, const CostOf& cost_of);
+    void fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of);
+    void add_lifts(std::size_t column, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs, std::vector<std::int32_t>& lifts);
+    void lifts(std::size_t high, std::size_t low, unsigned direction, int first, const LiftsOf& lifts_of, std::span<std::int32_t> out) const;
     std::vector<Box> tiles(std::size_t nodes, bool shifted) const;
     std::vector<Box> slabs() const;
     bool solve_tiles(bool shifted, double tolerance);
@@ -106,6 +114,7 @@ private:
     std::vector<Tag> tags_;
     std::vector<std::int64_t> excess_;
     std::vector<Arcs> arcs_;
+    std::vector<std::array<std::int32_t, Columns::directions>> level_;  ///< to the neighbours' nodes at the same height; empty if steps are free
     std::int64_t flow_ = 0, left_ = 0;
 };
 

@@ -13,10 +13,28 @@ namespace fluidcarve {
 
 namespace {
 
+/// What the dearest step in a band costs.
+float highest_lift(const Columns& columns, const Band& band, const StepCosts& steps) {
+    if (!steps) return 0;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, columns.count(), 4096), 0.0f,
+        [&](const tbb::blocked_range<std::size_t>& range, float out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto around = columns.around(c, columns.place(c));
+                for (std::size_t d = 0; d < around.size(); ++d)
+                    for (int entry = band.columns[c].first; around[d] != Columns::none && entry <= band.columns[c].last; ++entry)
+                        if (entry > 0 && entry - 1 >= band.columns[around[d]].first && entry - 1 <= band.columns[around[d]].last)
+                            out = std::max(out, steps.lift(c, around[d], entry - 1, d / 2 == 2));
+            }
+            return out;
+        },
+        [](float a, float b) { return std::max(a, b); });
+}
+
 /// @param cost_at   (column, entry)
 /// @param protects  whether some cost is infinite
 template <class CostAt>
-CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, bool protects, double tolerance, int number,
+CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, const StepCosts& steps, bool protects, double tolerance, int number,
               const std::function<void()>& tick) {
     const auto band = protects ? tightened(columns, whole, cost_at) : whole;
     struct Span {
@@ -46,8 +64,9 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
     const auto sum_of_lows = std::accumulate(lows.begin(), lows.end(), 0.0);
     // A power of two, so that what fits into 24 bits is not rounded.
     int exponent = 0;
-    std::frexp(span.high - span.low, &exponent);
-    for (int bits = 24;; bits -= 6) {
+    std::frexp(std::max(span.high - span.low, highest_lift(columns, band, steps)), &exponent);
+    // A column's ends may cost, besides, steps to all of its neighbours.
+    for (int bits = steps ? 23 : 24;; bits -= 6) {
         const double scale = std::ldexp(1.0, bits - exponent);
         const auto cost_of = [&](std::size_t c, Band::Column range, std::int32_t* costs) {
             const double low = lows.empty() ? 0.0 : lows[c];
@@ -56,7 +75,10 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
                 *costs++ = std::isinf(cost) ? Cut::endless : static_cast<std::int32_t>(scale * (cost - low));
             }
         };
-        Cut cut(columns, band, cost_of, number % 2 != 0);
+        const auto lifts_of = [&](std::size_t high, std::size_t low, bool in_time, int first, std::span<std::int32_t> lifts) {
+            for (auto& lift : lifts) lift = static_cast<std::int32_t>(scale * steps.lift(high, low, first++, in_time));
+        };
+        Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr, number % 2 != 0);
         // Where more flow gathers than an arc holds, lower figures leave more room.
         if (cut.solve(tolerance, tick)) return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
@@ -65,7 +87,8 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
 }  // namespace
 
 CutSeam cut_seam(const EnergyVolume& energy, const Band& band, double tolerance, int number, const std::function<void()>& tick) {
-    return with_costs(energy, [&](const auto& cost_at) { return solve(Columns(energy), band, cost_at, energy.protects(), tolerance, number, tick); });
+    return with_costs(energy,
+                      [&](const auto& cost_at) { return solve(Columns(energy), band, cost_at, energy.steps(), energy.protects(), tolerance, number, tick); });
 }
 
 Seams::Seam exact_seam(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) {
@@ -88,14 +111,21 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
                                static_cast<std::uint16_t>(std::min(home + reach, window.last))};
         }
         auto part = with_costs(energy, [&](const auto& cost_at) {
-            const auto later = [&](std::size_t c, int entry) { return cost_at(begin * all.per_frame() + c, entry); };
+            const auto steps = energy.steps().from(begin * all.per_frame());
+            const auto later = [&](std::size_t c, int entry) {
+                const auto cost = cost_at(begin * all.per_frame() + c, entry);
+                if (begin == 0 || c >= all.per_frame()) return cost;
+                // The step from the frame before, whose seam is there already.
+                const auto here = begin * all.per_frame() + c, before = here - all.per_frame();
+                return cost + energy.steps()(here, entry, before, at[before], true);
+            };
             const auto above_threshold = [&](std::size_t c, int entry) {
                 const auto cost = later(c, entry);
                 return cost > 0 && cost < threshold ? 0.0f : cost;
             };
             if (energy.protects()) band = tightened(rest, band, later);
             const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.closed());
-            auto cut = solve(columns, {{band.columns.begin(), band.columns.begin() + static_cast<std::ptrdiff_t>(columns.count())}}, above_threshold,
+            auto cut = solve(columns, {{band.columns.begin(), band.columns.begin() + static_cast<std::ptrdiff_t>(columns.count())}}, above_threshold, steps,
                              energy.protects(), 0, number, tick)
                            .at;
             if (!energy.protects()) return cut;
@@ -121,7 +151,7 @@ CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int ra
         band.columns.push_back({static_cast<std::uint16_t>(std::max<int>(seam[c] - radius, strip[c].first)),
                                 static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
     return solve(
-        strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.protects(), tolerance, number, tick);
+        strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.steps(), strip.protects(), tolerance, number, tick);
 }
 
 }  // namespace fluidcarve

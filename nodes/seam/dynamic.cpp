@@ -3,6 +3,7 @@
 #include "graph/problem.h"
 #include "nodes/seam/columns.h"
 #include "nodes/seam/cut_seam.h"
+#include "nodes/seam/free_line.h"
 #include "nodes/seam/strip.h"
 
 #include <fmt/format.h>
@@ -29,7 +30,9 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
             fmt::format("seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in {} x {} x {} (lateral, k, frames); "
                         "seam.pyramid and seam.graph_cut take any",
                         columns.laterals(), columns.slices(), columns.frames()));
+    tick(0);
     if (columns.closed()) return exact_seam(energy, window, number, [&] { tick(0); });
+    if (!energy.steps()) return free_line_seam(energy, window, number);
 
     const auto length = columns.count(), width = static_cast<std::size_t>(window.size());
     const Strip strip(energy, Band::whole(length, window));
@@ -37,17 +40,21 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
     std::vector<std::int8_t> steps(length * width);
     const std::array<int, 3> order{0, number % 2 == 0 ? -1 : 1, number % 2 == 0 ? 1 : -1};
     std::vector<double> before(width), now(width);
-    const auto way = [&](int i) { return before[static_cast<std::size_t>(i)]; };
+    const bool in_time = columns.frames() == length;
     for (std::size_t c = 0; c < length; ++c) {
         const auto* const energies = strip.energies(c);
+        const auto way = [&](int i, int step) {
+            const auto steps_cost = strip.steps() ? strip.steps()(c, window.first + i, c - 1, window.first + i + step, in_time) : 0.0f;
+            return before[static_cast<std::size_t>(i + step)] + static_cast<double>(steps_cost);
+        };
         for (int i = 0; i < window.size(); ++i) {
             const auto at = static_cast<std::size_t>(i);
             int best = 0;
             if (c > 0)
                 for (const int step : order)
-                    if (i + step >= 0 && i + step < window.size() && way(i + step) < way(i + best)) best = step;
+                    if (i + step >= 0 && i + step < window.size() && way(i, step) < way(i, best)) best = step;
             steps[c * width + at] = static_cast<std::int8_t>(best);
-            now[at] = energies[at] + (c > 0 ? way(i + best) : 0.0);
+            now[at] = energies[at] + (c > 0 ? way(i, best) : 0.0);
         }
         std::swap(before, now);
     }

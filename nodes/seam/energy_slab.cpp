@@ -95,19 +95,31 @@ private:
     Vec3d first_;
 };
 
+/// How values become codes, and what is said of those that do not.
+struct Code {
+    std::uint16_t (*encode)(float value);
+    std::uint16_t invalid;
+    const char* what;
+    float least, most;
+};
+
+const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; seams need energies from {:g} to {:.3g}", 0,
+                       decode_energy(highest_energy_code)};
+const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; forward costs need values from {:g} to {:g}", -highest_field, highest_field};
+
 template <class MakeReader>
-void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, MakeReader&& make_reader) {
+void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> slab, MakeReader&& make_reader) {
     const int entries = lattice.shape[axis == Axis::u ? 0 : 1], laterals = lattice.shape[axis == Axis::u ? 1 : 0];
     tbb::parallel_for(tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
         auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
         for (int column = range.begin(); column < range.end(); ++column) {
             read.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
-            for (int entry = 0; entry < entries; ++entry) *out++ = encode_energy(read(entry));
+            for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
         }
     });
     // Searched serially, so that the place named is always the first.
-    const auto bad = std::find(slab.begin(), slab.end(), invalid_energy_code);
+    const auto bad = std::find(slab.begin(), slab.end(), code.invalid);
     if (bad == slab.end()) return;
     const auto place = bad - slab.begin();
     const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
@@ -115,8 +127,9 @@ void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Make
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
     auto read = make_reader();
     read.move_to(vertex_of(axis, 0, lateral, at[2]));
-    throw Failure(fmt::format("the energy is {} at ({:g}, {:g}, {:g}), vertex ({}, {}, {}); seams need energies from 0 to {:.3g}", read(entry), world.x(),
-                              world.y(), world.z(), at[0], at[1], at[2], decode_energy(highest_energy_code)));
+    throw Failure(fmt::format(fmt::runtime(code.what), read(entry),
+                              fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]), code.least,
+                              code.most));
 }
 
 openvdb::BBoxd world_box(const Lattice& lattice) {
@@ -129,9 +142,14 @@ openvdb::BBoxd world_box(const Lattice& lattice) {
 }  // namespace
 
 void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure) {
-    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, slab, [&] { return ByIndex(energy, *alignment, axis); });
-    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, slab, [&] { return AtVertices(energy, lattice, axis); });
-    else fill(lattice, axis, slab, [&] { return OverCells(energy, lattice, axis); });
+    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, slab, [&] { return ByIndex(energy, *alignment, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, slab, [&] { return AtVertices(energy, lattice, axis); });
+    else fill(lattice, axis, energy_code, slab, [&] { return OverCells(energy, lattice, axis); });
+}
+
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab) {
+    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, slab, [&] { return ByIndex(field, *alignment, axis); });
+    else fill(lattice, axis, field_code, slab, [&] { return AtVertices(field, lattice, axis); });
 }
 
 bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice) {

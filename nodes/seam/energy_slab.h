@@ -24,6 +24,9 @@ enum class Measure {
 /// @throws Failure that names the place of a negative, infinite, too large or undefined energy
 void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure = Measure::vertex);
 
+/// The same for a field, in field codes, at the vertices. @throws Failure that names the place of a value that codes do not hold
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab);
+
 /// Whether the lattice and the active voxels of a grid meet at all, by their world boxes.
 bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice);
 

@@ -30,6 +30,29 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
       slabs_(frames, 0, 0, ""),
       sums_(std::move(costs)) {}
 
+void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
+    weight_ = weight;
+    field_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
+}
+
+std::uint16_t EnergyVolume::with_edge(std::size_t column, int entry) const {
+    const auto first = column * stride_;
+    const auto at = [&](int place) { return decode_field(field_->slab(0).data()[first + static_cast<std::size_t>(place)]); };
+    const auto code = without_edges_->slab(0).data()[first + static_cast<std::size_t>(entry)];
+    if (code >= protected_code) return code;
+    const float edge = std::abs(at(std::min(entry + 1, width_ - 1)) - at(std::max(entry - 1, 0)));
+    return encode_energy(std::min(decode_energy(code) + weight_ * edge, decode_energy(highest_energy_code)));
+}
+
+void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
+    without_edges_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
+    std::swap(slabs_, *without_edges_);
+    tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c)
+            for (int entry = 0; entry < width_; ++entry) slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+    });
+}
+
 void EnergyVolume::find_marks() {
     struct Found {
         std::size_t guarded = 0, attracted = 0;
@@ -83,6 +106,7 @@ EnergyVolume EnergyVolume::sum() const {
     out.protects_ = protects_;
     out.attracted_ = attracted_;
     out.attraction_ = attraction_;
+    out.rigidity_ = {rigidity_[0] * static_cast<float>(frames()), 0};
     return out;
 }
 
@@ -97,9 +121,17 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at) {
             if (summed()) close(sums_.data() + c * stride_, at[c]);
             else close(slab(c / columns).data() + c % columns * stride_, at[c]);
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
+            if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
+            if (without_edges_) close(without_edges_->slab(0).data() + c * stride_, at[c]);
         }
     });
     --width_;
+    if (!without_edges_) return;
+    tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c)
+            for (int entry = std::max(at[c] - 1, 0); entry <= std::min<int>(at[c], width_ - 1); ++entry)
+                slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+    });
 }
 
 std::size_t EnergyVolume::attracted_at(std::size_t place) const {

@@ -3,9 +3,12 @@
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/seams.h"
 #include "nodes/seam/slab_store.h"
+#include "nodes/seam/step_costs.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -26,7 +29,8 @@ struct Costs {
 };
 
 /// The energy `E(i,j,k,t)` in which seams are found, and from which found seams are deleted: one slab of energy codes
-/// per frame (layout: sample_energy).
+/// per frame (layout: sample_energy). Beside their energy seams may pay for steps between columns, and for the edges that
+/// their removal makes in a field.
 class EnergyVolume {
 public:
     /// An attracted vertex is worth a way through so many of the highest energy.
@@ -37,6 +41,24 @@ public:
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false);
     /// 32-bit costs in place of codes. @param costs  laid out as slabs, frame after frame
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed);
+
+    /// What steps cost from now on, in space and in time.
+    void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
+    const std::array<float, 2>& rigidity() const { return rigidity_; }
+    /// Makes room for a field, whose new edges are to cost something. @throws Failure as SlabStore
+    /// @param weight  for each unit by which the field changes across an edge
+    void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
+    /// The codes of a frame's field, laid out as its energies.
+    std::span<std::uint16_t> field(std::size_t t) { return field_->slab(t); }
+    std::span<const std::uint16_t> field(std::size_t t) const { return field_->slab(t); }
+    bool has_field() const { return field_.has_value(); }
+    float field_weight() const { return weight_; }
+    /// Once energies and field are there: from now on an entry costs, beside its energy, the edge that its removal makes
+    /// between the entries on either side; of a column's first and last entry, between itself and the next.
+    /// @throws Failure as SlabStore
+    void count_edges(std::uint64_t memory_budget, const std::string& folder);
+    /// What steps cost; points into the volume.
+    StepCosts steps() const { return {rigidity_, field_ ? field_->slab(0).data() : nullptr, stride_, weight_}; }
 
     /// Looks for protected and attracted vertices in the slabs. Until then there are none.
     void find_marks();
@@ -87,6 +109,8 @@ public:
 
 private:
     std::size_t attracted_at(std::size_t place) const;  ///< in how many of the frames that a sum is of
+    /// What an entry of a column costs with the edge that its removal makes; columns as in Seams::Seam::at.
+    std::uint16_t with_edge(std::size_t column, int entry) const;
 
     int width_, laterals_, slices_;
     std::size_t frames_, stride_;
@@ -98,6 +122,9 @@ private:
     bool protects_ = false;
     std::size_t attracted_ = 0;
     float attraction_ = 0;
+    std::array<float, 2> rigidity_{};
+    std::optional<SlabStore> field_, without_edges_;  ///< and the energies as they were before count_edges
+    float weight_ = 0;
 };
 
 /// Calls back with a function that gives the cost at (column, entry), columns as in Seams::Seam::at.

@@ -1,5 +1,6 @@
 #include "nodes/seam/greedy.h"
 
+#include "nodes/seam/columns.h"
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/protection.h"
 #include "nodes/seam/strip.h"
@@ -8,8 +9,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 #include <optional>
 #include <type_traits>
@@ -119,6 +122,8 @@ public:
           ring_(!energy.closed() ? Ring::open
                 : guide.empty()  ? Ring::cone
                                  : Ring::gaussian),
+          step_costs_(energy.steps()),
+          columns_(energy),
           step_bytes_((starts.size() + 3) / 4),
           entries_(2 * energy.columns_per_frame() * starts.size()),
           steps_(energy.frames() * energy.columns_per_frame() * step_bytes_),
@@ -180,6 +185,10 @@ private:
                 const Entry* const d = earlier ? earlier : a;
                 Entry* const out = now + c * seams;
                 auto* const steps = steps_.data() + (t * columns + c) * step_bytes_;
+                if (step_costs_) {
+                    pass_column_with_steps(column, now, before, {lateral, k, t}, steps);
+                    continue;
+                }
                 if (ring_ == Ring::open || k == 0) {
                     pass_column<Ring::open>(column, out, a, b, d, steps, {});
                     continue;
@@ -225,6 +234,56 @@ private:
         }
     }
 
+    /// The same where steps cost something, for any ring.
+    /// @param now, before  entries of the frame and of the one before
+    void pass_column_with_steps(const Cell* column, Entry* now, const Entry* before, const Columns::Place& at, std::uint8_t* steps) {
+        const auto seams = starts_.size(), frame_columns = columns_.per_frame(), first_column = at.t * frame_columns;
+        const auto c = columns_.at(at.lateral, at.k, at.t);
+        const auto around = columns_.around(c, at);
+        const bool ring = ring_ != Ring::open && at.k > 0;
+        const auto home = columns_.at(at.lateral, 0, at.t);
+        const auto reach = static_cast<int>(columns_.slices() - at.k);
+        const auto entry_at = [&](std::size_t other, std::size_t s) -> int {
+            return other < first_column ? before[(other + frame_columns - first_column) * seams + s] : now[(other - first_column) * seams + s];
+        };
+        for (std::size_t s = 0; s < seams; ++s) {
+            int low = static_cast<int>(first_), high = static_cast<int>(last_), nearest = -1;
+            // Those that are passed already.
+            std::array<std::pair<std::size_t, bool>, 4> passed;
+            std::size_t count = 0;
+            for (std::size_t d = 0; d < around.size(); d += 2)
+                if (around[d] < c) passed[count++] = {around[d], d == 4};
+            const auto before_closing = count;
+            if (ring && at.k + 1 == columns_.slices()) passed[count++] = {home, false};
+            for (std::size_t n = 0; n < before_closing; ++n) {
+                const int entry = entry_at(passed[n].first, s);
+                if (n == 0) nearest = entry;
+                low = std::max(low, entry - 1);
+                high = std::min(high, entry + 1);
+            }
+            const int from = ring ? entry_at(home, s) : 0;
+            if (ring) {
+                low = std::max(low, from - reach);
+                high = std::min(high, from + reach);
+            }
+            const auto stay = static_cast<unsigned>(std::clamp(nearest, low, high));
+            auto best = ~std::uint64_t{0};
+            float least = 0;
+            for (int entry = low; entry <= high; ++entry) {
+                float cost = values_.cost(column[entry]);
+                for (std::size_t n = 0; n < count; ++n) cost += step_costs_(c, entry, passed[n].first, entry_at(passed[n].first, s), passed[n].second);
+                const float guided = ring_ == Ring::gaussian && ring ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
+                const auto key = key_of(values_.rank(guided), static_cast<unsigned>(entry), stay);
+                if (key >= best) continue;
+                best = key;
+                least = cost;
+            }
+            now[(c - first_column) * seams + s] = static_cast<Entry>(best);
+            steps[s / 4] = static_cast<std::uint8_t>(steps[s / 4] | (static_cast<int>(static_cast<Entry>(best)) - nearest + 1) << (2 * (s % 4)));
+            sums_[s] += least;
+        }
+    }
+
     /// Orders candidates by energy, then by ties, then by entry.
     std::uint64_t key_of(std::uint32_t rank, unsigned entry, unsigned stay) const {
         const unsigned tie = entry == stay ? 0 : (entry < stay) == below_first_ ? 1 : 2;
@@ -238,6 +297,8 @@ private:
     const std::span<const Entry> starts_;
     const GuideTable& guide_;
     const Ring ring_;
+    const StepCosts step_costs_;
+    const Columns columns_;
     const std::size_t step_bytes_;
     std::vector<Entry> entries_;
     std::vector<std::uint8_t> steps_;  ///< `[t][column]`, two bits per seam
@@ -301,7 +362,10 @@ Seams::Seam find_marked(const EnergyVolume& energy, Window window, int number, i
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
     const auto with = [&](const auto& search) { return search(energy, window, number, starts, tick, guide); };
     if (energy.protects() || energy.attracts()) return energy.summed() ? with(find_marked<float>) : with(find_marked<Entry>);
-    return energy.summed() ? with(find<float, Unmarked>) : with(find<Entry, Unmarked>);
+    auto out = energy.summed() ? with(find<float, Unmarked>) : with(find<Entry, Unmarked>);
+    // The search adds its steps up in floats.
+    if (energy.steps()) out.energy = energy_of(energy, out.at);
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -33,6 +33,18 @@ void spread(const float* from, float* to, std::size_t width) {
     to[width - 1] = std::min(from[width - 2], from[width - 1]);
 }
 
+/// The same where steps cost something.
+/// @param first  the entry of the first
+void spread(const float* from, std::size_t column_from, float* to, std::size_t column_to, std::size_t width, int first, const StepCosts& steps, bool in_time) {
+    if (!steps) return spread(from, to, width);
+    for (std::size_t i = 0; i < width; ++i) {
+        const int entry = first + static_cast<int>(i);
+        to[i] = from[i];
+        if (i > 0) to[i] = std::min(to[i], from[i - 1] + steps.lift(column_to, column_from, entry - 1, in_time));
+        if (i + 1 < width) to[i] = std::min(to[i], from[i + 1] + steps.lift(column_from, column_to, entry, in_time));
+    }
+}
+
 /// The dimensions along which there are lines.
 struct Lines {
     std::size_t first_step, second_step, step, length, first_count, count;
@@ -80,6 +92,8 @@ double even_split(const EnergyVolume& energy, const Columns& columns, Window win
     const auto width = static_cast<std::size_t>(window.size());
     const auto all = dimensions(columns);
     const auto cost = energy.costs();
+    const auto steps = energy.steps();
+    const float share = 1 / static_cast<float>(all.size());
     double sum = 0;
     for (const auto along : all) {
         const Lines lines(columns, along);
@@ -90,15 +104,15 @@ double even_split(const EnergyVolume& energy, const Columns& columns, Window win
                 const auto c = begin + n * lines.step;
                 const auto* const cells = energy.cells<Cell>(c / columns.per_frame()) + c % columns.per_frame() * energy.stride() + window.first;
                 if (n > 0) {
-                    spread(way, next, width);
+                    spread(way, c - lines.step, next, c, width, window.first, steps, along == 2);
                     std::swap(way, next);
                 }
-                for (std::size_t i = 0; i < width; ++i) way[i] += cost(cells[i]);
+                for (std::size_t i = 0; i < width; ++i) way[i] += share * cost(cells[i]);
             }
             return static_cast<double>(*std::min_element(way, way + width));
         });
     }
-    return sum / static_cast<double>(all.size());
+    return sum;
 }
 
 /// The energies' parts, one for each dimension, `[column][entry]`.
@@ -106,7 +120,12 @@ template <class Cell>
 class Split {
 public:
     Split(const EnergyVolume& energy, const Columns& columns, Window window)
-        : columns_(columns), all_(dimensions(columns)), width_(static_cast<std::size_t>(window.size())), parts_(all_.size()) {
+        : columns_(columns),
+          all_(dimensions(columns)),
+          width_(static_cast<std::size_t>(window.size())),
+          first_(window.first),
+          steps_(energy.steps()),
+          parts_(all_.size()) {
         for (auto& part : parts_) part.resize(columns.count() * width_);
         tbb::parallel_for(std::size_t{0}, columns.slices() * columns.frames(), [&, cost = energy.costs()](std::size_t row) {
             for (auto c = row * columns.laterals(); c < (row + 1) * columns.laterals(); ++c) {
@@ -120,6 +139,7 @@ public:
     /// Hands surplus on, if there is anyone to take it. @return the sum of the lines' minima before
     double pass(std::size_t own) {
         const Lines lines(columns_, all_[own]);
+        const bool in_time = all_[own] == 2;
         return sum_of_lines(lines, [&](std::size_t begin, std::vector<float>& scratch) {
             const auto here = [&](std::size_t n) { return parts_[own].data() + (begin + n * lines.step) * width_; };
             // The cheapest ways from the front to each column, without itself; then from the back, handing on.
@@ -128,7 +148,8 @@ public:
             for (std::size_t n = 1; n < lines.length; ++n) {
                 auto* const front = scratch.data() + n * width_;
                 for (std::size_t i = 0; i < width_; ++i) way[i] = front[i - width_] + here(n - 1)[i];
-                spread(way, front, width_);
+                const auto c = begin + n * lines.step;
+                spread(way, c - lines.step, front, c, width_, first_, steps_, in_time);
             }
             double minimum = 0;
             for (auto n = lines.length; n-- > 0;) {
@@ -138,8 +159,10 @@ public:
                 const auto least = *std::min_element(surplus, surplus + width_);
                 if (n + 1 == lines.length) minimum = least;
                 hand_on(own, static_cast<std::size_t>(part - parts_[own].data()), surplus, least);
+                if (n == 0) break;
                 for (std::size_t i = 0; i < width_; ++i) way[i] = part[i] + back[i];
-                spread(way, back, width_);
+                const auto c = begin + n * lines.step;
+                spread(way, c, back, c - lines.step, width_, first_, steps_, in_time);
             }
             return minimum;
         });
@@ -167,6 +190,8 @@ private:
     const Columns& columns_;
     const std::vector<std::size_t> all_;
     const std::size_t width_;
+    const int first_;
+    const StepCosts steps_;
     std::vector<std::vector<float>> parts_;
 };
 

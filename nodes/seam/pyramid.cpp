@@ -69,8 +69,8 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
 
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     const auto alive = [&] { tick(0); };
-    if (small(energy, window)) return exact_seam(energy, window, number, alive);
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
+    if (small(energy, window)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
     // What is attracted may be far from the last seam.
     if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts()) {

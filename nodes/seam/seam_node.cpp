@@ -69,6 +69,11 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
                     fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", text(*params.pair_window),
                                 params.pair_window->high < params.window->low ? "lies below" : "overlaps", text(*params.window), params.window->high));
     if (params.pair_still && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
+    const bool forward = params.cost == Cost::forward, field = check.connections("field") > 0;
+    if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
+    if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, which is not asked for");
+    if (forward && (params.still || params.pair_still))
+        check.fault(params.still ? "static" : "pair_static", "cost 'forward' is counted frame by frame and finds no static seams; leave one of the two out");
 }
 
 SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const Lattice& lattice) {
@@ -102,8 +107,14 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
         extension_.add(lattice, params.axis, std::max(0, grown - lattice.shape[static_cast<std::size_t>(params.axis)]), context.frame());
     }
     transform_.require("the energy", *io.energy, context.frame());
+    if (io.field) field_transform_.require("the field", *io.field, context.frame());
     if (task.count == 0) return;
-    if (!energy_) energy_.emplace(task.shape, params.axis, context.frames().size(), context.memory_budget(), context.work_folder(), lattice.closed);
+    if (!energy_) {
+        const bool forward = params.cost == Cost::forward;
+        energy_.emplace(task.shape, params.axis, context.frames().size(), context.memory_budget() / (forward ? 3 : 1), context.work_folder(), lattice.closed);
+        energy_->set_rigidity({params.rigidity, params.rigidity_time});
+        if (forward) energy_->add_field(params.field_weight, context.memory_budget() / 3, context.work_folder());
+    }
     if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {
         any_active_ = true;
         any_met_ = any_met_ || meets_active_voxels(*io.energy, lattice);
@@ -111,10 +122,15 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
     }
     if (io.after.empty()) {
         sample(params, io, lattice, energy_->slab(context.place()));
+        if (io.field) sample_field(*io.field, lattice, params.axis, energy_->field(context.place()));
     } else {
         sampled_.resize(vertices(lattice.shape));
         sample(params, io, lattice, sampled_);
-        fill_slab(before.steps(), params.axis, context.place());
+        if (io.field) {
+            sampled_field_.resize(sampled_.size());
+            sample_field(*io.field, lattice, params.axis, sampled_field_);
+        }
+        fill_slabs(before.steps(), params.axis, context.place());
     }
 }
 
@@ -124,8 +140,10 @@ void SeamNode::sample(const Params& params, const Ports& io, const Lattice& latt
     if (io.protect) protected_ = protected_.value_or(0) + mark_vertices(*io.protect->grid, lattice, params.axis, protected_code, slab);
 }
 
-void SeamNode::fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t) {
-    std::ranges::copy(carve_energy(sampled_, lattices_.front()->shape, axis, before), energy_->slab(t).begin());
+void SeamNode::fill_slabs(std::span<const CarveStep> before, Axis axis, std::size_t t) {
+    const auto& shape = lattices_.front()->shape;
+    std::ranges::copy(carve_energy(sampled_, shape, axis, before), energy_->slab(t).begin());
+    if (energy_->has_field()) std::ranges::copy(carve_field(sampled_field_, shape, axis, before), energy_->field(t).begin());
 }
 
 Seams SeamNode::empty_seams(const Params& params, const Task& task, const Context& context) const {
@@ -188,7 +206,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
     // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
     const auto columns = out.columns_per_frame() * out.frames.size();
     const auto seam_bytes = static_cast<std::uint64_t>(task.count) * (task.pair_window ? 2 : 1) * columns * sizeof(std::uint16_t);
-    const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t);
+    const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t) * (energy_->has_field() ? 3 : 1);
     KeepSeam keep;
     if (energy_bytes + seam_bytes > context.memory_budget())
         keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
@@ -276,9 +294,14 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
                 fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattices_.front()->description, text(active_box_)));
         // An energy that is the same for all frames comes once.
         for (auto t = lattices_.size(); t < out->frames.size(); ++t) {
-            if (io.after.empty()) std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
-            else fill_slab(CarveMap(*lattices_.front(), io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
+            if (!io.after.empty()) {
+                fill_slabs(CarveMap(*lattices_.front(), io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
+                continue;
+            }
+            std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
+            if (energy_->has_field()) std::ranges::copy(energy_->field(0), energy_->field(t).begin());
         }
+        if (energy_->has_field()) energy_->count_edges(context.memory_budget() / 3, context.work_folder());
         if (protected_ || attracted_) energy_->find_marks();
         find_all(params, task, io, context, find, *out, report);
         energy_.reset();

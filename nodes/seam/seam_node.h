@@ -28,6 +28,17 @@ struct ChoiceNames<Measure> {
     static constexpr std::array names = {std::pair{"vertex", Measure::vertex}, std::pair{"volume", Measure::volume}};
 };
 
+/// What a seam pays for.
+enum class Cost {
+    backward,  ///< the energy that it takes away
+    forward,   ///< besides, the edges that come to be where it was
+};
+
+template <>
+struct ChoiceNames<Cost> {
+    static constexpr std::array names = {std::pair{"backward", Cost::backward}, std::pair{"forward", Cost::forward}};
+};
+
 /// What every solver node takes and gives (METHOD 8), with all that does not depend on how one seam is found: windows,
 /// pairs, static seams, masks, the space that other seams leave. A new solver is a FindSeam, its own parameters and
 ///
@@ -49,11 +60,16 @@ public:
         bool still = false;
         bool pair_still = false;
         Measure measure = Measure::vertex;
+        Cost cost = Cost::backward;
+        float field_weight = 1;
+        float rigidity = 0;
+        float rigidity_time = 0;
         Auto<int> bound_passes;
     };
     struct Ports {
         Ref<FloatGrid> energy;
         Ref<Lattice> lattice;
+        Optional<FloatGrid> field;
         Optional<AnyGrid> protect, attract;
         OptionalList<Seams> after;
         Ref<Seams> seams;
@@ -81,7 +97,8 @@ private:
     static Task task_of(const Params& params, const Ports& io, const Lattice& lattice);
     Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
     void sample(const Params& params, const Ports& io, const Lattice& lattice, std::span<std::uint16_t> slab);
-    void fill_slab(std::span<const CarveStep> before, Axis axis, std::size_t t);
+    /// Energies and field of a frame, carved by the seams of `after`.
+    void fill_slabs(std::span<const CarveStep> before, Axis axis, std::size_t t);
     /// Moves the seams found into `out`, and says in the report what each is like.
     void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, Seams& out,
                   nlohmann::ordered_json& report);
@@ -91,8 +108,8 @@ private:
 
     std::vector<Ref<Lattice>> lattices_;  ///< of each frame that was added
     std::optional<EnergyVolume> energy_;
-    std::vector<std::uint16_t> sampled_;  ///< one frame's energy in the whole lattice, before `after`
-    OneTransform transform_;
+    std::vector<std::uint16_t> sampled_, sampled_field_;  ///< one frame's in the whole lattice, before `after`
+    OneTransform transform_, field_transform_;
     Extension extension_;                               ///< of the lattice, where insertions reach beyond it
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
     bool any_active_ = false;
@@ -107,6 +124,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
     using Ports = SeamNode::Ports;
     return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
+        .input("field", &Ports::field, "What is looked at for `cost: forward`: the density, or whatever is seen; sampled at the vertices.")
         .input("protect", &Ports::protect,
                "What no seam may pass: a mask, or the active voxels of any grid (of a level set, its narrow band). A vertex counts where any of the 8 voxels "
                "around it is set; if it stands on a voxel, where that voxel is.")
@@ -128,6 +146,13 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("measure", &Params::measure,
                "vertex: each vertex counts as much; volume: as much as the space around it, since in bent lattices inner cells are smaller than outer ones. "
                "Energies are then reported so. In straight boxes both are the same.")
+        .param("cost", &Params::cost,
+               "backward: a seam costs the energy that it takes away. forward: besides, what it leaves behind: wherever its removal puts two vertices of "
+               "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008). Takes three times the memory.")
+        .param("field_weight", &Params::field_weight, Unit::none, at_least(0), "What a difference of 1 in `field` costs.")
+        .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
+               "What each step of a seam costs, from a column to its neighbour in space; more keeps seams straighter. Reported energies include it.")
+        .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
                "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")

@@ -35,6 +35,7 @@ Strip::Strip(const EnergyVolume& energy, const Band& band)
       band_(band),
       width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
       energies_(width_ * columns_.count()),
+      steps_(energy.steps()),
       protects_(energy.protects()) {
     const auto fill = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
@@ -49,9 +50,24 @@ Strip::Strip(const EnergyVolume& energy, const Band& band)
 }
 
 double Strip::energy(std::span<const std::uint16_t> seam) const {
+    return sum_over(seam.size(),
+                    [&](std::size_t begin, std::size_t end) {
+                        double sum = 0;
+                        for (auto c = begin; c < end; ++c) sum += energy(c, seam[c]);
+                        return sum;
+                    }) +
+           cost_of_steps(columns_, steps_, seam);
+}
+
+double cost_of_steps(const Columns& columns, const StepCosts& steps, std::span<const std::uint16_t> seam) {
+    if (!steps) return 0;
     return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
         double sum = 0;
-        for (auto c = begin; c < end; ++c) sum += energy(c, seam[c]);
+        for (auto c = begin; c < end; ++c) {
+            const auto around = columns.around(c, columns.place(c));
+            for (std::size_t d = 1; d < around.size(); d += 2)
+                if (around[d] != Columns::none) sum += static_cast<double>(steps(c, seam[c], around[d], seam[around[d]], d / 2 == 2));
+        }
         return sum;
     });
 }
@@ -65,20 +81,22 @@ double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) 
             return sum;
         });
     };
-    return energy.summed() ? add(float{}) : add(std::uint16_t{});
+    return (energy.summed() ? add(float{}) : add(std::uint16_t{})) + cost_of_steps(Columns(energy), energy.steps(), seam);
 }
 
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
     if (!energy.attracts()) return cost_of(energy, seam);
-    return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        if (energy.summed()) {
-            for (auto c = begin; c < end; ++c) sum += energy.energies()[c * energy.stride() + seam[c]];
-        } else {
-            for_columns<std::uint16_t>(energy, begin, end, [&](std::size_t c, const std::uint16_t* codes) { sum += Costs{}(codes[seam[c]]); });
-        }
-        return sum;
-    });
+    return sum_over(seam.size(),
+                    [&](std::size_t begin, std::size_t end) {
+                        double sum = 0;
+                        if (energy.summed()) {
+                            for (auto c = begin; c < end; ++c) sum += energy.energies()[c * energy.stride() + seam[c]];
+                        } else {
+                            for_columns<std::uint16_t>(energy, begin, end, [&](std::size_t c, const std::uint16_t* codes) { sum += Costs{}(codes[seam[c]]); });
+                        }
+                        return sum;
+                    }) +
+           cost_of_steps(Columns(energy), energy.steps(), seam);
 }
 
 double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound) {
@@ -115,7 +133,10 @@ public:
             for (int entry = cell.low; entry <= cell.high; ++entry) {
                 const auto at = static_cast<std::size_t>(entry - cell.low);
                 cell.cost[at] = strip_.energy(c, entry);
-                if (n > 0) come_from(cells_[n - 1], cell, entry);
+                if (strip_.steps())
+                    cell.cost[at] +=
+                        to_neighbours(c, entry, along) + (ring && n + 1 == length ? strip_.steps()(c, entry, column(0), seam_[column(0)], false) : 0);
+                if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along);
             }
         }
         auto entry = cheapest(cells_.back());
@@ -147,13 +168,23 @@ private:
             cell.high = std::min(cell.high, beside + 1);
         }
     }
+    /// What steps to the columns beside the line cost.
+    float to_neighbours(std::size_t c, int entry, std::size_t along) const {
+        float out = 0;
+        const auto around = strip_.columns().around(c, strip_.columns().place(c));
+        for (std::size_t d = 0; d < around.size(); ++d)
+            if (d / 2 != along && around[d] != Columns::none) out += strip_.steps()(c, entry, around[d], seam_[around[d]], d / 2 == 2);
+        return out;
+    }
     /// Ties go to what does not move.
     static bool better(float cost, int entry, float than, int other, int stay) { return cost < than || (cost == than && entry == stay && other != stay); }
-    static void come_from(const Cell& before, Cell& cell, int entry) {
+    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, std::size_t along) const {
         auto best = std::numeric_limits<float>::infinity();
         int from = before.stay;
         for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e)
-            if (const auto cost = before.cost[static_cast<std::size_t>(e - before.low)]; better(cost, e, best, from, before.stay)) {
+            if (const auto cost =
+                    before.cost[static_cast<std::size_t>(e - before.low)] + (strip_.steps() ? strip_.steps()(column, entry, column_before, e, along == 2) : 0);
+                better(cost, e, best, from, before.stay)) {
                 best = cost;
                 from = e;
             }

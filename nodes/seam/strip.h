@@ -24,8 +24,10 @@ public:
     /// At the interval's first entry; those of the others follow.
     const float* energies(std::size_t column) const { return energies_.data() + column * width_; }
     float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
-    /// Sum over a seam in the band.
+    /// Sum over a seam in the band, with its steps.
     double energy(std::span<const std::uint16_t> seam) const;
+    /// What steps cost; points into the energy that the strip was made from.
+    const StepCosts& steps() const { return steps_; }
     bool protects() const { return protects_; }
 
 private:
@@ -33,12 +35,15 @@ private:
     Band band_;
     std::size_t width_;
     std::vector<float> energies_;
+    StepCosts steps_;
     bool protects_;
 };
 
-/// Sum of the energies at a seam's entries; those of attracted vertices are 0. The same for any number of threads.
+/// What a seam's steps cost. The same for any number of threads, as all sums here.
+double cost_of_steps(const Columns& columns, const StepCosts& steps, std::span<const std::uint16_t> seam);
+/// Sum of the energies at a seam's entries and of what its steps cost; energies of attracted vertices are 0.
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
-/// Sum of the costs there.
+/// Sum of the costs there and of what its steps cost.
 double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
 /// What no seam is below in energy that takes as many attracted vertices as this one.
 /// @param cost_bound  what no seam is below in cost

@@ -99,7 +99,7 @@ void bench_cut() {
         std::size_t frames;
     };
     // Boost takes minutes for noise of the same size.
-    for (const auto& [name, kind, shape, frames] : {Case{"smoke", Synthetic::smoke, {40, 24, 32}, 6}, Case{"noise", Synthetic::noise, {24, 16, 20}, 4}}) {
+    for (const auto& [name, kind, shape, frames] : {Case{"smoke", Synthetic::smoke, {64, 48, 64}, 10}, Case{"noise", Synthetic::noise, {24, 16, 20}, 4}}) {
         const WholeCosts given(SyntheticEnergy(kind, 1)(shape, frames));
         Solved ours{}, theirs{};
         const auto solve = [&] { return seconds(3, [&] { ours = cut(given); }); };

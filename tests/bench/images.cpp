@@ -4,6 +4,7 @@
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
+#include "nodes/seam/strip.h"
 #include "tests/bench/plot.h"
 
 #include <filesystem>
@@ -68,8 +69,15 @@ Picture read_png(const std::string& path) {
     return out;
 }
 
-EnergyVolume energy_of(const Picture& picture) {
+/// What seams pay for: the energy of their pixels, or, forward, only the new edges.
+EnergyVolume costs_of(const Picture& picture, bool forward) {
     EnergyVolume out({static_cast<int>(picture.width), static_cast<int>(picture.height), 1}, Axis::u, 1, ~std::uint64_t{0}, "");
+    if (forward) {
+        out.add_field(1, ~std::uint64_t{0}, "");
+        std::ranges::transform(picture.pixels, out.field(0).begin(), encode_field);
+        out.count_edges(~std::uint64_t{0}, "");
+        return out;
+    }
     for (std::size_t y = 0; y < picture.height; ++y)
         for (std::size_t x = 0; x < picture.width; ++x) out.slab(0)[x + picture.width * y] = encode_energy(picture.energy(x, y));
     return out;
@@ -80,13 +88,12 @@ FindSeam random_walk() {
     return [random = std::mt19937(1)](const EnergyVolume& energy, Window window, int, const Tick&) mutable {
         std::vector<std::uint16_t> at;
         int entry = window.first + static_cast<int>(random() % static_cast<unsigned>(window.size()));
-        double sum = 0;
         for (std::size_t c = 0; c < energy.columns_per_frame(); ++c) {
             at.push_back(static_cast<std::uint16_t>(entry));
-            sum += decode_energy(energy.cells<std::uint16_t>(0)[c * energy.stride() + static_cast<std::size_t>(entry)]);
             entry = std::clamp(entry + static_cast<int>(random() % 3) - 1, window.first, window.last);
         }
-        return Seams::Seam{std::move(at), sum};
+        const auto paid = energy_of(energy, at);
+        return Seams::Seam{std::move(at), paid};
     };
 }
 
@@ -97,9 +104,18 @@ FindSeam greedy(int starts) {
 struct Solver {
     std::string name;
     std::function<FindSeam()> make;
-    std::vector<double> seams, images;  ///< mean energy of a seam's pixel, and of a pixel of what is left; by the number of seams
+    std::vector<double> seams, images;  ///< what a seam pays per pixel, and mean energy of a pixel of what is left; by the number of seams
     double seconds = 0;
 };
+
+std::vector<Solver> solvers(std::size_t seams) {
+    const std::vector<double> none(seams, 0.0);
+    return {{"random", random_walk, none, none},
+            {"greedy, 1 start", [] { return greedy(1); }, none, none},
+            {"greedy, 16 starts", [] { return greedy(16); }, none, none},
+            {"dynamic", [] { return FindSeam(dynamic_seam); }, none, none},
+            {"pyramid", [] { return FindSeam(Pyramid(Quality::normal, 16)); }, none, none}};
+}
 
 }  // namespace
 
@@ -115,49 +131,42 @@ void compare_on_images(const std::string& folder, const std::string& out, int se
         seams = std::min(seams, static_cast<int>(pictures.back().width) / 2);
     }
 
-    const std::vector<double> none(static_cast<std::size_t>(seams), 0.0);
-    std::vector<Solver> solvers{{"random", random_walk, none, none},
-                                {"greedy, 1 start", [] { return greedy(1); }, none, none},
-                                {"greedy, 16 starts", [] { return greedy(16); }, none, none},
-                                {"dynamic", [] { return FindSeam(dynamic_seam); }, none, none},
-                                {"pyramid", [] { return FindSeam(Pyramid(Quality::normal, 16)); }, none, none}};
-    double untouched = 0;
     const auto share = 1 / static_cast<double>(pictures.size());
-    for (const auto& picture : pictures) {
-        untouched += share * picture.mean_energy();
-        for (auto& solver : solvers) {
-            auto energy = energy_of(picture);
-            const auto found = find_seams(energy, Seams::Kind::remove, seams, {0, energy.width() - 1}, solver.make(), [](double) {});
-            auto left = picture;
-            for (std::size_t n = 0; n < found.seams.size(); ++n) {
-                left.remove(found.seams[n].at);
-                solver.seams[n] += share * found.seams[n].energy / static_cast<double>(picture.height);
-                solver.images[n] += share * left.mean_energy();
-            }
-            solver.seconds += share * std::accumulate(found.wall_s.begin(), found.wall_s.end(), 0.0) / seams;
-        }
-    }
-
-    fmt::print("{} images, {} seams each; energy: sum of absolute derivatives (eq. 6), mean over pixels; untouched {:.5f}\n\n", pictures.size(), seams,
+    double untouched = 0;
+    for (const auto& picture : pictures) untouched += share * picture.mean_energy();
+    fmt::print("{} images, {} seams each; energy: sum of absolute derivatives (eq. 6), mean over pixels; untouched {:.5f}\n", pictures.size(), seams,
                untouched);
-    fmt::print("{:<20} {:>14} {:>16} {:>14}\n", "", "removed", "left in image", "ms per seam");
-    for (const auto& solver : solvers)
-        fmt::print("{:<20} {:>14.5f} {:>16.5f} {:>14.2f}\n", solver.name, std::accumulate(solver.seams.begin(), solver.seams.end(), 0.0) / seams,
-                   solver.images.back(), 1e3 * solver.seconds);
 
     std::ofstream csv(out + ".csv");
-    csv << "solver,seams,energy_of_seam,energy_of_image\n";
-    for (const auto& solver : solvers)
-        for (std::size_t n = 0; n < solver.seams.size(); ++n)
-            csv << fmt::format("\"{}\",{},{:.6f},{:.6f}\n", solver.name, n + 1, solver.seams[n], solver.images[n]);
-    if (!csv) throw std::runtime_error(out + ".csv can't be written");
-
-    std::vector<Panel> panels{{"Mean energy of the pixels that a seam removes", "removed seams", {}},
-                              {"Mean energy of the image's pixels", "removed seams", {}}};
-    for (const auto& solver : solvers) {
-        panels[0].curves.push_back({solver.name, solver.seams});
-        panels[1].curves.push_back({solver.name, solver.images});
+    csv << "cost,solver,seams,cost_of_seam,energy_of_image\n";
+    std::vector<Panel> panels;
+    for (const auto& [cost, forward] : {std::pair("backward", false), std::pair("forward", true)}) {
+        auto of_cost = solvers(static_cast<std::size_t>(seams));
+        for (const auto& picture : pictures)
+            for (auto& solver : of_cost) {
+                auto costs = costs_of(picture, forward);
+                const auto found = find_seams(costs, Seams::Kind::remove, seams, {0, costs.width() - 1}, solver.make(), [](double) {});
+                auto left = picture;
+                for (std::size_t n = 0; n < found.seams.size(); ++n) {
+                    left.remove(found.seams[n].at);
+                    solver.seams[n] += share * found.seams[n].energy / static_cast<double>(picture.height);
+                    solver.images[n] += share * left.mean_energy();
+                }
+                solver.seconds += share * std::accumulate(found.wall_s.begin(), found.wall_s.end(), 0.0) / seams;
+            }
+        fmt::print("\n{:<20} {:>14} {:>16} {:>14}\n", cost, "paid", "left in image", "ms per seam");
+        panels.push_back({fmt::format("{}: what seams pay, mean over their pixels", cost), "removed seams", {}});
+        panels.push_back({fmt::format("{}: mean energy of the image's pixels", cost), "removed seams", {}});
+        for (const auto& solver : of_cost) {
+            fmt::print("{:<20} {:>14.5f} {:>16.5f} {:>14.2f}\n", solver.name, std::accumulate(solver.seams.begin(), solver.seams.end(), 0.0) / seams,
+                       solver.images.back(), 1e3 * solver.seconds);
+            for (std::size_t n = 0; n < solver.seams.size(); ++n)
+                csv << fmt::format("{},\"{}\",{},{:.6f},{:.6f}\n", cost, solver.name, n + 1, solver.seams[n], solver.images[n]);
+            panels[panels.size() - 2].curves.push_back({solver.name, solver.seams});
+            panels.back().curves.push_back({solver.name, solver.images});
+        }
     }
+    if (!csv) throw std::runtime_error(out + ".csv can't be written");
     Plot(std::move(panels)).write(out + ".png");
     fmt::print("\nwritten: {0}.csv, {0}.png\n", out);
 }

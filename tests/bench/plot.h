@@ -22,21 +22,29 @@ struct Panel {
     std::vector<Curve> curves;
 };
 
-/// Line plots side by side in a PNG, one legend for all: curves of the same place have the same colour and name.
+/// Line plots in rows of two in a PNG, one legend for all: curves of the same place have the same colour and name.
 class Plot {
 public:
     explicit Plot(std::vector<Panel> panels) : panels_(std::move(panels)) {}
 
     /// @throws std::runtime_error if the file can't be written
     void write(const std::string& path) const {
-        const int width = static_cast<int>(panels_.size()) * (panel_width + left + right), height = top + panel_height + bottom;
+        const auto rows = (panels_.size() + columns - 1) / columns;
+        const int width = static_cast<int>(std::min(columns, panels_.size())) * (panel_width + left + right);
+        const int height = static_cast<int>(rows) * (top + panel_height + bottom) + legend;
         auto* const surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
         auto* const cairo = cairo_create(surface);
         cairo_set_source_rgb(cairo, 1, 1, 1);
         cairo_paint(cairo);
         cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
         cairo_set_font_size(cairo, 13);
-        for (std::size_t n = 0; n < panels_.size(); ++n) draw(cairo, panels_[n], left + static_cast<double>(n) * (panel_width + left + right));
+        for (std::size_t n = 0; n < panels_.size(); ++n) {
+            cairo_save(cairo);
+            cairo_translate(cairo, static_cast<double>(n % columns) * (panel_width + left + right),
+                            static_cast<double>(n / columns) * (top + panel_height + bottom));
+            draw(cairo, panels_[n], left);
+            cairo_restore(cairo);
+        }
         draw_legend(cairo, height - 18.0);
         const auto status = cairo_surface_write_to_png(surface, path.c_str());
         cairo_destroy(cairo);
@@ -45,7 +53,8 @@ public:
     }
 
 private:
-    static constexpr int panel_width = 480, panel_height = 340, left = 78, right = 24, top = 40, bottom = 92;
+    static constexpr int panel_width = 480, panel_height = 340, left = 78, right = 24, top = 40, bottom = 52, legend = 40;
+    static constexpr std::size_t columns = 2;
 
     static void set_colour(cairo_t* cairo, std::size_t curve) {
         // Okabe and Ito's, which colour-blind readers can tell apart.

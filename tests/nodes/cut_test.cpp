@@ -70,7 +70,7 @@ TEST_CASE("a cut finds the least cost of all seams in a band, and of equal seams
         const auto want = brute_force(graph, band, cost);
         INFO("case " << n);
         for (const bool reversed : {false, true}) {
-            Cut cut(columns_of(graph), band, whole_costs(cost), reversed);
+            Cut cut(columns_of(graph), band, whole_costs(cost), nullptr, reversed);
             REQUIRE(cut.solve(0, quiet));
             REQUIRE(cut.seam() == (reversed ? want.lowest : want.highest));
             REQUIRE(cut.flow() == static_cast<std::int64_t>(want.cost));
@@ -122,7 +122,7 @@ TEST_CASE("no seam goes through an endless entry if it can go elsewhere") {
         ++possible;
         INFO("case " << n);
         for (const bool reversed : {false, true}) {
-            Cut cut(columns_of(graph), band, whole_costs(cost), reversed);
+            Cut cut(columns_of(graph), band, whole_costs(cost), nullptr, reversed);
             REQUIRE(cut.solve(0, quiet));
             REQUIRE(cut.seam() == (reversed ? want.lowest : want.highest));
             REQUIRE(cut.flow() == static_cast<std::int64_t>(want.cost));

@@ -3,8 +3,8 @@
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/greedy_node.h"
-#include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
+#include "tests/support/solver_bench.h"
 
 #include <catch2/catch.hpp>
 
@@ -23,30 +23,8 @@ namespace {
 const Tick nobody = [](double) {};
 const std::vector<int> frames{5, 6, 7};
 
-struct Listener : Context::Host {
-    nlohmann::ordered_json entry;
-    void report(const std::string&, const nlohmann::ordered_json& json) override { entry = json; }
-};
-
-struct Solved {
-    Ref<Seams> seams;
-    nlohmann::ordered_json report;
-};
-
 Solved solve(const std::string& yaml, const std::vector<FloatGrid::Ptr>& energy, const Lattice& lattice, const std::vector<Ref<Seams>>& after = {}) {
-    Listener listener;
-    NodeBench bench(seam_greedy(), yaml);
-    REQUIRE(bench.faults() == "");
-    NodeBench::Inputs still{{"lattice", {Payload(std::make_shared<Lattice>(lattice))}}};
-    for (const auto& seams : after) still["after"].push_back(Payload(seams));
-    for (std::size_t t = 0; t < energy.size(); ++t) {
-        auto inputs = still;
-        inputs["energy"] = {Payload(energy[t])};
-        Context context(listener, frames);
-        bench.add(inputs, energy.size() == 1 ? context : context.at(t));
-    }
-    const auto seams = bench.gathered(still, Context(listener, frames)).at("seams").as<Seams>();
-    return {seams, listener.entry};
+    return fluidcarve::test::solve(seam_greedy(), yaml, energy, {lattice}, {}, frames.size(), after);
 }
 
 /// Whole numbers, so that means are exact in 16 bits.
@@ -59,8 +37,6 @@ std::vector<FloatGrid::Ptr> noise(std::mt19937& random, const std::array<int, 3>
     }
     return out;
 }
-
-Lattice box(const std::array<int, 3>& shape) { return make_box(Vec3d(0), shape, 1.0, {0, 1, 2}); }
 
 EnergyVolume volume_of(const std::vector<FloatGrid::Ptr>& energy, const std::array<int, 3>& shape) {
     EnergyVolume out(shape, Axis::u, energy.size(), ~std::uint64_t{0}, "");
@@ -98,12 +74,12 @@ TEST_CASE("seams come in pairs of opposite kinds, each window solved as if the o
         check_same(solved.seams->pairs, find_seams(second, opposite(kind), 3, {7, 15}, greedy, nobody).seams);
         CHECK(solved.seams->kind == kind);
         CHECK(solved.seams->shape_after(3) == shape);
-        CHECK(solved.report["energy"][2] == solved.seams->seams[2].energy);
-        CHECK(solved.report["pair_energy"].size() == 3);
-        CHECK(solved.report["pair_energy"][1] == solved.seams->pairs[1].energy);
-        CHECK(solved.report["shape"] == nlohmann::json({16, 5, 4, 3}));
+        CHECK(solved.listener.entry["energy"][2] == solved.seams->seams[2].energy);
+        CHECK(solved.listener.entry["pair_energy"].size() == 3);
+        CHECK(solved.listener.entry["pair_energy"][1] == solved.seams->pairs[1].energy);
+        CHECK(solved.listener.entry["shape"] == nlohmann::json({16, 5, 4, 3}));
     }
-    CHECK(!solve("{count: -3, window: [1, 6]}", energy, box(shape)).report.contains("pair_energy"));
+    CHECK(!solve("{count: -3, window: [1, 6]}", energy, box(shape)).listener.entry.contains("pair_energy"));
 }
 
 TEST_CASE("either window may be static: a river bank beside a river") {
@@ -125,7 +101,7 @@ TEST_CASE("either window may be static: a river bank beside a river") {
     double sum = 0;
     const auto& at = bank.seams->pairs[0].at;
     for (std::size_t c = 0; c < at.size(); ++c) sum += energy[c / 20]->tree().getValue(Coord(at[c], int(c % 5), int(c % 20 / 5)));
-    CHECK(bank.report["pair_energy"][0] == sum);
+    CHECK(bank.listener.entry["pair_energy"][0] == sum);
 }
 
 TEST_CASE("windows that do not go together are told before anything runs") {

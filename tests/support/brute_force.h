@@ -85,10 +85,22 @@ inline Band random_band(std::mt19937& random, const ColumnGraph& graph, Window w
 
 using CostAt = std::function<double(std::size_t column, int entry)>;
 
+/// What being at two entries in neighbouring columns costs.
+using StepAt = std::function<double(std::size_t column, int entry, std::size_t other, int entry_there)>;
+
 template <class Entries>
 double sum_along(const Entries& at, const CostAt& cost) {
     double out = 0;
     for (std::size_t c = 0; c < at.size(); ++c) out += cost(c, at[c]);
+    return out;
+}
+
+template <class Entries>
+double sum_of_steps(const ColumnGraph& graph, const Entries& at, const StepAt& step) {
+    double out = 0;
+    for (std::size_t c = 0; c < at.size(); ++c)
+        for (const auto other : graph.neighbours[c])
+            if (other < c) out += step(c, at[c], other, at[other]);
     return out;
 }
 
@@ -100,7 +112,9 @@ struct Least {
 
 class BruteForce {
 public:
-    BruteForce(const ColumnGraph& graph, const Band& band, const CostAt& cost) : graph_(graph), band_(band), costs_(graph.count()), rest_(graph.count() + 1) {
+    /// @param step  0 or more; none: steps are free
+    BruteForce(const ColumnGraph& graph, const Band& band, const CostAt& cost, const StepAt& step)
+        : graph_(graph), band_(band), step_(step), costs_(graph.count()), rest_(graph.count() + 1) {
         for (auto c = graph.count(); c-- > 0;) {
             for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) costs_[c].push_back(cost(c, entry));
             rest_[c] = rest_[c + 1] + *std::min_element(costs_[c].begin(), costs_[c].end());
@@ -117,10 +131,15 @@ private:
         if (c == at_.size()) return take(sum);
         for (int entry = band_.columns[c].first; entry <= band_.columns[c].last; ++entry) {
             bool fits = true;
-            for (const auto other : graph_.neighbours[c]) fits = fits && (other > c || std::abs(entry - at_[other]) <= 1);
+            double paid = sum + costs_[c][static_cast<std::size_t>(entry - band_.columns[c].first)];
+            for (const auto other : graph_.neighbours[c]) {
+                if (other > c) continue;
+                fits = fits && std::abs(entry - at_[other]) <= 1;
+                if (fits && step_) paid += step_(c, entry, other, at_[other]);
+            }
             if (!fits) continue;
             at_[c] = static_cast<std::uint16_t>(entry);
-            descend(c + 1, sum + costs_[c][static_cast<std::size_t>(entry - band_.columns[c].first)]);
+            descend(c + 1, paid);
         }
     }
     void take(double sum) {
@@ -133,13 +152,16 @@ private:
 
     const ColumnGraph& graph_;
     const Band& band_;
+    const StepAt& step_;
     std::vector<std::vector<double>> costs_;
     std::vector<double> rest_;  ///< what the columns from one on cost at least
     SeamVector at_;
     Least least_;
 };
 
-inline Least brute_force(const ColumnGraph& graph, const Band& band, const CostAt& cost) { return BruteForce(graph, band, cost).least(); }
+inline Least brute_force(const ColumnGraph& graph, const Band& band, const CostAt& cost, const StepAt& step = nullptr) {
+    return BruteForce(graph, band, cost, step).least();
+}
 
 /// Sizes of a volume of at most so many columns: lines, planes, volumes and sequences of them.
 inline std::array<int, 3> random_size(std::mt19937& random, int most_columns) {
