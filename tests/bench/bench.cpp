@@ -16,6 +16,7 @@
 #include "nodes/seam/greedy.h"
 #include "runtime/run.h"
 #include "tests/bench/cut.h"
+#include "tests/bench/lqr.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/vortex.h"
 #include "tests/support/program.h"
@@ -229,6 +230,7 @@ int main(int argc, char** argv) {
     bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
     bench_vortex(vortex);
     bench_cut();
+    bench_lqr();
     bench_greedy({161, 52, 165}, 20);
     if (large) bench_greedy({322, 105, 331}, 84);
     return 0;

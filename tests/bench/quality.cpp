@@ -2,7 +2,7 @@
 //
 //   build/quality images FOLDER [OUT]                figure 14 on all PNG files of the folder: OUT.csv and OUT.png (out/images)
 //   build/quality volumes [--large] [FOLDER] [OUT]   table 2 on plume/, vortex/ and bonfire/ of the folder (tests/data) and on
-//                                                    synthetic volumes: OUT.csv (out/volumes); --large: the size of the paper's
+//                                                    synthetic volumes: OUT.csv, OUT.md (out/volumes); --large: the size of the paper's
 //                                                    smoke vortex too, 322 x 105 x 331 vertices and 84 frames (takes 5 GB)
 
 #include "tests/bench/images.h"

@@ -110,7 +110,12 @@ std::vector<Solver> solvers() {
 
 class Table {
 public:
-    explicit Table(const std::string& path) : csv_(path) {
+    explicit Table(const std::string& out) : csv_(out + ".csv"), page_(out + ".md") {
+        page_ << fmt::format(
+            "# Seams by solver: the paper's table 2\n\nSeconds: of the first seam, and the mean over {} in a row. Energy: of the first seam. Gap: how "
+            "far that is above the least energy, or above a bound of it. A ring's slices are marked with o.\n\n"
+            "| volume | vertices x frames | solver | first s | mean s | / greedy | energy | gap |\n|---|---|---|--:|--:|--:|--:|--:|\n",
+            seams_in_a_row);
         csv_ << "volume,width,laterals,slices,frames,closed,solver,first_s,mean_s,times_greedy,energy,energy_of_all,reference,gap\n";
         fmt::print("{:<18} {:>19} {:<18} {:>9} {:>9} {:>8} {:>12} {:>12} {:>8}\n", "", "vertices x frames", "", "first s", "mean s", "/ greedy", "energy",
                    fmt::format("all {}", seams_in_a_row), "gap");
@@ -148,25 +153,28 @@ public:
             csv_ << fmt::format("\"{}\",{},{},{},{},{},\"{}\",{:.4f},{:.4f},{:.3f},{:.6g},{:.6g},\"{}\",{:.6f}\n", name, energy.width(), energy.laterals(),
                                 energy.slices(), energy.frames(), energy.closed() ? 1 : 0, row.solver, row.first, row.mean, ratio, row.energy, row.all, kind,
                                 gap);
+            page_ << fmt::format("| {} | {} | {} | {:.3f} | {:.3f} | {:.1f} | {:.1f} | {:.2f} % |\n", title, size, row.solver, row.first, row.mean, ratio,
+                                 row.energy, 100 * gap);
             title = size = "";
         }
         fmt::print("{:<18} {:>19} gap above: {} = {:.2f}\n", "", "", kind, reference);
+        page_ << fmt::format("| | | {} | | | | {:.1f} | |\n", kind == "exact" ? "the least energy" : "lower " + kind, reference);
         std::fflush(stdout);
     }
-    bool good() const { return csv_.good(); }
+    bool good() const { return csv_.good() && page_.good(); }
 
 private:
     struct Row {
         std::string solver;
         double first, mean, energy, all;
     };
-    std::ofstream csv_;
+    std::ofstream csv_, page_;
 };
 
 }  // namespace
 
 void compare_on_volumes(const std::string& folder, const std::string& out, bool large) {
-    Table table(out + ".csv");
+    Table table(out);
     for (const auto* const name : {"plume", "vortex", "bonfire"})
         if (const auto energy = real_energy(folder, name)) table.add(name, *energy);
     struct Shape {
@@ -179,7 +187,6 @@ void compare_on_volumes(const std::string& folder, const std::string& out, bool 
     for (const auto& shape : shapes)
         for (const auto& [name, kind] : {std::pair("synthetic smoke", Synthetic::smoke), std::pair("white noise", Synthetic::noise)})
             table.add(name, SyntheticEnergy(kind, 3)(shape.size, shape.frames, shape.closed));
-    if (!table.good()) throw std::runtime_error(out + ".csv can't be written");
-    fmt::print("\nwritten: {}.csv (o: closed lattice; first: the first seam's seconds, mean: over {} in a row; energy, gap: of the first seam)\n", out,
-               seams_in_a_row);
+    if (!table.good()) throw std::runtime_error(fmt::format("{0}.csv or {0}.md can't be written", out));
+    fmt::print("\nwritten: {0}.csv, {0}.md\n", out);
 }

@@ -1,0 +1,128 @@
+#include "tests/bench/lqr.h"
+
+#include "graph/module.h"
+#include "nodes/energy/image.h"
+#include "nodes/image/image_volume.h"
+#include "nodes/lattice/lattice.h"
+#include "nodes/seam/dynamic.h"
+#include "nodes/seam/energy_slab.h"
+#include "tests/bench/measure.h"
+
+#include <lqr.h>
+
+#include <cmath>
+#include <stdexcept>
+
+using namespace fluidcarve;
+
+namespace {
+
+constexpr int width = 1920, height = 1080, seams = 384;
+
+/// A photograph of any size, scaled to 1920 x 1080 and to whole numbers of 8 bits again.
+Image scaled(const Image& photo) {
+    auto out = photo;
+    out.data = out.display = {0, 0, width, height};
+    out.channels.resize(3);
+    out.pixels.clear();
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double u = (x + 0.5) * photo.data.width / width - 0.5, v = (y + 0.5) * photo.data.height / height - 0.5;
+            const auto at = [&](int i, int j, std::size_t c) {
+                i = std::clamp(i, 0, photo.data.width - 1);
+                j = std::clamp(j, 0, photo.data.height - 1);
+                return static_cast<double>(photo.pixels[static_cast<std::size_t>(j * photo.data.width + i) * photo.channels.size() + c]);
+            };
+            const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
+            const double a = u - i, b = v - j;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double value = (1 - b) * ((1 - a) * at(i, j, c) + a * at(i + 1, j, c)) + b * ((1 - a) * at(i, j + 1, c) + a * at(i + 1, j + 1, c));
+                out.pixels.push_back(static_cast<float>(std::round(255 * value) / 255));
+            }
+        }
+    return out;
+}
+
+struct Carved {
+    double seconds = 0;
+    std::vector<bool> removed;  ///< `[y][x]`, y down
+};
+
+Carved by_dynamic(const Image& image, const Volume& volume) {
+    Carved out;
+    FoundSeams found;
+    out.seconds = seconds(3, [&] {
+        const auto energy = image_energy(*intensity(volume));
+        const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
+        EnergyVolume slabs(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "");
+        sample_energy(*energy, lattice, Axis::u, slabs.slab(0));
+        found = find_seams(slabs, Seams::Kind::remove, seams, {0, width - 1}, dynamic_seam, [](double) {});
+    });
+    out.removed.resize(static_cast<std::size_t>(width) * height);
+    for (int y = 0; y < height; ++y) {
+        std::vector<int> left;
+        for (int x = 0; x < width; ++x) left.push_back(x);
+        for (const auto& seam : found.seams) {
+            const auto at = left.begin() + seam.at[static_cast<std::size_t>(y)];
+            out.removed[static_cast<std::size_t>((image.data.height - 1 - y) * width + *at)] = true;
+            left.erase(at);
+        }
+    }
+    return out;
+}
+
+Carved by_lqr(const Image& image) {
+    Carved out;
+    LqrCarver* carver = nullptr;
+    out.seconds = seconds(3, [&] {
+        if (carver) lqr_carver_destroy(carver);
+        auto* const bytes = static_cast<guchar*>(g_malloc(image.pixels.size()));
+        std::transform(image.pixels.begin(), image.pixels.end(), bytes, [](float value) { return static_cast<guchar>(std::lround(255 * value)); });
+        carver = lqr_carver_new(bytes, width, height, 3);
+        if (!carver || lqr_carver_init(carver, 1, 0) != LQR_OK || lqr_carver_set_energy_function_builtin(carver, LQR_EF_LUMA_GRAD_SUMABS) != LQR_OK ||
+            lqr_carver_resize(carver, width - seams, height) != LQR_OK)
+            throw std::runtime_error("liblqr has failed");
+    });
+    auto* const map = lqr_vmap_dump(carver);
+    if (lqr_vmap_get_width(map) != width || lqr_vmap_get_height(map) != height) throw std::runtime_error("liblqr's map is of another size");
+    const auto* const order = lqr_vmap_get_data(map);
+    for (int n = 0; n < width * height; ++n) out.removed.push_back(order[n] != 0);
+    lqr_vmap_destroy(map);
+    lqr_carver_destroy(carver);
+    return out;
+}
+
+/// Eq. 6 in the untouched picture, over all that was removed: what carrying it along from seam to seam sums up to.
+double energy_of(const Carved& carved, const FloatGrid& energy) {
+    double out = 0;
+    for (int y = 0; y < height; ++y) {
+        int count = 0;
+        for (int x = 0; x < width; ++x) {
+            if (!carved.removed[static_cast<std::size_t>(y * width + x)]) continue;
+            out += energy.tree().getValue({x, height - 1 - y, 0});
+            ++count;
+        }
+        if (count != seams) throw std::runtime_error(fmt::format("row {} lost {} pixels", y, count));
+    }
+    return out;
+}
+
+}  // namespace
+
+void bench_lqr() {
+    for (const auto* name : {"rocket.jpg", "chelsea.png"}) {
+        const auto path = std::string(SOURCE_ROOT "/tests/data/images/") + name;
+        const auto image = scaled(load_module<ImageModule>("images").read(path, format_of_file(path).name));
+        const auto volume = volume_of(image);
+        const auto energy = image_energy(*intensity(volume));
+        const auto what = fmt::format("{} at {}x{}, {} seams: ", name, width, height, seams);
+        const auto theirs = by_lqr(image);
+        Carved one, two;
+        with_threads(1, [&] { return one = by_dynamic(image, volume), 0.0; });
+        with_threads(2, [&] { return two = by_dynamic(image, volume), 0.0; });
+        line(what + "liblqr / seam.dynamic, 1 thread", theirs.seconds / one.seconds, fmt::format("{:.2f} s, {:.2f} s", theirs.seconds, one.seconds));
+        line(what + "the same, 2 threads", theirs.seconds / two.seconds, fmt::format("{:.2f} s", two.seconds));
+        const double sums[] = {energy_of(theirs, *energy), energy_of(two, *energy)};
+        line("  energy removed: liblqr's / seam.dynamic's", sums[0] / sums[1], fmt::format("{:.1f}, {:.1f}", sums[0], sums[1]));
+    }
+}
