@@ -13,6 +13,11 @@ namespace fluidcarve {
 
 namespace {
 
+/// Beyond so many times what entries differ by at most, a step costs no more: it is hardly ever worth it.
+constexpr float most_lift_of_range = 1024;
+/// How many times higher than those of energies the figures of steps may be.
+constexpr float room_for_lifts = 8;
+
 /// What the dearest step in a band costs.
 float highest_lift(const Columns& columns, const Band& band, const StepCosts& steps) {
     if (!steps) return 0;
@@ -62,10 +67,11 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
         for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) lows[c] = std::min(lows[c], cost_at(c, entry));
     }
     const auto sum_of_lows = std::accumulate(lows.begin(), lows.end(), 0.0);
-    // A power of two, so that what fits into 24 bits is not rounded.
+    // A power of two, so that what fits into so many bits is not rounded. Dear steps must not push energies out of them; and a
+    // column's ends may cost, besides, steps to all of its neighbours.
     int exponent = 0;
-    std::frexp(std::max(span.high - span.low, highest_lift(columns, band, steps)), &exponent);
-    // A column's ends may cost, besides, steps to all of its neighbours.
+    const float range = span.high - span.low, most_lift = most_lift_of_range * range;
+    std::frexp(std::max(range, std::min(most_lift, highest_lift(columns, band, steps)) / room_for_lifts), &exponent);
     for (int bits = steps ? 23 : 24;; bits -= 6) {
         const double scale = std::ldexp(1.0, bits - exponent);
         const auto cost_of = [&](std::size_t c, Band::Column range, std::int32_t* costs) {
@@ -76,7 +82,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
             }
         };
         const auto lifts_of = [&](std::size_t high, std::size_t low, bool in_time, int first, std::span<std::int32_t> lifts) {
-            for (auto& lift : lifts) lift = static_cast<std::int32_t>(scale * steps.lift(high, low, first++, in_time));
+            for (auto& lift : lifts) lift = static_cast<std::int32_t>(scale * std::min(steps.lift(high, low, first++, in_time), most_lift));
         };
         Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr, number % 2 != 0);
         // Where more flow gathers than an arc holds, lower figures leave more room.
@@ -112,16 +118,16 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
         }
         auto part = with_costs(energy, [&](const auto& cost_at) {
             const auto steps = energy.steps().from(begin * all.per_frame());
-            const auto later = [&](std::size_t c, int entry) {
-                const auto cost = cost_at(begin * all.per_frame() + c, entry);
-                if (begin == 0 || c >= all.per_frame()) return cost;
-                // The step from the frame before, whose seam is there already.
+            // The step from the frame before, whose seam is there already.
+            const auto step_there = [&](std::size_t c, int entry) {
+                if (begin == 0 || c >= all.per_frame()) return 0.0f;
                 const auto here = begin * all.per_frame() + c, before = here - all.per_frame();
-                return cost + energy.steps()(here, entry, before, at[before], true);
+                return energy.steps()(here, entry, before, at[before], true);
             };
+            const auto later = [&](std::size_t c, int entry) { return cost_at(begin * all.per_frame() + c, entry) + step_there(c, entry); };
             const auto above_threshold = [&](std::size_t c, int entry) {
-                const auto cost = later(c, entry);
-                return cost > 0 && cost < threshold ? 0.0f : cost;
+                const auto cost = cost_at(begin * all.per_frame() + c, entry);
+                return (cost > 0 && cost < threshold ? 0.0f : cost) + step_there(c, entry);
             };
             if (energy.protects()) band = tightened(rest, band, later);
             const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.closed());
@@ -134,7 +140,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
                 const auto [first, last] = band.columns[c];
                 cut.push_back(std::clamp(cut[c - all.per_frame()], first, last));
             }
-            cut = moved_aside(rest, cut, band, later);
+            cut = moved_aside(rest, cut, band, later, steps);
             cut.resize(columns.count());
             return cut;
         });

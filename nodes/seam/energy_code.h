@@ -17,12 +17,21 @@ inline constexpr std::uint16_t attracted_code = 0xFFFE;
 /// What encode_energy makes of a negative, infinite, too large or undefined energy.
 inline constexpr std::uint16_t invalid_energy_code = 0xFFFF;
 
+namespace detail {
+
+/// The upper bits of a float above 0, with the lower 13 rounded to even.
+inline std::uint32_t upper_bits(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return (bits + 0xFFF + ((bits >> 13) & 1)) >> 13;
+}
+
+}  // namespace detail
+
 /// The nearest code.
 inline std::uint16_t encode_energy(float energy) {
     if (!(energy >= 0)) return invalid_energy_code;
     if (energy < 0x1p-31f) return static_cast<std::uint16_t>(std::lrint(energy * 0x1p41f));
-    const auto bits = std::bit_cast<std::uint32_t>(energy);
-    const auto code = ((bits + 0xFFF + ((bits >> 13) & 1)) >> 13) - (95u << 10);
+    const auto code = detail::upper_bits(energy) - (95u << 10);
     return code <= highest_energy_code ? static_cast<std::uint16_t>(code) : invalid_energy_code;
 }
 
@@ -39,8 +48,7 @@ inline constexpr std::uint16_t invalid_field_code = 0x7C00;
 inline std::uint16_t encode_field(float value) {
     const float size = std::abs(value);
     if (!(size <= highest_field)) return invalid_field_code;
-    const auto bits = std::bit_cast<std::uint32_t>(size);
-    const auto code = size < 0x1p-14f ? static_cast<std::uint32_t>(std::lrint(size * 0x1p24f)) : ((bits + 0xFFF + ((bits >> 13) & 1)) >> 13) - (112u << 10);
+    const auto code = size < 0x1p-14f ? static_cast<std::uint32_t>(std::lrint(size * 0x1p24f)) : detail::upper_bits(size) - (112u << 10);
     return static_cast<std::uint16_t>(code | (std::signbit(value) ? 0x8000u : 0u));
 }
 

@@ -113,8 +113,9 @@ EnergyVolume EnergyVolume::sum() const {
 void EnergyVolume::remove(std::span<const std::uint16_t> at) {
     if (attracts()) attracted_ -= met(at).attracted;
     const auto columns = columns_per_frame();
+    --width_;
     const auto close = [&](auto* column, std::size_t entry) {
-        std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry - 1) * sizeof(*column));
+        std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
     };
     tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
         for (auto c = range.begin(); c < range.end(); ++c) {
@@ -122,15 +123,11 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at) {
             else close(slab(c / columns).data() + c % columns * stride_, at[c]);
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
             if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
-            if (without_edges_) close(without_edges_->slab(0).data() + c * stride_, at[c]);
-        }
-    });
-    --width_;
-    if (!without_edges_) return;
-    tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
-        for (auto c = range.begin(); c < range.end(); ++c)
+            if (!without_edges_) continue;
+            close(without_edges_->slab(0).data() + c * stride_, at[c]);
             for (int entry = std::max(at[c] - 1, 0); entry <= std::min<int>(at[c], width_ - 1); ++entry)
                 slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+        }
     });
 }
 

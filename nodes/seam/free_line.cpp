@@ -12,10 +12,10 @@ namespace fluidcarve {
 namespace {
 
 // As wide as the machine allows; the numbers are the same, each entry being computed by itself.
-#ifdef __clang__
-#define FLUIDCARVE_WIDE
-#else
+#if defined(__x86_64__) && !defined(__clang__)
 #define FLUIDCARVE_WIDE __attribute__((target_clones("avx2", "default"), optimize("O3")))
+#else
+#define FLUIDCARVE_WIDE
 #endif
 
 /// Decodes codes of which none marks a vertex: decode_energy without a branch.

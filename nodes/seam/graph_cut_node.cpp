@@ -25,10 +25,10 @@ struct GraphCut : SeamNode {
 }  // namespace
 
 NodeType seam_graph_cut() {
-    Declare<GraphCut> node(
-        "seam.graph_cut",
-        "Seams of least energy, exactly: a minimum cut through all vertices of all frames, 40 bytes for each. The measure of the other solvers, and "
-        "the solver for small volumes.");
+    Declare<GraphCut> node("seam.graph_cut",
+                           "Seams of least energy, exactly: a minimum cut through all vertices of all frames, 40 bytes for each, 64 where steps cost "
+                           "something. The measure of the other solvers, and "
+                           "the solver for small volumes.");
     return declare_solver(node)
         .param("keyframe_interval", &GraphCut::Params::keyframe_interval, Unit::frames, at_least(1),
                "The paper's way to long sequences, for comparison: so many frames are cut at a time, as those before allow. Auto is all, which alone is exact.")

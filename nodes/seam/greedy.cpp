@@ -246,15 +246,15 @@ private:
         const auto entry_at = [&](std::size_t other, std::size_t s) -> int {
             return other < first_column ? before[(other + frame_columns - first_column) * seams + s] : now[(other - first_column) * seams + s];
         };
+        // Those that are passed already.
+        std::array<std::pair<std::size_t, bool>, 4> passed;
+        std::size_t count = 0;
+        for (std::size_t d = 0; d < around.size(); d += 2)
+            if (around[d] < c) passed[count++] = {around[d], d == 4};
+        const auto before_closing = count;
+        if (ring && at.k + 1 == columns_.slices()) passed[count++] = {home, false};
         for (std::size_t s = 0; s < seams; ++s) {
             int low = static_cast<int>(first_), high = static_cast<int>(last_), nearest = -1;
-            // Those that are passed already.
-            std::array<std::pair<std::size_t, bool>, 4> passed;
-            std::size_t count = 0;
-            for (std::size_t d = 0; d < around.size(); d += 2)
-                if (around[d] < c) passed[count++] = {around[d], d == 4};
-            const auto before_closing = count;
-            if (ring && at.k + 1 == columns_.slices()) passed[count++] = {home, false};
             for (std::size_t n = 0; n < before_closing; ++n) {
                 const int entry = entry_at(passed[n].first, s);
                 if (n == 0) nearest = entry;

@@ -19,8 +19,8 @@ namespace {
 /// Of an entry's surplus, what is handed on. More leaves nothing for the rest of the line, less takes more passes.
 constexpr float handed_on = 0.1f;
 
-/// What sums of floats along a line may be off, as a share of them, with room.
-constexpr double rounding = 1e-5;
+/// What a sum of floats along a line may be off, as a share of it, with room.
+double rounding(std::size_t length) { return std::max(1e-5, static_cast<double>(length) * 0x1p-23); }
 
 /// What the cheapest neighbour within 1 costs, for each entry.
 void spread(const float* from, float* to, std::size_t width) {
@@ -72,7 +72,7 @@ double sum_of_lines(const Lines& lines, const Minimum& minimum) {
         std::vector<float> scratch;
         for (auto n = range.begin(); n < range.end(); ++n) {
             const double least = minimum(lines.begin(n), scratch);
-            minima[n] = least - rounding * std::abs(least);
+            minima[n] = least - rounding(lines.length) * std::abs(least);
         }
     });
     return std::accumulate(minima.begin(), minima.end(), 0.0);

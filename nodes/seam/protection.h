@@ -2,6 +2,7 @@
 
 #include "nodes/seam/band.h"
 #include "nodes/seam/columns.h"
+#include "nodes/seam/strip.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +89,8 @@ Band tightened(const Columns& columns, const Band& band, const CostAt& cost_at) 
 /// @param seam  in the band, feasible but for protected vertices
 /// @param band  in which there is a seam
 template <class CostAt>
-std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector<std::uint16_t>& seam, const Band& band, const CostAt& cost_at) {
+std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector<std::uint16_t>& seam, const Band& band, const CostAt& cost_at,
+                                       const StepCosts& steps) {
     const auto tight = tightened(columns, band, cost_at);
     auto below = seam, above = seam;
     for (std::size_t c = 0; c < seam.size(); ++c) {
@@ -98,7 +100,7 @@ std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector
     lower_to_seam(columns, below, tight, cost_at);
     raise_to_seam(columns, above, tight, cost_at);
     const auto cost = [&](const std::vector<std::uint16_t>& at) {
-        double out = 0;
+        double out = cost_of_steps(columns, steps, at);
         for (std::size_t c = 0; c < at.size(); ++c) out += static_cast<double>(cost_at(c, at[c]));
         return out;
     };

@@ -72,6 +72,10 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
     const bool forward = params.cost == Cost::forward, field = check.connections("field") > 0;
     if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
     if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, which is not asked for");
+    if (!forward && check.stated("field_weight")) check.fault("field_weight", "parameter 'field_weight' serves `cost: forward`, which is not asked for");
+    if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
+        check.fault("pair_window",
+                    "cost 'forward' wants a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
     if (forward && (params.still || params.pair_still))
         check.fault(params.still ? "static" : "pair_static", "cost 'forward' is counted frame by frame and finds no static seams; leave one of the two out");
 }
@@ -107,7 +111,10 @@ void SeamNode::add(const Params& params, const Ports& io, Context& context) {
         extension_.add(lattice, params.axis, std::max(0, grown - lattice.shape[static_cast<std::size_t>(params.axis)]), context.frame());
     }
     transform_.require("the energy", *io.energy, context.frame());
-    if (io.field) field_transform_.require("the field", *io.field, context.frame());
+    if (io.field) {
+        field_transform_.require("the field", *io.field, context.frame());
+        field_met_ = field_met_ || meets_active_voxels(*io.field, lattice);
+    }
     if (task.count == 0) return;
     if (!energy_) {
         const bool forward = params.cost == Cost::forward;
@@ -301,6 +308,8 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
             std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
             if (energy_->has_field()) std::ranges::copy(energy_->field(0), energy_->field(t).begin());
         }
+        if (energy_->has_field() && !field_met_)
+            context.warn("the lattice misses the active voxels of `field` in all frames: without edges there, forward costs are those of the energy alone");
         if (energy_->has_field()) energy_->count_edges(context.memory_budget() / 3, context.work_folder());
         if (protected_ || attracted_) energy_->find_marks();
         find_all(params, task, io, context, find, *out, report);

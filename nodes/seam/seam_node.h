@@ -76,7 +76,7 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check);
-    /// Takes one frame's energy at the lattice's vertices.
+    /// Takes one frame's energy at the lattice's vertices, and its field.
     void add(const Params& params, const Ports& io, Context& context);
 
 protected:
@@ -113,7 +113,7 @@ private:
     Extension extension_;                               ///< of the lattice, where insertions reach beyond it
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
     bool any_active_ = false;
-    bool any_met_ = false;
+    bool any_met_ = false, field_met_ = false;
     openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
 };
 
@@ -148,8 +148,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "Energies are then reported so. In straight boxes both are the same.")
         .param("cost", &Params::cost,
                "backward: a seam costs the energy that it takes away. forward: besides, what it leaves behind: wherever its removal puts two vertices of "
-               "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008). Takes three times the memory.")
-        .param("field_weight", &Params::field_weight, Unit::none, at_least(0), "What a difference of 1 in `field` costs.")
+               "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008), whatever `measure` says. Takes three times the "
+               "memory.")
+        .param("field_weight", &Params::field_weight, Unit::none, between(0, 1e4), "What a difference of 1 in `field` costs.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "What each step of a seam costs, from a column to its neighbour in space; more keeps seams straighter. Reported energies include it.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")

@@ -107,6 +107,8 @@ double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> s
 namespace {
 
 /// One line of columns, and where its seam may go while the others stay.
+/// @tparam stepping  whether steps cost something
+template <bool stepping>
 class Line {
 public:
     Line(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
@@ -123,7 +125,8 @@ public:
         for (std::size_t n = 0; n < length; ++n) {
             auto& cell = cells_[n];
             const auto c = column(n);
-            find_room(cell, c, along);
+            const auto around = strip_.columns().around(c, strip_.columns().place(c));
+            find_room(cell, c, around, along);
             if (ring && n == 0) cell.low = cell.high = seam_[c];
             if (ring && n + 1 == length) {
                 const int home = seam_[column(0)];
@@ -133,9 +136,9 @@ public:
             for (int entry = cell.low; entry <= cell.high; ++entry) {
                 const auto at = static_cast<std::size_t>(entry - cell.low);
                 cell.cost[at] = strip_.energy(c, entry);
-                if (strip_.steps())
+                if constexpr (stepping)
                     cell.cost[at] +=
-                        to_neighbours(c, entry, along) + (ring && n + 1 == length ? strip_.steps()(c, entry, column(0), seam_[column(0)], false) : 0);
+                        to_neighbours(c, entry, around, along) + (ring && n + 1 == length ? strip_.steps()(c, entry, column(0), seam_[column(0)], false) : 0);
                 if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along);
             }
         }
@@ -155,12 +158,13 @@ private:
         int stay;
     };
 
-    void find_room(Cell& cell, std::size_t c, std::size_t along) const {
+    using Around = std::array<std::size_t, Columns::directions>;
+
+    void find_room(Cell& cell, std::size_t c, const Around& around, std::size_t along) const {
         const auto band = strip_[c];
         cell.stay = seam_[c];
         cell.low = std::max<int>(cell.stay - 1, band.first);
         cell.high = std::min<int>(cell.stay + 1, band.last);
-        const auto around = strip_.columns().around(c, strip_.columns().place(c));
         for (std::size_t d = 0; d < around.size(); ++d) {
             if (d / 2 == along || around[d] == Columns::none) continue;
             const int beside = seam_[around[d]];
@@ -169,9 +173,8 @@ private:
         }
     }
     /// What steps to the columns beside the line cost.
-    float to_neighbours(std::size_t c, int entry, std::size_t along) const {
+    float to_neighbours(std::size_t c, int entry, const Around& around, std::size_t along) const {
         float out = 0;
-        const auto around = strip_.columns().around(c, strip_.columns().place(c));
         for (std::size_t d = 0; d < around.size(); ++d)
             if (d / 2 != along && around[d] != Columns::none) out += strip_.steps()(c, entry, around[d], seam_[around[d]], d / 2 == 2);
         return out;
@@ -181,13 +184,13 @@ private:
     void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, std::size_t along) const {
         auto best = std::numeric_limits<float>::infinity();
         int from = before.stay;
-        for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e)
-            if (const auto cost =
-                    before.cost[static_cast<std::size_t>(e - before.low)] + (strip_.steps() ? strip_.steps()(column, entry, column_before, e, along == 2) : 0);
-                better(cost, e, best, from, before.stay)) {
-                best = cost;
-                from = e;
-            }
+        for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e) {
+            auto cost = before.cost[static_cast<std::size_t>(e - before.low)];
+            if constexpr (stepping) cost += strip_.steps()(column, entry, column_before, e, along == 2);
+            if (!better(cost, e, best, from, before.stay)) continue;
+            best = cost;
+            from = e;
+        }
         cell.cost[static_cast<std::size_t>(entry - cell.low)] += best;
         cell.from[static_cast<std::size_t>(entry - cell.low)] = from;
     }
@@ -204,9 +207,8 @@ private:
     std::vector<Cell> cells_;
 };
 
-}  // namespace
-
-void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
+template <bool stepping>
+void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
     const auto& columns = strip.columns();
     const std::array<std::size_t, 3> size{columns.laterals(), columns.slices(), columns.frames()};
     const std::array<std::size_t, 3> step{1, columns.laterals(), columns.per_frame()};
@@ -220,7 +222,7 @@ void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn)
         const std::size_t odd = columns.closed() && size[1] % 2 != 0 && along != 1 ? 1 : 0;
         for (std::size_t colour = 0; colour < 2 + 2 * odd; ++colour)
             tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {
-                Line line(strip, seam);
+                Line<stepping> line(strip, seam);
                 for (std::size_t b = 0; b < size[inner]; ++b) {
                     const auto k = outer == 1 ? a : b;
                     const bool last = odd && k + 1 == size[1];
@@ -229,6 +231,13 @@ void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn)
                 }
             });
     }
+}
+
+}  // namespace
+
+void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
+    if (strip.steps()) sweep<true>(strip, seam, turn);
+    else sweep<false>(strip, seam, turn);
 }
 
 }  // namespace fluidcarve

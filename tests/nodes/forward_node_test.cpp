@@ -56,6 +56,10 @@ TEST_CASE("forward costs want a field, a field wants forward costs, and neither 
     CHECK(faults("{count: -1}", 1) == "field: input 'field' serves `cost: forward`, which is not asked for\n");
     CHECK(faults("{count: -1, cost: forward, static: true}", 1) ==
           "static: cost 'forward' is counted frame by frame and finds no static seams; leave one of the two out\n");
+    CHECK(faults("{count: -1, field_weight: 2}", 0) == "field_weight: parameter 'field_weight' serves `cost: forward`, which is not asked for\n");
+    CHECK(faults("{count: -1, cost: forward, window: [0, 3], pair_window: [5, 7]}", 1) == "");
+    CHECK(faults("{count: -1, cost: forward, window: [0, 3], pair_window: [4, 7]}", 1) ==
+          "pair_window: cost 'forward' wants a vertex between window and pair_window, since a seam at the end of one changes the edges of the other\n");
     CHECK(faults("{count: -1, rigidity: -1}", 0) == "rigidity must be at least 0, not -1\n");
 }
 
@@ -63,8 +67,9 @@ TEST_CASE("a field that codes do not hold is told with its place") {
     std::mt19937 random(1);
     Given given{noise(random, {6, 4, 3}), noise(random, {6, 4, 3}), {6, 4, 3}};
     given.field[1]->getAccessor().setValue(Coord(2, 3, 1), 1e6f);
-    CHECK_THROWS_WITH(solve(seam_greedy(), "{count: -1, cost: forward}", given),
-                      "the field is 1000000 at (2, 3, 1), vertex (2, 3, 1); forward costs need values from -65504 to 65504");
+    CHECK_THROWS_WITH(
+        solve(seam_greedy(), "{count: -1, cost: forward}", given),
+        "the field is 1000000 at (2, 3, 1), vertex (2, 3, 1); forward costs need values from -65504 to 65504; scale the field, and `field_weight` against it");
 }
 
 TEST_CASE("with forward costs and rigidity solvers are swapped by their type, and each reports what its seam pays") {
@@ -116,6 +121,43 @@ TEST_CASE("seams with forward costs go on in what earlier ones left, removed and
     const auto pyramid = solve(seam_pyramid(), "{axis: v, count: -1" + forward, given);
     CHECK(along_v.listener.entry["energy"] == pyramid.listener.entry["energy"]);
     CHECK(along_v.seams->seams[0].at.size() == 8 * 4 * 3);
+}
+
+TEST_CASE("with forward costs, the seams of a pair are each found as if the other window were not there") {
+    std::mt19937 random(5);
+    const Given given{noise(random, {12, 4, 3}), noise(random, {12, 4, 3}, -128), {12, 4, 3}};
+    for (const std::string count : {"-2", "2"}) {
+        const auto opposite = count == "2" ? "-2" : "2";
+        const auto pair = solve(seam_graph_cut(), "{cost: forward, rigidity: 0.5, window: [1, 5], pair_window: [7, 10], count: " + count + "}", given);
+        const auto low = solve(seam_graph_cut(), "{cost: forward, rigidity: 0.5, window: [1, 5], count: " + count + "}", given);
+        const auto high = solve(seam_graph_cut(), std::string("{cost: forward, rigidity: 0.5, window: [7, 10], count: ") + opposite + "}", given);
+        CHECK(pair.listener.entry["energy"] == low.listener.entry["energy"]);
+        CHECK(pair.listener.entry["pair_energy"] == high.listener.entry["energy"]);
+        CHECK(pair.seams->seams[0].at == low.seams->seams[0].at);
+        CHECK(pair.seams->pairs[0].at == high.seams->seams[0].at);
+    }
+}
+
+TEST_CASE("forward seams pass no protected vertex, and a field that the lattice misses is told") {
+    std::mt19937 random(6);
+    const Given given{noise(random, {9, 5, 4}), noise(random, {9, 5, 4}, -128), {9, 5, 4}};
+    std::vector<Coord> wall;
+    for (int x = 0; x < 9; ++x)
+        if (x % 4 != 2) wall.emplace_back(x, 2, 1);
+    for (const auto& solver : {seam_graph_cut(), seam_pyramid(), seam_greedy()}) {
+        const auto solved = fluidcarve::test::solve(solver, "{count: -2, cost: forward, rigidity: 2}", given.energy, {box(given.shape)},
+                                                    {{"field", {given.field.begin(), given.field.end()}}, {"protect", {mask_grid(wall)}}}, frames);
+        CHECK(solved.listener.entry["protected"] == nlohmann::json({0, 0}));
+        CHECK(solved.listener.warnings.empty());
+    }
+    Given elsewhere = given;
+    for (auto& grid : elsewhere.field) {
+        grid = FloatGrid::create();
+        grid->tree().setValue(Coord(100, 0, 0), 1.0f);
+    }
+    const auto warnings = solve(seam_greedy(), "{count: -1, cost: forward}", elsewhere).listener.warnings;
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0] == "the lattice misses the active voxels of `field` in all frames: without edges there, forward costs are those of the energy alone");
 }
 
 TEST_CASE("forward seams avoid the edges that backward ones make") {

@@ -1,4 +1,5 @@
 #include "nodes/payloads.h"
+#include "nodes/seam/coarse.h"
 #include "nodes/seam/cut_seam.h"
 #include "nodes/seam/dynamic.h"
 #include "nodes/seam/greedy.h"
@@ -307,6 +308,12 @@ TEST_CASE("sweeps over lines leave no seam dearer, steps and edges counted") {
 
 TEST_CASE("the paper's keyframes pay for the steps between intervals") {
     std::mt19937 random(10);
+    {
+        // Below the threshold both entries cost nothing, but the step there does.
+        auto energy = volume_of(ColumnGraph({1, 1, 2}), 2, [](std::size_t c, int entry) { return c == 0 ? 9 * entry : 1 - entry; });
+        energy.set_rigidity({0, 3});
+        CHECK(keyframed_seam(energy, {0, 1}, 0, 1, 5, quiet).at[1] == 0);
+    }
     for (int n = 0; n < 500; ++n) {
         const Paid paid(random, {1 + n % 2, 2, 4}, n % 3 == 0, 4, n % 2 == 0);
         const auto volume = paid.volume();
@@ -366,6 +373,46 @@ TEST_CASE("in large volumes it comes near the least cost, with any number of thr
     }
 }
 
+TEST_CASE("steps dearer than all energies leave the cheapest straight seam") {
+    std::mt19937 random(12);
+    for (int n = 0; n < 200; ++n) {
+        const ColumnGraph graph({4, 4, 1 + n % 3}, n % 2 == 0);
+        auto energy = random_volume(random, graph, 5);
+        for (const float rigidity : {1e4f, 1e7f, 1e30f}) {
+            energy.set_rigidity({rigidity, rigidity});
+            double least = std::numeric_limits<double>::infinity();
+            for (std::uint16_t entry = 0; entry < 5; ++entry) least = std::min(least, energy_of(energy, SeamVector(graph.count(), entry)));
+            INFO("case " << n << ", rigidity " << rigidity);
+            REQUIRE(exact_seam(energy, {0, 4}, n, quiet).energy == least);
+            REQUIRE(Pyramid(Quality::normal, 4)(energy, {0, 4}, n, nobody).energy == least);
+        }
+    }
+}
+
+TEST_CASE("half the resolution: a coarse field is the mean, and its edges weigh half") {
+    std::mt19937 random(13);
+    const Paid paid(random, {3, 4, 5}, false, 6, true);
+    const auto volume = paid.volume();
+    const auto coarse = restrict_energy(volume, {1, 5});
+    REQUIRE(coarse.field_weight() == volume.field_weight() / 2);
+    REQUIRE(coarse.rigidity() == volume.rigidity());
+    for (int t = 0; t < 3; ++t)
+        for (int k = 0; k < 2; ++k)
+            for (int lateral = 0; lateral < 2; ++lateral)
+                for (int entry = 0; entry < 3; ++entry) {
+                    double sum = 0;
+                    int count = 0;
+                    for (int n = 0; n < 16; ++n) {
+                        const int l = 2 * lateral + (n & 1), z = 2 * k + (n >> 1 & 1), frame = 2 * t + (n >> 2 & 1), i = 1 + 2 * entry + (n >> 3 & 1);
+                        if (l >= 3 || frame >= 5 || i > 5) continue;
+                        sum += paid.at(paid.field, static_cast<std::size_t>(l + 3 * (z + 4 * frame)), i);
+                        ++count;
+                    }
+                    const auto place = static_cast<std::size_t>((lateral + 2 * k) * 3 + entry);
+                    CHECK(decode_field(coarse.field(static_cast<std::size_t>(t))[place]) == Approx(sum / count).epsilon(1e-3).margin(1e-3));
+                }
+}
+
 TEST_CASE("rigid seams step less, in space or in time, and none at all if it is dear enough") {
     const auto steps_of = [](const std::array<float, 2>& rigidity) {
         auto energy = SyntheticEnergy(Synthetic::noise, 5)({20, 8, 10}, 8);
@@ -385,5 +432,5 @@ TEST_CASE("rigid seams step less, in space or in time, and none at all if it is 
     CHECK(in_time[1] < free[1]);
     CHECK(in_time[1] < in_space[1]);
     CHECK(in_space[0] < in_time[0]);
-    CHECK(steps_of({100, 100}) == std::array{0, 0});
+    for (const float dear : {100.0f, 1e7f, 1e30f}) CHECK(steps_of({dear, dear}) == std::array{0, 0});
 }
