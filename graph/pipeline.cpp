@@ -281,10 +281,14 @@ private:
                     node.per_frame_input = node.per_frame_input || rate == Rate::frame;
                     inputs = std::max(inputs, rate);
                 }
-            bool moves = node.params && node.type->animates && node.type->animates(node.params.get());
+            bool reads = false, moves = node.params && node.type->animates && node.type->animates(node.params.get());
             if (node.params)
                 for (const auto& spec : node.type->params)
-                    moves = moves || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
+                    reads = reads || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
+            moves = moves || reads;
+            for (const auto& links : node.inputs)
+                for (const auto& link : links) reads = reads || sequences_.contains(drafts_[link.node].node.name);
+            if (reads) sequences_.insert(node.name);
             node.gathers = node.params && node.type->gathers(node.params.get());
             if (moves) node.rate = Rate::frame;
             else if (node.per_frame_input && !node.type->per_frame_outputs) node.rate = Rate::sequence;
@@ -292,7 +296,8 @@ private:
         }
     }
 
-    /// Writers: a token where they run per frame and none where not; no file is written twice or over an input.
+    /// Writers: a token where they run per frame and none where not, either of them where there is but one frame and no sequence is
+    /// read; no file is written twice or over an input.
     void check_paths(const FrameSet& frames) {
         std::map<std::string, std::pair<Mark, std::string>> used;
         const auto each_path = [&](Shape::Kind kind, const auto& visit) {
@@ -333,7 +338,7 @@ private:
             }
         });
         each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
-            if (node.rate == Rate::frame && !path.per_frame())
+            if (node.rate == Rate::frame && !path.per_frame() && (frames.frames().size() > 1 || sequences_.contains(node.name)))
                 add(problems_, mark, fmt::format("{} writes a file for every frame: '{}' needs a frame token such as ####", node.type->name, spec.name));
             if (node.rate != Rate::frame && path.per_frame())
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
@@ -352,6 +357,7 @@ private:
     std::vector<Draft> drafts_;
     std::map<std::string, std::size_t> index_;  ///< of the drafts, by name
     std::set<std::string> known_;               ///< all node names as written, of unknown types too
+    std::set<std::string> sequences_;           ///< nodes that read a file per frame, or from nodes that do
 };
 
 }  // namespace

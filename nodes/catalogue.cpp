@@ -1,31 +1,49 @@
 #include "nodes/catalogue.h"
 
 #include "nodes/energy/combine.h"
+#include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
+#include "nodes/energy/image.h"
 #include "nodes/energy/kinetic.h"
 #include "nodes/energy/remap.h"
+#include "nodes/energy/surface.h"
 #include "nodes/energy/volume.h"
 #include "nodes/energy/vorticity.h"
 #include "nodes/field/collocate.h"
 #include "nodes/field/curl.h"
+#include "nodes/field/curvature.h"
 #include "nodes/field/filter.h"
 #include "nodes/field/gradient.h"
+#include "nodes/field/laplacian.h"
 #include "nodes/field/magnitude.h"
+#include "nodes/image/read.h"
+#include "nodes/image/write.h"
 #include "nodes/io/inspect.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
 #include "nodes/lattice/box.h"
 #include "nodes/lattice/build_node.h"
 #include "nodes/lattice/write.h"
+#include "nodes/mask/below_surface.h"
 #include "nodes/mask/box.h"
 #include "nodes/mask/combine.h"
 #include "nodes/mask/dilate.h"
+#include "nodes/mask/mesh.h"
 #include "nodes/mask/sphere.h"
 #include "nodes/mask/threshold.h"
 #include "nodes/mask/weight.h"
+#include "nodes/mesh/payload_type.h"
+#include "nodes/mesh/read.h"
+#include "nodes/mesh/write.h"
 #include "nodes/payloads.h"
+#include "nodes/points/payload_type.h"
+#include "nodes/points/keep_out.h"
+#include "nodes/points/read.h"
+#include "nodes/points/write.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/remap/grids.h"
+#include "nodes/remap/mesh.h"
+#include "nodes/remap/points.h"
 #include "nodes/remap/seam_filter.h"
 #include "nodes/rig/advect.h"
 #include "nodes/rig/circle.h"
@@ -33,6 +51,9 @@
 #include "nodes/rig/payload_type.h"
 #include "nodes/rig/points.h"
 #include "nodes/rig/transform.h"
+#include "nodes/sdf/from_mesh.h"
+#include "nodes/sdf/from_points.h"
+#include "nodes/sdf/to_mesh.h"
 #include "nodes/seam/dynamic_node.h"
 #include "nodes/seam/graph_cut_node.h"
 #include "nodes/seam/greedy_node.h"
@@ -47,12 +68,23 @@ Registry builtin_registry() {
     Registry out;
     add_payloads(out);
     add_rig_payload(out);
+    add_mesh_payload(out);
     add_lattice_payloads(out);
+    add_points_payload(out);
     out.add(vdb_inspector());
     out.add(vdb_read());
     out.add(vdb_write());
+    out.add(image_read());
+    out.add(image_write());
+    out.add(points_read());
+    out.add(points_keep_out());
+    out.add(points_write());
+    out.add(mesh_read());
+    out.add(mesh_write());
     out.add(field_gradient());
     out.add(field_curl());
+    out.add(field_curvature());
+    out.add(field_laplacian());
     out.add(field_magnitude());
     out.add(field_collocate());
     out.add(field_filter());
@@ -60,14 +92,22 @@ Registry builtin_registry() {
     out.add(energy_kinetic());
     out.add(energy_gradient());
     out.add(energy_volume());
+    out.add(energy_curvature());
+    out.add(energy_surface());
+    out.add(energy_image());
     out.add(energy_combine());
     out.add(energy_remap());
     out.add(mask_threshold());
     out.add(mask_box());
     out.add(mask_sphere());
+    out.add(mask_mesh());
+    out.add(mask_below_surface());
     out.add(mask_combine());
     out.add(mask_dilate());
     out.add(mask_weight());
+    out.add(sdf_from_mesh());
+    out.add(sdf_from_points());
+    out.add(sdf_to_mesh());
     out.add(rig_points());
     out.add(rig_circle());
     out.add(rig_curve());
@@ -83,6 +123,8 @@ Registry builtin_registry() {
     out.add(seams_write());
     out.add(seams_read());
     out.add(remap_grids());
+    out.add(remap_mesh());
+    out.add(remap_points());
     out.add(filter_seam());
     out.add(preview_sheet());
     return out;

@@ -36,7 +36,9 @@ void Report::warn(std::size_t node, const std::string& message) {
 
 void Report::entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry) {
     const std::lock_guard lock(mutex_);
-    entries_[section][pipeline_.nodes[node].name] = std::move(entry);
+    auto& known = entries_[section][pipeline_.nodes[node].name];
+    if (known.is_object()) known.update(entry);
+    else known = std::move(entry);
 }
 
 std::vector<Fault> Report::faults() const {

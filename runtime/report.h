@@ -36,6 +36,7 @@ public:
     void ran(std::size_t node, std::size_t frames, double seconds, std::uint64_t bytes);
     void failed(Fault fault);
     void warn(std::size_t node, const std::string& message);
+    /// @param entry  fields of the node's; a node that reports per frame adds fields
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
 
     std::vector<Fault> faults() const;  ///< ordered by frame, then by the pipeline's order of nodes

@@ -26,6 +26,7 @@ openvdb::math::Transform::Ptr inverse(const openvdb::math::Transform& in_world, 
     auto out = in_world.copy();
     out->postTranslate(-placement.translate);
     out->postScale(1 / placement.scale);
+    if (!placement.offset.isZero()) out->preTranslate(-placement.offset);
     return out;
 }
 
@@ -33,6 +34,7 @@ openvdb::math::Transform::Ptr inverse(const openvdb::math::Transform& in_world, 
 
 openvdb::math::Transform::Ptr placed(const openvdb::math::Transform& in_file, const Placement& placement) {
     auto out = in_file.copy();
+    if (!placement.offset.isZero()) out->preTranslate(placement.offset);
     out->postScale(placement.scale);
     out->postTranslate(placement.translate);
     return out;
@@ -63,7 +65,8 @@ openvdb::GridBase::ConstPtr placed(const openvdb::GridBase::ConstPtr& grid, cons
 openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, const Placement* placement) {
     const auto origin = origin_of(*grid);
     if (!origin && !placement) return grid;
-    const auto& by = placement ? *placement : origin->placement;
+    auto by = placement ? *placement : origin->placement;
+    if (origin) by.offset = origin->placement.offset;
     // A transform turned back by arithmetic would differ in its last bits.
     const bool as_it_came = origin && by == origin->placement && (!origin->in_file || *placed(*origin->in_file, by) == grid->transform());
     // Shared, not copied: a copy of a map works its inverse out anew.

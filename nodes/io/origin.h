@@ -11,6 +11,7 @@ namespace fluidcarve {
 struct Placement {
     openvdb::Vec3d translate{0};
     double scale = 1;
+    openvdb::Vec3d offset{0};  ///< added before, in voxels along the grid's axes: what an application leaves out of the transform
     bool operator==(const Placement&) const = default;
 };
 
@@ -37,7 +38,7 @@ std::shared_ptr<const Origin> origin_of(const openvdb::GridBase& grid);
 /// The grid in the shot's world: a shallow copy that remembers where it was. The grid itself if the placement moves nothing.
 openvdb::GridBase::ConstPtr placed(const openvdb::GridBase::ConstPtr& grid, const Placement& placement);
 /// The grid in its file's space again, bit for bit as it was if it came from there, and without its origin.
-/// @param placement  null: the one of the origin, if there is one
+/// @param placement  null: the one of the origin, if there is one; else the origin's offset is undone with it
 openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, const Placement* placement);
 
 }  // namespace fluidcarve

@@ -20,6 +20,7 @@ struct Profile {
     std::vector<Alias> grids;
     bool staggered = false;          ///< velocities stand on the faces, also where the grid's class doesn't say so
     std::string_view velocity_unit;  ///< for people
+    bool points_off = false;         ///< points stand half a voxel above where they are against the grids, along each axis
 };
 
 /// Blender, Houdini, EmberGen, Bifrost.

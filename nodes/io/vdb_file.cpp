@@ -39,6 +39,8 @@ void initialize() {
     });
 }
 
+std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
+
 /// An open file whose header was walked. The walk is our own: the library's allocates what a length in the file
 /// says, stops at a grid type that it doesn't know, and sorts the grids by name.
 class OpenVdb : private openvdb::io::Archive {
@@ -101,7 +103,7 @@ public:
     void describe(const GridDescriptor& grid, VdbHeader::Entry& out) {
         try {
             grid.seekToGrid(stream_);
-            if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) number<std::uint32_t>();
+            if (fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) out.codec = codec_of(number<std::uint32_t>());
             read_metadata(out.metadata);
             if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_GRID_INSTANCING) return;
             check_map();
@@ -236,7 +238,7 @@ VdbHeader header_of(OpenVdb& file) {
     out.version = file.version();
     out.metadata = file.metadata();
     for (const auto& grid : file.grids()) {
-        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), nullptr, {}});
+        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), nullptr, {}, {}});
         file.describe(grid, out.grids.back());
     }
     return out;
@@ -298,7 +300,7 @@ Volume read_vdb(const std::string& path) {
     Volume out;
     out.grids.assign(grids.begin(), grids.end());
     out.metadata = file.metadata();
-    out.codec = file.codecs_seen() & openvdb::io::COMPRESS_BLOSC ? "blosc" : file.codecs_seen() & openvdb::io::COMPRESS_ZIP ? "zip" : "none";
+    out.codec = codec_of(file.codecs_seen());
     return out;
 }
 

@@ -18,6 +18,7 @@ struct VdbHeader {
         std::string type;                              ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
         openvdb::math::Transform::ConstPtr transform;  ///< null in files so old that it stands behind the tree
         openvdb::MetaMap metadata;
+        std::string codec;  ///< as Volume::codec
     };
     std::string path;
     unsigned version = 0;       ///< of the file format

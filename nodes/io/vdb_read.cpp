@@ -1,20 +1,19 @@
 #include "nodes/io/vdb_read.h"
 
 #include "nodes/field/same_transform.h"
+#include "nodes/io/file_sequence.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
+#include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <iterator>
 #include <set>
 
 namespace fluidcarve {
 namespace {
 
-enum class Missing { error, skip, hold };
 enum class GridKind { scalar, vector };
 enum class Application { detect, none, blender, houdini, embergen, bifrost };
 
@@ -24,11 +23,6 @@ struct GridChoice {
 };
 
 }  // namespace
-
-template <>
-struct ChoiceNames<Missing> {
-    static constexpr std::array names = {std::pair{"error", Missing::error}, std::pair{"skip", Missing::skip}, std::pair{"hold", Missing::hold}};
-};
 
 template <>
 struct ChoiceNames<GridKind> {
@@ -125,6 +119,12 @@ public:
         return {place(name, choice.kind)};
     }
 
+    /// Points may stand off the other grids.
+    Placement placement_of(const openvdb::GridBase& grid, Placement placement) const {
+        if (is_point_grid(grid) && profile_ && profile_->points_off) placement.offset = openvdb::Vec3d(-0.5);
+        return placement;
+    }
+
     /// The output that is made of grids at those places.
     Payload typed(const std::vector<openvdb::GridBase::ConstPtr>& grids, const GridChoice& choice, const Placement& placement) const {
         if (choice.kind == GridKind::scalar) return Payload(openvdb::gridConstPtrCast<FloatGrid>(placed(grids[0], placement)));
@@ -212,42 +212,26 @@ struct VdbRead {
     static void check(const Params& params, NodeCheck& check) {
         if (params.grids.count("volume"))
             check.fault("grids", "vdb.read has an output 'volume' of its own; name this one otherwise: {density: {name: volume, type: float}}");
-        if (params.missing != Missing::error && !params.path.per_frame())
-            check.fault("missing", fmt::format("'{}' is for sequences; the path has no frame token such as ####", ParamTraits<Missing>::text(params.missing)));
+        check_missing(params.path, params.missing, check);
     }
 
+    /// A file that can't be read, or lacks a grid, is told before the run, not when its turn comes.
     static void survey(const Params& params, Survey& survey) {
-        const auto& frames = survey.frames();
-        std::vector<int> present;
-        std::copy_if(frames.begin(), frames.end(), std::back_inserter(present), [&](int frame) { return there(params, frame); });
-        if (present.empty() && !frames.empty()) {
-            const auto needed = std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
-            const auto first = needed == frames.end() ? frames.front() : *needed;
-            const auto path = params.path.at(first);
-            return survey.missing(first, survey.frames().size() == 1 || !params.path.per_frame()
-                                             ? fmt::format("{} does not exist", path)
-                                             : fmt::format("{} does not exist, nor does any other frame", path));
-        }
         Steadiness steadiness;
-        std::optional<int> stood_in;  // looked at for the frame before
-        for (const int frame : survey.frames()) {
-            const auto after = std::lower_bound(present.begin(), present.end(), frame);
-            const int file = after != present.end() && (*after == frame || after == present.begin()) ? *after : *std::prev(after);
-            if (file == frame) {
-                look(params, frame, file, survey, steadiness);
-            } else if (params.missing == Missing::skip) {
-                survey.leave_out(frame);
-            } else if (params.missing == Missing::error) {
-                survey.missing(frame, fmt::format("{} does not exist", params.path.at(frame)));
-            } else if (survey.needs(frame) && stood_in != file) {
-                look(params, frame, file, survey, steadiness);
-                stood_in = file;
-            }
-        }
+        survey_files(params.path, params.missing, survey, [&](int frame, int file) {
+            const Contents contents(params.path.at(file), params.profile);
+            std::set<std::size_t> places;
+            for (const auto& [output, choice] : params.grids)
+                if (survey.wants(output))
+                    for (const auto place : contents.places(output, choice)) places.insert(place);
+            if (survey.wants("volume"))
+                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
+            steadiness.look(contents.header(), places, frame, survey);
+        });
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto path = params.path.at(params.missing == Missing::hold ? held(params, context.frames(), context.frame()) : context.frame());
+        const auto path = file_of(params.path, params.missing, context);
         const Contents contents(path, params.profile);
         const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
         std::map<std::string, std::vector<std::size_t>> places;
@@ -258,7 +242,7 @@ struct VdbRead {
         if (context.wants("volume")) {
             auto volume = std::make_shared<Volume>(read_vdb(path));
             for (std::size_t n = 0; n < volume->grids.size(); ++n) grids[n] = volume->grids[n];
-            for (auto& grid : volume->grids) grid = placed(grid, placement);
+            for (auto& grid : volume->grids) grid = placed(grid, contents.placement_of(*grid, placement));
             io.volume = std::move(volume);
         }
         for (const auto& [output, all] : places) {
@@ -269,40 +253,6 @@ struct VdbRead {
                 made_of.push_back(grid);
             }
             io.grids[output] = contents.typed(made_of, params.grids.at(output), placement);
-        }
-    }
-
-private:
-    static bool there(const Params& params, int frame) {
-        std::error_code ignored;
-        return std::filesystem::exists(params.path.at(frame), ignored);
-    }
-
-    /// The frame whose file stands in for a frame's: its own, the nearest before or, failing that, after.
-    static int held(const Params& params, const std::vector<int>& frames, int frame) {
-        const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
-        const auto is_there = [&](int each) { return there(params, each); };
-        if (at != frames.end() && is_there(*at)) return *at;
-        const auto before = std::find_if(std::make_reverse_iterator(at), frames.rend(), is_there);
-        if (before != frames.rend()) return *before;
-        const auto after = std::find_if(at, frames.end(), is_there);
-        return after == frames.end() ? frame : *after;
-    }
-
-    /// A file that can't be read, or lacks a grid, is told before the run, not when its turn comes.
-    static void look(const Params& params, int frame, int file, Survey& survey, Steadiness& steadiness) {
-        if (!survey.needs(frame)) return;
-        try {
-            const Contents contents(params.path.at(file), params.profile);
-            std::set<std::size_t> places;
-            for (const auto& [output, choice] : params.grids)
-                if (survey.wants(output))
-                    for (const auto place : contents.places(output, choice)) places.insert(place);
-            if (survey.wants("volume"))
-                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
-            steadiness.look(contents.header(), places, frame, survey);
-        } catch (const Failure& failure) {
-            survey.missing(frame, failure.what());
         }
     }
 };
@@ -316,11 +266,12 @@ NodeType vdb_read() {
                "Grids to offer as outputs, each by its type: `density: float`; or under another name: `velocity: {name: vel, type: vector}`. "
                "Of several grids of one name, `name[1]` is the second. "
                "A vector `vel` is also read from three floats `vel.x`, `vel.y`, `vel.z`, and written back as they came.")
-        .param("missing", &VdbRead::Params::missing,
-               "What to do about a frame without a file: stop; leave the frame out of the whole run; or hold the nearest earlier frame, else the next.")
+        .param("missing", &VdbRead::Params::missing, missing_doc)
         .param("profile", &VdbRead::Params::profile,
                "Whose files these are: where a file has no grid of a name under `grids`, the application's name for it is tried (`velocity`: Houdini's `vel`, "
-               "Bifrost's `voxel_velocity`), and Blender's velocities are staggered whatever their class. Auto goes by the grids and marks of each file.")
+               "Bifrost's `voxel_velocity`), and Blender's velocities are staggered whatever their class, its points half a voxel below where the file has "
+               "them. Auto "
+               "goes by the grids and marks of each file.")
         .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
                "Where the file's origin is in the shot's world; the writer takes it back. Values, velocities too, are not changed.")
         .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")

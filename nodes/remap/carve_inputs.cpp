@@ -31,7 +31,11 @@ void require_still(const Seams& seams) {
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context) {
     if (!context.per_frame())
         for (const auto& set : seams) require_still(*set);
-    return {lattice, seams, context.frame(), seams_of(count, *seams.back())};
+    return carve_map(lattice, seams, count, context.frame());
+}
+
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame) {
+    return {lattice, seams, frame, seams_of(count, *seams.back())};
 }
 
 }  // namespace fluidcarve

@@ -11,5 +11,7 @@ namespace fluidcarve {
 /// @throws Failure as CarveMap; if `count` removes and the seams insert; if the node runs once for all frames, but the
 ///   seams change from frame to frame
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context);
+/// The same in any frame, whatever the others are like.
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame);
 
 }  // namespace fluidcarve

@@ -3,6 +3,7 @@
 #include "nodes/remap/carve_inputs.h"
 #include "nodes/remap/finish.h"
 #include "nodes/remap/remap.h"
+#include "nodes/remap/rim.h"
 #include "nodes/remap/tears.h"
 
 namespace fluidcarve {
@@ -16,18 +17,12 @@ struct ChoiceNames<Interpolation> {
 namespace {
 
 enum class Conserve { none, mass };
-enum class Rim { cut, fade };
 
 }  // namespace
 
 template <>
 struct ChoiceNames<Conserve> {
     static constexpr std::array names = {std::pair{"none", Conserve::none}, std::pair{"mass", Conserve::mass}};
-};
-
-template <>
-struct ChoiceNames<Rim> {
-    static constexpr std::array names = {std::pair{"cut", Rim::cut}, std::pair{"fade", Rim::fade}};
 };
 
 namespace {
@@ -50,9 +45,7 @@ struct RemapGrids {
         Ref<Volume> volume;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        if (params.rim == Rim::cut && check.stated("fade")) check.fault("fade", "nothing fades while `rim` is cut; set `rim: fade`, or leave `fade` out");
-    }
+    static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
 
     static void run(const Params& params, Ports& io, Context& context) {
         auto map = carve_map(*io.lattice, io.seams, params.count, context);
@@ -96,8 +89,7 @@ NodeType remap_grids() {
                "(cut), or "
                "its displacements go evenly to 0 towards them (fade), and what a seam takes or adds with them. Where content crosses a cut rim it may tear; a "
                "warning says so.")
-        .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000),
-               "For `rim: fade`: from how far on displacements fade. What is further inside is carved as with `rim: cut`.")
+        .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .output("volume", &RemapGrids::Ports::volume, "The source carved: same grids, transforms and metadata.");
 }
 

@@ -3,6 +3,8 @@
 #include "graph/problem.h"
 #include "nodes/io/triplet.h"
 #include "nodes/lattice/alignment.h"
+#include "nodes/points/point_grid.h"
+#include "nodes/remap/carved_points.h"
 #include "nodes/remap/grid_types.h"
 #include "nodes/remap/remap_aligned.h"
 
@@ -51,6 +53,11 @@ openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, c
     if (grid->isType<GridT>()) return carve<GridT>(grid, alignment, lattice, map, interpolation);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
 #undef FLUIDCARVE_TRY
+    if (is_point_grid(*grid)) {
+        require_sound(*grid, "the source");
+        const auto points = carve_points(point_positions(*grid), point_identities(*grid), lattice, map, default_jitter);
+        return points.changed() ? with_images(*grid, points.images) : grid;
+    }
     throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those",
                               grid->getName(), grid->type()));
 }

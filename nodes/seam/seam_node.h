@@ -136,7 +136,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .input("after", &Ports::after,
                "Seam sets of this lattice that are carved before, in their order: these seams are found in what those leave, and windows count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
-        .required("count", &Params::count, Unit::seams, any_number(), "Seams: negative removes, positive inserts; N% is of the vertices along the axis.")
+        .required("count", &Params::count, Unit::seams, any_number(),
+                  "Seams: negative removes, positive inserts; N% is of the vertices along the axis, rounded: -20% of 1920 removes 384.")
         .param("window", &Params::window, Unit::vertices, at_least(0), "First and last vertex along the axis that seams may take; auto is all of them.")
         .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),
                "A second window, above the first. Each seam then comes with one of the opposite kind in here, so that only what is between the two moves, and "

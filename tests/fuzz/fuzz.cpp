@@ -174,6 +174,21 @@ int main(int argc, char** argv) {
         if (entry.path().extension() == ".yaml") pipelines.push_back(Scratch::read(entry.path()));
     std::sort(pipelines.begin(), pipelines.end());
 
+    // A mesh in each format, written by the program itself.
+    const Scratch made;
+    std::vector<std::pair<std::string, std::string>> meshes;
+    const auto convert = [&](const Scratch& scratch, const std::string& from, const std::string& to) {
+        return std::vector{
+            program, std::string("run"),
+            scratch.write("p.yaml", fmt::format("fluidcarve: 1\nnodes:\n  in: {{type: mesh.read, path: {}}}\n  out: {{type: mesh.write, source: in, "
+                                                "path: {}}}\n",
+                                                from, to))};
+    };
+    for (const std::string ending : {".obj", ".ply", ".off", ".stl"}) {
+        call(convert(made, TEST_DATA "/bonfire/firepit.obj", made / ("m" + ending)));
+        meshes.emplace_back("m" + ending, Scratch::read(made / ("m" + ending)));
+    }
+
     const auto no_fault = [](int code, const Scratch&) { return survived(code); };
     std::size_t failed = 0;
     failed += run({"check", count,
@@ -185,6 +200,13 @@ int main(int argc, char** argv) {
     failed += run({"inspect", count,
                    [&](std::size_t n, Random& random, const Scratch& scratch) {
                        return std::vector{program, std::string("inspect"), scratch.write("v.vdb", damaged(volumes[n % volumes.size()], random))};
+                   },
+                   no_fault},
+                  seed);
+    failed += run({"mesh", count,
+                   [&](std::size_t n, Random& random, const Scratch& scratch) {
+                       const auto& [name, whole] = meshes[n % meshes.size()];
+                       return convert(scratch, scratch.write(name, damaged(whole, random)), scratch / ("out" + meshes[below(random, meshes.size())].first));
                    },
                    no_fault},
                   seed);

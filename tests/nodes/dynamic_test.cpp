@@ -48,6 +48,29 @@ TEST_CASE("dynamic programming and the cut agree on images") {
     }
 }
 
+TEST_CASE("long lines in windows: of least energy, whatever columns their ways are kept for") {
+    std::mt19937 random(4);
+    for (int n = 0; n < 60; ++n) {
+        const ColumnGraph graph({1 + static_cast<int>(random() % 140), 1, 1});
+        const int width = 1 + static_cast<int>(random() % 90);
+        const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
+        const auto window = random_window(random, width);
+        std::vector<double> ways(static_cast<std::size_t>(window.size()), 0.0);
+        for (std::size_t c = 0; c < graph.count(); ++c) {
+            const auto before = ways;
+            for (std::size_t i = 0; i < ways.size(); ++i) {
+                const auto first = before.begin() + static_cast<std::ptrdiff_t>(i > 0 ? i - 1 : 0), last = before.begin() + static_cast<std::ptrdiff_t>(i + 1);
+                ways[i] = *std::min_element(first, last == before.end() ? last : last + 1) + energies_of(energy)(c, window.first + static_cast<int>(i));
+            }
+        }
+        const auto seam = dynamic_seam(energy, window, n, nobody);
+        INFO("case " << n);
+        REQUIRE(is_seam(graph, Band::whole(graph.count(), window), seam.at));
+        REQUIRE(seam.energy == *std::min_element(ways.begin(), ways.end()));
+        REQUIRE(sum_along(seam.at, energies_of(energy)) == seam.energy);
+    }
+}
+
 TEST_CASE("static seams of many frames are lines too") {
     std::mt19937 random(3);
     const auto sum = random_volume(random, ColumnGraph({9, 1, 4}), 6).sum();

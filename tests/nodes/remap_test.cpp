@@ -1,10 +1,9 @@
 #include "nodes/remap/remap.h"
+#include "nodes/io/raw_grid.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/grids.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
-
-#include <openvdb/points/PointDataGrid.h>
 
 #include <catch2/catch.hpp>
 
@@ -323,10 +322,10 @@ TEST_CASE("whole numbers are read from the nearest voxel, never interpolated") {
 TEST_CASE("what can't be carved is refused by name") {
     const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
     const auto seams = straight_seams(lattice, Axis::u, Seams::Kind::remove, {3});
-    const openvdb::points::PointDataGrid::Ptr points = openvdb::points::PointDataGrid::create();
-    points->setName("particles");
-    CHECK(failure_of([&] { carve_grid(points, lattice, map_of(lattice, seams), Interpolation::linear); }) ==
-          "grid 'particles' is of type Tree_ptdataidx32_5_4_3, which can't be carved; name the grids to carve in `grids:` of the reader and take those");
+    const auto unknown = std::make_shared<RawGrid>("Tree_float_5_4_2", 0, 0);
+    unknown->setName("fine");
+    CHECK(failure_of([&] { carve_grid(unknown, lattice, map_of(lattice, seams), Interpolation::linear); }) ==
+          "grid 'fine' is of type Tree_float_5_4_2, which can't be carved; name the grids to carve in `grids:` of the reader and take those");
 
     const auto other = make_box(Vec3d(1, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2});
     CHECK(failure_of([&] { map_of(other, seams); }) ==

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -27,9 +28,17 @@ std::vector<std::string> files_in(const Scratch& scratch) {
 }
 
 /// Settings that send all that a shipped pipeline writes to a folder.
-std::string into(const Scratch& scratch) {
-    return " --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --set sheet=" + (scratch / "sheet.png") +
-           " --progress none ";
+std::string into(const Scratch& scratch, const std::string& name = "out.####.vdb") {
+    return " --set out=" + (scratch / name) + " --set seams=" + (scratch / "seams.vdb") + " --set sheet=" + (scratch / "sheet.png") + " --progress none ";
+}
+
+/// The same for what else its params say that it writes.
+std::string others_into(const Scratch& scratch, const std::string& pipeline) {
+    static const std::regex output(R"(\n  (\w+): +\{type: path, +default: out/([^,]+),)");
+    std::string out;
+    for (std::sregex_iterator each(pipeline.begin(), pipeline.end(), output), end; each != end; ++each)
+        if (const auto name = each->str(1); name != "out" && name != "seams" && name != "sheet") out += "--set " + name + "=" + (scratch / each->str(2)) + " ";
+    return out;
 }
 
 /// Whether two folders' files of a name are the same, but for the identifier that each VDB file has of its own.
@@ -51,7 +60,8 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs") {
         CHECK(checked.err == "");
         CHECK(checked.code == 0);
         const Scratch scratch;
-        const auto ran = fluidcarve_program("run -q " + pipeline + into(scratch) + "--report " + (scratch / "report.json"));
+        const auto ran = fluidcarve_program("run -q " + pipeline + into(scratch, text.find("image.write") == std::string::npos ? "out.####.vdb" : "out.png") +
+                                            others_into(scratch, text) + "--report " + (scratch / "report.json"));
         CHECK(ran.err == "");
         CHECK(ran.code == 0);
         const auto report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));

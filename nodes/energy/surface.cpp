@@ -1,0 +1,68 @@
+#include "nodes/energy/surface.h"
+
+#include "nodes/energy/curvature.h"
+#include "nodes/energy/kinetic.h"
+#include "nodes/energy/term_ranges.h"
+
+namespace fluidcarve {
+namespace {
+
+struct SurfaceEnergy {
+    struct Params : SurfaceWeights {
+        TermRanges range;
+    };
+    struct Ports {
+        Ref<FloatGrid> surface;
+        Optional<VectorGrid> velocity;
+        Ref<FloatGrid> energy;
+    };
+
+    GatheredRanges gathered;
+
+    static bool gathers(const Params& params) { return params.range.gathers(); }
+
+    static void check(const Params& params, NodeCheck& check) {
+        const auto velocities = check.connections("velocity");
+        if (velocities == 0 && check.stated("kinetic")) check.fault("kinetic", "'kinetic' weighs a term of 'velocity', which is not connected");
+        params.range.check(1 + velocities, check);
+    }
+
+    void add(const Params& params, const Ports& io, Context&) {
+        std::vector<Ref<FloatGrid>> energies;
+        for (const auto& term : surface_terms(*io.surface, io.velocity, params)) energies.push_back(term.energy);
+        gathered.add(params.range, energies);
+    }
+
+    void finish(const Params&, Ports&, Context&) {}
+
+    void run(const Params& params, Ports& io, Context&) const {
+        auto terms = surface_terms(*io.surface, io.velocity, params);
+        for (std::size_t n = 0; n < terms.size(); ++n) terms[n].range = gathered.of(params.range, n);
+        io.energy = combined_energy(terms);
+    }
+};
+
+}  // namespace
+
+std::vector<EnergyTerm> surface_terms(const FloatGrid& surface, const Ref<VectorGrid>& velocity, const SurfaceWeights& weights) {
+    std::vector<EnergyTerm> out{{curvature_energy(surface, 1), weights.curvature, {}}};
+    if (velocity) out.push_back({kinetic_energy(velocity, 1), weights.kinetic, {}});
+    return out;
+}
+
+NodeType energy_surface() {
+    return Declare<SurfaceEnergy>("energy.surface", "The paper's energy for liquids and meshes: high where the surface curves, or the flow is fast.")
+        .input("surface", &SurfaceEnergy::Ports::surface, "The surface as a level set, of sdf.from_points for one.")
+        .input("velocity", &SurfaceEnergy::Ports::velocity,
+               "Velocity, world units per second, on a grid of the surface's transform; staggered grids are collocated.")
+        .param("curvature", &SurfaceWeights::curvature, Unit::none, at_least(0), "Weight of |sum of the principal curvatures|.")
+        .param("kinetic", &SurfaceWeights::kinetic, Unit::none, at_least(0), "Weight of velocity . velocity; lambda in the paper.")
+        .param(
+            "range", &SurfaceEnergy::Params::range,
+            "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
+            "found in a pass of its own; or an interval for both terms; or a list with one of these for the curvature and one for the kinetic energy. A term "
+            "that is constant counts as 0.")
+        .output("energy", &SurfaceEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in either input.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,68 @@
+#include "nodes/field/curvature.h"
+
+#include "nodes/field/stencil.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+struct FieldCurvature {
+    struct Params {};
+    struct Ports {
+        Ref<FloatGrid> field;
+        Ref<FloatGrid> curvature;
+    };
+    static void run(const Params&, Ports& io, Context&) { io.curvature = curvature_field(*io.field); }
+};
+
+/// Of a ball of one voxel's radius, per voxel.
+constexpr double sharpest = 2;
+
+/// Per voxel. Differences of doubles: in a float field that hardly changes those of floats would be rounding.
+template <class Accessor>
+double curvature(Accessor& field, const Coord& at) {
+    double s[3][3][3];
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z) {
+                // The corners of the cube are not needed.
+                if (x != 0 && y != 0 && z != 0) continue;
+                float value;
+                if (!field.probeValue(at.offsetBy(x, y, z), value)) return 0;
+                s[x + 1][y + 1][z + 1] = value;
+            }
+    const double centre = s[1][1][1];
+    const Vec3d g(0.5 * (s[2][1][1] - s[0][1][1]), 0.5 * (s[1][2][1] - s[1][0][1]), 0.5 * (s[1][1][2] - s[1][1][0]));
+    const double square = g.lengthSqr();
+    if (!(square > 0)) return 0;
+    const double xx = s[2][1][1] - 2 * centre + s[0][1][1], yy = s[1][2][1] - 2 * centre + s[1][0][1], zz = s[1][1][2] - 2 * centre + s[1][1][0];
+    const double xy = 0.25 * (s[2][2][1] - s[2][0][1] - s[0][2][1] + s[0][0][1]);
+    const double yz = 0.25 * (s[1][2][2] - s[1][2][0] - s[1][0][2] + s[1][0][0]);
+    const double zx = 0.25 * (s[2][1][2] - s[0][1][2] - s[2][1][0] + s[0][1][0]);
+    const double along = g.x() * g.x() * xx + g.y() * g.y() * yy + g.z() * g.z() * zz + 2 * (g.x() * g.y() * xy + g.y() * g.z() * yz + g.z() * g.x() * zx);
+    return std::clamp((square * (xx + yy + zz) - along) / (square * std::sqrt(square)), -sharpest, sharpest);
+}
+
+}  // namespace
+
+FloatGrid::Ptr curvature_field(const FloatGrid& field) {
+    const double per_voxel = 1 / cubic_voxel_size(field);
+    const auto out = map_stencil<FloatGrid>(field, 0.0f, [per_voxel](auto& s, const Coord& at) { return static_cast<float>(per_voxel * curvature(s, at)); });
+    out->setName("curvature of " + field.getName());
+    return out;
+}
+
+NodeType field_curvature() {
+    return Declare<FieldCurvature>("field.curvature", "How a surface curves: the sum of its two principal curvatures, div (grad field / |grad field|).")
+        .input("field", &FieldCurvature::Ports::field, "A level set, or any field whose level surfaces are meant.")
+        .output("curvature", &FieldCurvature::Ports::curvature,
+                "1 per world unit on the field's active voxels, 2 / radius on a ball; above 0 where a level set bulges outward. 0 where a neighbour is not "
+                "active, and never beyond that of a ball of one voxel's radius.");
+}
+
+}  // namespace fluidcarve

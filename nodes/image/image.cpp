@@ -1,0 +1,90 @@
+#include "nodes/image/image.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace fluidcarve {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) { throw Failure(message, Failure::Kind::input); }
+
+const std::vector<ImageFormat>& formats() {
+    using namespace std::string_literals;
+    static const std::vector<ImageFormat> all{
+        {"png", "PNG", {".png"}, {"\x89PNG\r\n\x1a\n"}, {"uint8", "uint16"}},
+        {"openexr", "EXR", {".exr"}, {"\x76\x2f\x31\x01"}, {"half", "float"}},
+        {"jpeg", "JPEG", {".jpg", ".jpeg"}, {"\xff\xd8\xff"}, {"uint8"}},
+        {"tiff", "TIFF", {".tif", ".tiff"}, {"II*\0"s, "MM\0*"s, "II+\0"s, "MM\0+"s}, {"uint8", "int8", "uint16", "int16", "float", "double"}},
+    };
+    return all;
+}
+
+std::string shown_formats() {
+    std::string out;
+    for (const auto& format : formats()) out += (out.empty() ? "" : ", ") + format.shown;
+    return out;
+}
+
+}  // namespace
+
+const ImageFormat* format_of_name(const std::string& path) {
+    auto ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const auto& format : formats())
+        if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end()) return &format;
+    return nullptr;
+}
+
+const ImageFormat& format_of_file(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) refuse(fmt::format("{} does not exist", path));
+    if (!std::filesystem::is_regular_file(status)) refuse(fmt::format("{} is not a file", path));
+    std::ifstream file(path, std::ios::binary);
+    if (!file) refuse(fmt::format("cannot open {}: {}", path, std::strerror(errno)));
+    std::array<char, 8> first{};
+    file.read(first.data(), first.size());
+    const std::string begin(first.data(), static_cast<std::size_t>(file.gcount()));
+    for (const auto& format : formats())
+        for (const auto& start : format.starts)
+            if (begin.starts_with(start)) return format;
+    refuse(begin.empty() ? fmt::format("{} is empty", path) : fmt::format("{} is no image of a kind that is read: {}", path, shown_formats()));
+}
+
+std::string image_endings() {
+    std::string out;
+    for (const auto& format : formats())
+        for (const auto& ending : format.endings) out += (out.empty() ? "" : ", ") + ending;
+    return out;
+}
+
+bool is_opacity(const std::string& channel) {
+    const auto name = channel.substr(channel.rfind('.') + 1);
+    return name == "A" || name == "alpha" || name == "Alpha";
+}
+
+bool depth_holds(const std::string& to, const std::string& from) {
+    static const std::vector<std::pair<std::string, std::vector<std::string>>> holds{
+        {"uint8", {"uint8"}},
+        {"int8", {"int8"}},
+        {"uint16", {"uint8", "uint16"}},
+        {"int16", {"int16"}},
+        {"half", {"uint8", "int8", "half"}},
+        {"float", {"uint8", "int8", "uint16", "int16", "half", "float"}},
+        {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "uint32", "int32", "double"}},
+    };
+    const auto found = std::find_if(holds.begin(), holds.end(), [&](const auto& each) { return each.first == to; });
+    return found != holds.end() && std::find(found->second.begin(), found->second.end(), from) != found->second.end();
+}
+
+}  // namespace fluidcarve

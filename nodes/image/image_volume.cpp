@@ -1,0 +1,386 @@
+#include "nodes/image/image_volume.h"
+
+#include "graph/problem.h"
+#include "nodes/image/upright.h"
+
+#include <fmt/format.h>
+#include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <sstream>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Metadata;
+using openvdb::MetaMap;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+
+constexpr auto depth_key = "image_depth", format_key = "image_format", data_key = "image_data_window", display_key = "image_display_window",
+               unassociated = "oiio:UnassociatedAlpha", orientation_key = "image:Orientation";
+const std::string attribute_prefix = "image:";
+
+/// The same type, as either calls it. Types that OpenVDB does not know keep their name and their bytes.
+std::string type_in_vdb(const std::string& type) { return type == "int" ? "int32" : type; }
+std::string type_in_image(const std::string& type) { return type == "int32" ? "int" : type; }
+
+Metadata::Ptr metadata_of(const Image::Attribute& attribute) {
+    const auto type = type_in_vdb(attribute.type);
+    const auto out = Metadata::isRegisteredType(type) ? Metadata::createMetadata(type) : std::make_shared<openvdb::UnknownMetadata>(type);
+    const auto size = static_cast<std::uint32_t>(attribute.value.size());
+    std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) + attribute.value);
+    out->read(bytes);
+    return out;
+}
+
+Image::Attribute attribute_of(const std::string& name, const Metadata& metadata) {
+    std::ostringstream bytes;
+    metadata.write(bytes);
+    return {name, type_in_image(metadata.typeName()), bytes.str().substr(sizeof(std::uint32_t))};
+}
+
+template <class T>
+T meta(const MetaMap& from, const char* key, const T& fallback) {
+    const auto found = from.getMetadata<openvdb::TypedMetadata<T>>(key);
+    return found ? found->value() : fallback;
+}
+
+openvdb::Vec4i packed(const Image::Window& window) { return {window.x, window.y, window.width, window.height}; }
+Image::Window unpacked(const openvdb::Vec4i& window) { return {window[0], window[1], window[2], window[3]}; }
+
+Image::Window united(const Image::Window& a, const Image::Window& b) {
+    const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+    return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+int orientation_of(const Image& image) {
+    for (const auto& attribute : image.attributes)
+        if (attribute.name == "Orientation" && attribute.type == "int" && attribute.value.size() == sizeof(int)) {
+            int out = 1;
+            std::copy_n(attribute.value.data(), sizeof out, reinterpret_cast<char*>(&out));
+            return out;
+        }
+    return 1;
+}
+
+/// Where a pixel stands in the row by row order of a window.
+std::size_t place(const Image::Window& window, const Image::Window& pixel) {
+    return static_cast<std::size_t>(pixel.y - window.y) * static_cast<std::size_t>(window.width) + static_cast<std::size_t>(pixel.x - window.x);
+}
+
+/// A leaf for each 8 x 8 pixels.
+FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
+    const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, 0), last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
+    const int across = last.x() - first.x() + 1, rows = last.y() - first.y() + 1;
+    const auto inside = upright.voxels(image.data);
+    std::vector<Leaf*> leaves(static_cast<std::size_t>(across) * static_cast<std::size_t>(rows));
+    tbb::parallel_for(0, rows, [&](int row) {
+        for (int column = 0; column < across; ++column) {
+            const Coord origin((first.x() + column) * 8, (first.y() + row) * 8, 0);
+            auto* const leaf = new Leaf(origin, 0.0f);
+            for (int x = std::max(origin.x(), box.min().x()); x <= std::min(origin.x() + 7, box.max().x()); ++x)
+                for (int y = std::max(origin.y(), box.min().y()); y <= std::min(origin.y() + 7, box.max().y()); ++y) {
+                    const Coord at(x, y, 0);
+                    const float value =
+                        inside.isInside(at) ? image.pixels[place(image.data, upright.window({at, at})) * image.channels.size() + channel] : 0.0f;
+                    leaf->setValueOn(Leaf::coordToOffset(at), value);
+                }
+            leaves[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column)] = leaf;
+        }
+    });
+    auto out = FloatGrid::create(0.0f);
+    for (auto* const leaf : leaves) out->tree().addLeaf(leaf);
+    const auto& [name, depth] = image.channels[channel];
+    out->setName(name);
+    out->setSaveFloatAsHalf(depth == "half");
+    out->insertMeta(depth_key, openvdb::StringMetadata(depth));
+    return out;
+}
+
+bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {
+    return std::any_of(starts.begin(), starts.end(), [&](const char* start) { return text.starts_with(start); });
+}
+
+/// Attributes that go with the pixels to a file of a format. Left out: what describes the old pixels or another format.
+std::vector<Image::Attribute> attributes_for(const Volume& volume, const std::string& format, bool same_depth) {
+    const bool same_format = meta(volume.metadata, format_key, std::string()) == format;
+    std::vector<Image::Attribute> out;
+    for (auto at = volume.metadata.beginMeta(); at != volume.metadata.endMeta(); ++at) {
+        if (!at->first.starts_with(attribute_prefix)) continue;
+        auto attribute = attribute_of(at->first.substr(attribute_prefix.size()), *at->second);
+        const auto& name = attribute.name;
+        if (starts_with_any(name, {"thumbnail", "Exif:PixelXDimension", "Exif:PixelYDimension", "openexr:chunkCount", "ICCProfile:"})) continue;
+        if (name.starts_with("oiio:") && name != "oiio:ColorSpace" && name != unassociated && name != "oiio:Gamma" &&
+            !(name == "oiio:BitsPerSample" && same_format && same_depth))
+            continue;
+        if (!same_format && starts_with_any(name, {"compression", "planarconfig", "screenWindow", "PixelAspectRatio", "png:", "jpeg:", "tiff:", "openexr:"}))
+            continue;
+        // A file that can't say how it is held is written upright.
+        if (name == "Orientation" && (format == "png" || (format == "openexr" && !same_format))) continue;
+        // Another round would lose more.
+        if (name == "compression" && starts_with_any(attribute.value, {"dwa", "b44", "pxr24", "jpeg", "ccitt"})) attribute.value = "zip";
+        out.push_back(std::move(attribute));
+    }
+    return out;
+}
+
+using Channels = std::vector<FloatGrid::ConstPtr>;
+
+std::string names_of(const Channels& channels) {
+    std::string out;
+    for (const auto& channel : channels) out += (out.empty() ? "" : ", ") + channel->getName();
+    return out;
+}
+
+/// Red, green and blue go before all else, as most files want them.
+void sort_colours(Channels& channels) {
+    const auto has = [&](const char* name) { return std::any_of(channels.begin(), channels.end(), [&](const auto& each) { return each->getName() == name; }); };
+    const bool colours = has("R") && has("G") && has("B");
+    const auto rank = [&](const FloatGrid::ConstPtr& channel) {
+        const auto name = channel->getName();
+        if (colours) return name == "R" ? 0 : name == "G" ? 1 : name == "B" ? 2 : is_opacity(name) ? 3 : 4;
+        return channels.size() == 2 && is_opacity(name) ? 1 : 0;
+    };
+    auto sorted = channels;
+    std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    channels = std::move(sorted);
+}
+
+Channels channels_of(const Volume& volume, const ImageWish& wish) {
+    Channels out;
+    const auto take = [&](const openvdb::GridBase::ConstPtr& grid) {
+        if (!grid->isType<FloatGrid>())
+            throw Failure(fmt::format("grid '{}' is of type {}, but a channel of an image is a float grid; name those to write: `channels: [R, G, B]`",
+                                      grid->getName(), grid->type()));
+        out.push_back(openvdb::gridConstPtrCast<FloatGrid>(grid));
+    };
+    if (wish.channels) {
+        for (const auto& name : *wish.channels) {
+            const auto grid = volume.find(name);
+            if (!grid) throw Failure(fmt::format("there is no channel '{}'; there are {}", name, volume.names()));
+            take(grid);
+        }
+    } else {
+        for (const auto& grid : volume.grids) take(grid);
+        sort_colours(out);
+    }
+    if (out.empty()) throw Failure("the volume has no grids: nothing to write");
+    return out;
+}
+
+/// What some formats have no place for.
+void require_layout(const Channels& channels, const ImageFormat& format) {
+    const bool png = format.name == "png";
+    if (!png && format.name != "jpeg") return;
+    const auto alphas = std::count_if(channels.begin(), channels.end(), [](const auto& each) { return is_opacity(each->getName()); });
+    const auto colours = channels.size() - static_cast<std::size_t>(alphas);
+    const bool alpha_last = alphas == 0 || (alphas == 1 && is_opacity(channels.back()->getName()));
+    if ((colours == 1 || colours == 3) && alpha_last && (png || alphas == 0)) return;
+    if (!png && alphas > 0 && (colours == 1 || colours == 3)) {
+        auto opaque = channels;
+        std::erase_if(opaque, [](const auto& each) { return is_opacity(each->getName()); });
+        throw Failure(fmt::format("JPEG holds no opacity: leave it out (`channels: [{}]`), or write PNG, TIFF or EXR", names_of(opaque)));
+    }
+    throw Failure(fmt::format("{} holds grey or three colours{}, not {}; name the channels to write (`channels: [R, G, B]`), or write EXR or TIFF",
+                              format.shown, png ? ", each with opacity or without" : "", names_of(channels)));
+}
+
+std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wish) {
+    const auto& format = *wish.format;
+    if (wish.depth) return std::vector<std::string>(channels.size(), *wish.depth);
+    std::vector<std::string> read;
+    for (const auto& channel : channels) {
+        const auto fallback = channel->saveFloatAsHalf() ? "half" : format.depths.back() == "double" ? "float" : format.depths.back();
+        read.push_back(meta(*channel, depth_key, fallback));
+    }
+    const auto holds_all = [](const std::string& depth, std::span<const std::string> all) {
+        return std::all_of(all.begin(), all.end(), [&](const auto& each) { return depth_holds(depth, each); });
+    };
+    const auto fitting = [&](std::span<const std::string> all, const std::string& what) {
+        for (const auto& depth : format.depths)
+            if (holds_all(depth, all)) return depth;
+        throw Failure(fmt::format("{} holds {}, but {} {}; state `depth: {}` to round {}{}", format.shown, fmt::join(format.depths, " or "), what,
+                                  fmt::join(all, ", "), format.depths.back(), all.size() == 1 ? "it" : "them",
+                                  format.name == "png" || format.name == "jpeg" ? ", or write EXR or TIFF" : ""));
+    };
+    if (format.name == "openexr") {
+        for (std::size_t n = 0; n < read.size(); ++n) read[n] = fitting({&read[n], 1}, fmt::format("channel '{}' is", channels[n]->getName()));
+        return read;
+    }
+    return std::vector<std::string>(channels.size(), fitting(read, "the channels are"));
+}
+
+float most_of(const std::string& depth) { return depth == "half" ? 65504.0f : depth == "float" || depth == "double" ? INFINITY : 1.0f; }
+float least_of(const std::string& depth) { return depth.starts_with("uint") ? 0.0f : -most_of(depth); }
+
+/// @param z  of the plane in which the pixels are
+void read_pixels(const Channels& channels, const Upright& upright, int z, Image& out) {
+    const auto count = channels.size();
+    out.pixels.resize(static_cast<std::size_t>(out.data.width) * static_cast<std::size_t>(out.data.height) * count);
+    const auto voxels = upright.voxels(out.data);
+    tbb::parallel_for(tbb::blocked_range<int>(voxels.min().y(), voxels.max().y() + 1, 8), [&](const tbb::blocked_range<int>& rows) {
+        for (std::size_t c = 0; c < count; ++c) {
+            const auto values = channels[c]->getConstAccessor();
+            for (int y = rows.begin(); y < rows.end(); ++y)
+                for (int x = voxels.min().x(); x <= voxels.max().x(); ++x)
+                    out.pixels[place(out.data, upright.window({Coord(x, y, 0), Coord(x, y, 0)})) * count + c] = values.getValue({x, y, z});
+        }
+    });
+}
+
+/// EXR multiplies opacity into the colours, PNG does not, TIFF says which.
+void follow_convention(Image& image) {
+    if (image.alpha < 0) return;
+    const auto apart = std::find_if(image.attributes.begin(), image.attributes.end(), [](const auto& each) { return each.name == unassociated; });
+    const bool is_apart = apart != image.attributes.end(), wants_apart = image.format == "png" || (image.format == "tiff" && is_apart);
+    if (is_apart == wants_apart) return;
+    const auto count = image.channels.size(), alpha = static_cast<std::size_t>(image.alpha);
+    for (std::size_t c = 0; c < count; ++c) {
+        const auto& name = image.channels[c].name;
+        if (name != "R" && name != "G" && name != "B" && name != "Y") continue;
+        for (std::size_t n = 0; n < image.pixels.size(); n += count) {
+            const float opacity = image.pixels[n + alpha];
+            if (is_apart) image.pixels[n + c] *= opacity;
+            else if (opacity != 0) image.pixels[n + c] /= opacity;
+        }
+    }
+    if (is_apart) {
+        image.attributes.erase(apart);
+    } else {
+        const int yes = 1;
+        image.attributes.push_back({unassociated, "int", std::string(reinterpret_cast<const char*>(&yes), sizeof yes)});
+    }
+}
+
+void tell_cut(const Image& image, const std::function<void(const std::string&)>& warn) {
+    const auto count = image.channels.size();
+    for (std::size_t c = 0; c < count; ++c) {
+        const auto& [name, depth] = image.channels[c];
+        const float least = least_of(depth), most = most_of(depth);
+        // Depths without end hold what is no number as well.
+        if (!std::isfinite(most)) continue;
+        std::size_t cut = 0;
+        for (std::size_t n = c; n < image.pixels.size(); n += count) cut += image.pixels[n] >= least && image.pixels[n] <= most ? 0 : 1;
+        if (cut > 0)
+            warn(fmt::format("{} values of channel '{}' are not from {:g} to {:g}, which is what {} holds, and were cut off", cut, name, least, most, depth));
+    }
+}
+
+/// The least window that holds all of one and every pixel that is not 0.
+Image::Window around_content(const Image& image, const Image::Window& least) {
+    auto out = least;
+    const auto count = image.channels.size();
+    for (int y = image.data.y; y < image.data.y + image.data.height; ++y)
+        for (int x = image.data.x; x < image.data.x + image.data.width; ++x) {
+            const auto* const pixel = image.pixels.data() + place(image.data, {x, y, 1, 1}) * count;
+            if (std::any_of(pixel, pixel + count, [](float value) { return value != 0; })) out = united(out, {x, y, 1, 1});
+        }
+    return out;
+}
+
+/// Gives an image another data window; what it did not hold is 0.
+void reframe(Image& image, const Image::Window& to) {
+    if (image.data == to) return;
+    const auto count = image.channels.size();
+    std::vector<float> pixels(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height) * count, 0.0f);
+    const auto& from = image.data;
+    const int left = std::max(from.x, to.x), right = std::min(from.x + from.width, to.x + to.width);
+    for (int y = std::max(from.y, to.y); y < std::min(from.y + from.height, to.y + to.height) && left < right; ++y)
+        std::copy_n(image.pixels.data() + place(from, {left, y, 1, 1}) * count, static_cast<std::size_t>(right - left) * count,
+                    pixels.data() + place(to, {left, y, 1, 1}) * count);
+    image.data = to;
+    image.pixels = std::move(pixels);
+}
+
+}  // namespace
+
+Volume volume_of(const Image& image) {
+    // Only then are types of metadata known by their names.
+    openvdb::initialize();
+    const Upright upright(orientation_of(image), image.display);
+    const auto box = upright.voxels(united(image.data, image.display));
+    Volume out;
+    for (std::size_t c = 0; c < image.channels.size(); ++c) out.grids.push_back(grid_of(image, c, upright, box));
+    for (const auto& attribute : image.attributes) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
+    out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
+    out.metadata.insertMeta(data_key, openvdb::Vec4IMetadata(packed(image.data)));
+    out.metadata.insertMeta(display_key, openvdb::Vec4IMetadata(packed(image.display)));
+    return out;
+}
+
+std::uint64_t bytes_as_volume(const Image& header) {
+    const auto all = united(header.data, header.display);
+    // Leaves are eight voxels deep, of which an image fills one.
+    constexpr std::uint64_t bytes_of_leaves = 9 * sizeof(float);
+    const auto area = [](const Image::Window& window) { return static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height); };
+    return header.channels.size() * (area(all) * bytes_of_leaves + area(header.data) * 2 * sizeof(float));
+}
+
+Image image_of(const Volume& volume, const ImageWish& wish, const std::function<void(const std::string&)>& warn) {
+    const auto channels = channels_of(volume, wish);
+    require_layout(channels, *wish.format);
+    const auto depths = depths_of(channels, wish);
+
+    CoordBBox box;
+    bool same_depth = true;
+    Image out;
+    out.format = wish.format->name;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        box.expand(channels[c]->evalActiveVoxelBoundingBox());
+        out.channels.push_back({channels[c]->getName(), depths[c]});
+        same_depth = same_depth && meta(*channels[c], depth_key, std::string()) == depths[c];
+        if (const auto name = channels[c]->getName(); is_opacity(name) && name.find('.') == std::string::npos) out.alpha = static_cast<int>(c);
+    }
+    if (box.empty()) throw Failure(fmt::format("no voxel of {} is active: there is no pixel to write", names_of(channels)));
+    if (box.min().z() != box.max().z())
+        throw Failure(
+            fmt::format("the active voxels of {} go from z = {} to {}; an image is one plane of voxels", names_of(channels), box.min().z(), box.max().z()));
+    out.attributes = attributes_for(volume, out.format, same_depth);
+    const int held = meta(volume.metadata, orientation_key, 1), orientation = orientation_of(out);
+
+    // Without windows of its own the picture is the box.
+    const auto flat = CoordBBox({box.min().x(), box.min().y(), 0}, {box.max().x(), box.max().y(), 0});
+    const auto size = turned_size(held, flat.dim().x(), flat.dim().y());
+    auto display = unpacked(meta(volume.metadata, display_key, openvdb::Vec4i(0, 0, size[0], size[1])));
+    auto data = unpacked(meta(volume.metadata, data_key, packed(display)));
+    if (orientation != held) {
+        const Upright stored(held, display);
+        const auto voxels = stored.voxels(data);
+        display = {display.x, display.y, stored.width(), stored.height()};
+        data = Upright(orientation, display).window(voxels);
+    }
+    const Upright read(orientation, display, volume.metadata[display_key] ? Coord(0) : flat.min());
+    const auto was = read.voxels(united(data, display));
+    if (was == flat) {
+        out.display = display;
+        out.data = united(data, display);
+        read_pixels(channels, read, box.min().z(), out);
+        if (out.data != data) reframe(out, around_content(out, data));
+    } else {
+        // The picture grows and shrinks with its pixels.
+        const auto picture = read.voxels(display);
+        const CoordBBox now(picture.min() + flat.min() - was.min(), picture.max() + flat.max() - was.max());
+        const auto turned = turned_size(orientation, now.dim().x(), now.dim().y());
+        out.display = {display.x, display.y, turned[0], turned[1]};
+        const Upright upright(orientation, out.display, now.min());
+        out.data = upright.window(flat);
+        read_pixels(channels, upright, box.min().z(), out);
+    }
+    if (out.format != "openexr") {
+        if (united(out.data, out.display) != out.display) warn(fmt::format("{} holds no pixels beyond the picture; those are left out", wish.format->shown));
+        reframe(out, out.display);
+        out.data.x = out.data.y = out.display.x = out.display.y = 0;
+    }
+    follow_convention(out);
+    tell_cut(out, warn);
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,263 @@
+// The module `images`: all that knows OpenImageIO, whose hundreds of libraries take half a second to open.
+
+#include "graph/module.h"
+#include "graph/problem.h"
+#include "nodes/image/image.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <type_traits>
+
+namespace fluidcarve {
+
+namespace {
+
+using OIIO::ImageInput;
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+    auto text = reason;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    throw Failure(fmt::format("cannot read {}: {}", path, text), Failure::Kind::input);
+}
+
+/// What a library says of a file that it can't read.
+[[noreturn]] void refuse_damaged(const std::string& path, const std::string& reason) {
+    refuse(path, (reason.empty() ? "it is damaged" : reason) + "; copy or write it again");
+}
+
+/// A PNG is a row of chunks that say how long they are. Its library finds a missing end late, and tells the terminal.
+void require_whole_png(const std::string& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
+    constexpr std::uint64_t signature = 8, length_and_type = 8, checksum = 4;
+    for (std::uint64_t at = signature; at + length_and_type + checksum <= size;) {
+        std::array<unsigned char, length_and_type> head{};
+        file.seekg(static_cast<std::streamoff>(at));
+        file.read(reinterpret_cast<char*>(head.data()), head.size());
+        at += length_and_type + checksum + (std::uint64_t{head[0]} << 24 | std::uint64_t{head[1]} << 16 | std::uint64_t{head[2]} << 8 | head[3]);
+        if (at <= size && std::memcmp(head.data() + 4, "IEND", 4) == 0) return;
+    }
+    refuse_damaged(path, fmt::format("it is cut off at byte {}", size));
+}
+
+/// Calls back with a value of a depth's type. @return whether it is one of numbers
+template <class Call>
+bool with_depth(TypeDesc type, const Call& call) {
+    switch (type.basetype) {
+        case TypeDesc::UINT8: return call(std::uint8_t{}), true;
+        case TypeDesc::INT8: return call(std::int8_t{}), true;
+        case TypeDesc::UINT16: return call(std::uint16_t{}), true;
+        case TypeDesc::INT16: return call(std::int16_t{}), true;
+        case TypeDesc::UINT32: return call(std::uint32_t{}), true;
+        case TypeDesc::INT32: return call(std::int32_t{}), true;
+        case TypeDesc::HALF: return call(half{}), true;
+        case TypeDesc::FLOAT: return call(float{}), true;
+        case TypeDesc::DOUBLE: return call(double{}), true;
+        default: return false;
+    }
+}
+
+template <class T>
+float to_float(T value) {
+    if constexpr (std::is_integral_v<T>) return static_cast<float>(static_cast<double>(value) / static_cast<double>(std::numeric_limits<T>::max()));
+    else return static_cast<float>(value);
+}
+
+template <class T>
+T from_float(float value) {
+    if constexpr (std::is_integral_v<T>) {
+        constexpr auto least = static_cast<double>(std::numeric_limits<T>::min()), most = static_cast<double>(std::numeric_limits<T>::max());
+        const double scaled = std::round(static_cast<double>(value) * most);
+        // What is not a number is the least too.
+        return static_cast<T>(scaled > least ? std::min(scaled, most) : std::isnan(value) ? 0.0 : least);
+    } else {
+        return static_cast<T>(value);
+    }
+}
+
+std::vector<Image::Attribute> attributes_of(const ImageSpec& spec) {
+    std::vector<Image::Attribute> out;
+    for (const auto& each : spec.extra_attribs) {
+        Image::Attribute attribute{each.name().string(), each.type().c_str(), {}};
+        if (each.type() == TypeDesc::STRING) attribute.value = each.get_ustring().string();
+        else if (each.type().basetype == TypeDesc::STRING || each.type().basetype == TypeDesc::PTR) continue;
+        else attribute.value.assign(static_cast<const char*>(each.data()), static_cast<std::size_t>(each.datasize()));
+        out.push_back(std::move(attribute));
+    }
+    return out;
+}
+
+void set_attributes(ImageSpec& spec, const std::vector<Image::Attribute>& attributes) {
+    for (const auto& each : attributes) {
+        // The one name that it writes but does not read.
+        const auto type = each.type == OIIO::TypeRational.c_str() ? OIIO::TypeRational : TypeDesc(each.type);
+        if (type == TypeDesc::STRING) spec.attribute(each.name, each.value);
+        else if (type.size() == each.value.size()) spec.attribute(each.name, type, each.value.data());
+    }
+}
+
+/// An open file; what goes wrong names it.
+class Input {
+public:
+    Input(const std::string& path, const std::string& format) : path_(path), file_(ImageInput::create(format)) {
+        if (!file_) refuse(path_, OIIO::geterror());
+        if (format == "png") require_whole_png(path_);
+        ImageSpec wish;
+        wish.attribute("oiio:UnassociatedAlpha", 1);
+        wish.attribute("oiio:RawColor", 1);
+        if (!file_->open(path_, spec_, wish)) refuse_damaged(path_, file_->geterror());
+        if (spec_.deep) refuse(path_, "it holds deep pixels; flatten it first");
+        if (spec_.depth > 1) refuse(path_, "it holds a volume; an image has one layer of pixels");
+        if (spec_.width < 1 || spec_.height < 1 || spec_.nchannels < 1) refuse(path_, "it has no pixels");
+        for (const int number : {spec_.x, spec_.y, spec_.full_x, spec_.full_y, spec_.width, spec_.height, spec_.full_width, spec_.full_height})
+            if (number > furthest || number < -furthest) refuse(path_, fmt::format("its pixels lie further than {} from the first", furthest));
+        for (int channel = 0; channel < spec_.nchannels; ++channel)
+            if (!with_depth(spec_.channelformat(channel), [](auto) {}))
+                refuse(path_,
+                       fmt::format("channel '{}' holds {}, which is no number of a pixel", spec_.channel_name(channel), spec_.channelformat(channel).c_str()));
+    }
+
+    Image header(const std::string& format) {
+        Image out;
+        out.format = format;
+        out.data = {spec_.x, spec_.y, spec_.width, spec_.height};
+        out.display = spec_.full_width > 0 && spec_.full_height > 0 ? Image::Window{spec_.full_x, spec_.full_y, spec_.full_width, spec_.full_height} : out.data;
+        for (int channel = 0; channel < spec_.nchannels; ++channel) out.channels.push_back({spec_.channel_name(channel), spec_.channelformat(channel).c_str()});
+        out.alpha = spec_.alpha_channel;
+        out.attributes = attributes_of(spec_);
+        while (file_->seek_subimage(out.more + 1, 0) && out.more < most_pictures) ++out.more;
+        // Looking for more leaves an error behind.
+        file_->geterror();
+        return out;
+    }
+
+    void read(Image& out) {
+        if (!file_->seek_subimage(0, 0)) refuse_damaged(path_, file_->geterror());
+        const auto pixels = static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height), stride = spec_.pixel_bytes(true);
+        const std::unique_ptr<char[]> bytes(new char[pixels * stride]);
+        if (!file_->read_image(0, 0, 0, spec_.nchannels, TypeDesc::UNKNOWN, bytes.get())) refuse_damaged(path_, file_->geterror());
+        if (file_->has_error()) refuse_damaged(path_, file_->geterror());
+        const auto count = out.channels.size();
+        out.pixels.resize(pixels * count);
+        std::size_t offset = 0;
+        for (std::size_t c = 0; c < count; ++c) {
+            const auto type = spec_.channelformat(static_cast<int>(c));
+            with_depth(type, [&](auto zero) {
+                auto value = zero;
+                for (std::size_t n = 0; n < pixels; ++n) {
+                    std::memcpy(&value, bytes.get() + n * stride + offset, sizeof value);
+                    out.pixels[n * count + c] = to_float(value);
+                }
+            });
+            offset += type.size();
+        }
+    }
+
+private:
+    static constexpr int most_pictures = 1000;
+    static constexpr int furthest = 1 << 24;  ///< so that sums of places are whole numbers of 32 bits
+    std::string path_;
+    std::unique_ptr<ImageInput> file_;
+    ImageSpec spec_;
+};
+
+/// What a library throws, in place of saying it, is the file's fault as well.
+template <class Call>
+auto guarded(const std::string& path, const Call& call) {
+    try {
+        return call();
+    } catch (const Failure&) {
+        throw;
+    } catch (const std::exception& error) {
+        refuse_damaged(path, error.what());
+    }
+}
+
+Image header(const std::string& path, const std::string& format) {
+    return guarded(path, [&] { return Input(path, format).header(format); });
+}
+
+Image read(const std::string& path, const std::string& format) {
+    return guarded(path, [&] {
+        Input file(path, format);
+        auto out = file.header(format);
+        file.read(out);
+        return out;
+    });
+}
+
+void write(const std::string& path, const Image& image, int quality) {
+    const auto file = ImageOutput::create(image.format);
+    if (!file) throw Failure(OIIO::geterror());
+    ImageSpec spec(image.data.width, image.data.height, static_cast<int>(image.channels.size()), TypeDesc(image.channels.front().depth));
+    spec.x = image.data.x;
+    spec.y = image.data.y;
+    spec.full_x = image.display.x;
+    spec.full_y = image.display.y;
+    spec.full_width = image.display.width;
+    spec.full_height = image.display.height;
+    spec.channelnames.clear();
+    spec.channelformats.clear();
+    bool mixed = false;
+    for (const auto& channel : image.channels) {
+        spec.channelnames.push_back(channel.name);
+        spec.channelformats.emplace_back(channel.depth);
+        mixed = mixed || channel.depth != image.channels.front().depth;
+    }
+    if (!mixed) spec.channelformats.clear();
+    spec.alpha_channel = image.alpha;
+    set_attributes(spec, image.attributes);
+    // Else it is that of writing, and no two files are the same.
+    if (!spec.find_attribute("DateTime")) spec.attribute("DateTime", "");
+    if (image.format == "jpeg") spec.attribute("CompressionQuality", quality);
+    // It fails to, and says so of a file that is whole.
+    if (image.format == "tiff") spec.attribute("tiff:write_exif", 0);
+
+    const auto pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height), stride = spec.pixel_bytes(true),
+               count = image.channels.size();
+    std::vector<char> bytes(pixels * stride);
+    std::size_t offset = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+        const auto type = spec.channelformat(static_cast<int>(c));
+        with_depth(type, [&](auto zero) {
+            for (std::size_t n = 0; n < pixels; ++n) {
+                const auto value = from_float<decltype(zero)>(image.pixels[n * count + c]);
+                std::memcpy(bytes.data() + n * stride + offset, &value, sizeof value);
+            }
+        });
+        offset += type.size();
+    }
+    const bool done = file->open(path, spec) && file->write_image(TypeDesc::UNKNOWN, bytes.data());
+    if (!(file->close() && done) || file->has_error()) throw Failure(file->geterror());
+}
+
+const ImageModule* images() {
+    // Frames are read side by side already, by as many threads as the run has.
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+    // What a format has no place for is found by reading the file again, and told in our words.
+    OIIO::attribute("debug", 0);
+    static const ImageModule functions{header, read, write};
+    return &functions;
+}
+
+}  // namespace
+
+extern "C" {
+extern const Module fluidcarve_module;
+const Module fluidcarve_module{FLUIDCARVE_VERSION, images()};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,112 @@
+#include "nodes/image/write.h"
+
+#include "graph/module.h"
+#include "graph/output_file.h"
+#include "nodes/image/image_volume.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace fluidcarve {
+
+namespace {
+enum class Depth { uint8, uint16, half, floating };
+}
+
+template <>
+struct ChoiceNames<Depth> {
+    static constexpr std::array names = {std::pair{"uint8", Depth::uint8}, std::pair{"uint16", Depth::uint16}, std::pair{"half", Depth::half},
+                                         std::pair{"float", Depth::floating}};
+};
+
+namespace {
+
+struct ImageWrite {
+    struct Params {
+        OutputPath path;
+        Auto<std::vector<std::string>> channels;
+        Auto<Depth> depth;
+        int quality = 95;
+    };
+    struct Ports {
+        Ref<Volume> source;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        const auto* const format = format_of_name(params.path.text());
+        if (!format) return check.fault("path", fmt::format("'path' wants to end in one of {}", image_endings()));
+        if (params.depth && std::find(format->depths.begin(), format->depths.end(), ParamTraits<Depth>::text(*params.depth)) == format->depths.end())
+            check.fault("depth", fmt::format("{} holds {}, not {}", format->shown, fmt::join(format->depths, " or "), ParamTraits<Depth>::text(*params.depth)));
+        if (check.stated("quality") && format->name != "jpeg") check.fault("quality", fmt::format("{} loses nothing; 'quality' is for JPEG", format->shown));
+    }
+
+    static void run(const Params& params, Ports& io, Context& context) {
+        const auto path = params.path.at(context.frame());
+        ImageWish wish{format_of_name(path), {}, params.channels};
+        if (params.depth) wish.depth = ParamTraits<Depth>::text(*params.depth);
+        const auto warn = [&](const std::string& message) { context.warn(message); };
+        const auto& module = load_module<ImageModule>("images");
+        try {
+            const auto image = image_of(*io.source, wish, warn);
+            if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little with each round; PNG, TIFF and EXR keep them");
+            OutputFile output(path);
+            module.write(output.aside(), image, params.quality);
+            verify(module, output.aside(), image, *wish.format, warn);
+            output.commit();
+        } catch (const Failure& failure) {
+            const std::string reason = failure.what();
+            throw Failure(reason.starts_with("cannot write") ? reason : fmt::format("cannot write {}: {}", path, reason));
+        }
+    }
+
+private:
+    /// Reads the file again: a full disk is not always noticed by who writes, nor what a format has no place for.
+    static void verify(const ImageModule& module, const std::string& path, const Image& written, const ImageFormat& format,
+                       const std::function<void(const std::string&)>& warn) {
+        Image read;
+        try {
+            read = module.read(path, written.format);
+        } catch (const Failure&) {}
+        if (read.data.width != written.data.width || read.data.height != written.data.height || read.channels.size() != written.channels.size())
+            throw Failure("the file did not come out whole; is the disk full?");
+        std::vector<std::string> lost;
+        for (const auto& attribute : written.attributes)
+            if (!attribute.name.starts_with("oiio:") && !holds(read, attribute.name)) lost.push_back(attribute.name);
+        constexpr std::size_t most = 8;
+        const auto more = lost.size() > most ? fmt::format(" and {} more", lost.size() - most) : std::string();
+        lost.resize(std::min(lost.size(), most));
+        if (!lost.empty()) warn(fmt::format("{} has no place for what the image says under {}{}", format.shown, fmt::join(lost, ", "), more));
+    }
+
+    static bool holds(const Image& image, const std::string& name) {
+        return std::any_of(image.attributes.begin(), image.attributes.end(), [&](const auto& each) {
+            return std::equal(each.name.begin(), each.name.end(), name.begin(), name.end(),
+                              [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+        });
+    }
+};
+
+}  // namespace
+
+NodeType image_write() {
+    using Params = ImageWrite::Params;
+    return Declare<ImageWrite>(
+               "image.write",
+               "Writes images: the box of a volume's active voxels, a pixel for each, so that what was carved comes out narrower. Depth, channel "
+               "names and all that the image said when it was read are kept as far as its format holds them; values are written as they are, "
+               "without change of colour space, but for opacity: colours are multiplied by it in EXR, and not in PNG. A file appears whole or not at all.")
+        .input("source", &ImageWrite::Ports::source, "A volume whose float grids are the channels, in one plane of voxels; or one grid.")
+        .required("path", &Params::path,
+                  "File that ends in .png, .exr, .jpg, .jpeg, .tif or .tiff; with a frame token such as #### if the source comes per frame.")
+        .param("channels", &Params::channels, "Grids to write, in this order. Auto is all of them.")
+        .param(
+            "depth", &Params::depth,
+            "Of each channel's values. Auto: as it was read (in a format that does not hold that, the least that loses nothing: 8 bits become half floats in "
+            "EXR), and of grids that nodes made the deepest. PNG holds uint8 and uint16, JPEG uint8, TIFF all but half, EXR half and float. What a depth "
+            "does not hold is cut off, and a warning says how much.")
+        .param("quality", &Params::quality, Unit::none, between(1, 100), "Of JPEG, which loses something even at 100.");
+}
+
+}  // namespace fluidcarve

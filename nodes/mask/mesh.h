@@ -1,0 +1,21 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/mesh/mesh.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// The voxels whose centres lie in a closed mesh.
+/// @param transform  of the mask; cubic voxels
+/// @throws Failure if the mesh is not closed, or as mesh_distance
+MaskGrid::Ptr inside_mask(const Mesh& mesh, const openvdb::math::Transform& transform);
+
+/// The voxels whose centres lie at most so far from a face, on either side.
+/// @param distance  world units
+/// @throws Failure as mesh_distance
+MaskGrid::Ptr near_mask(const Mesh& mesh, const openvdb::math::Transform& transform, double distance);
+
+NodeType mask_mesh();
+
+}  // namespace fluidcarve

@@ -1,0 +1,111 @@
+#include "nodes/mesh/mesh_file.h"
+
+#include "graph/output_file.h"
+#include "graph/problem.h"
+#include "nodes/mesh/formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+namespace fluidcarve {
+namespace {
+
+struct Format {
+    std::string_view ending;
+    Mesh (*read)(FileText&, Losses&);
+    void (*probe)(FileText&);
+    std::string (*text)(const Mesh&, const std::vector<openvdb::Vec3d>&, Losses&);
+};
+constexpr std::array formats = {Format{".obj", read_obj, [](FileText&) {}, obj_text}, Format{".ply", read_ply, probe_ply, ply_text},
+                                Format{".off", read_off, probe_off, off_text}, Format{".stl", read_stl, probe_stl, stl_text}};
+
+std::string ending_of(const std::string& path) {
+    auto out = std::filesystem::path(path).extension().string();
+    for (auto& letter : out)
+        if (letter >= 'A' && letter <= 'Z') letter += 'a' - 'A';
+    return out;
+}
+
+const Format& format_of(const std::string& path) {
+    const auto fault = ending_fault(path);
+    if (!fault.empty()) throw Failure(fault, Failure::Kind::input);
+    return *std::find_if(formats.begin(), formats.end(), [ending = ending_of(path)](const Format& each) { return each.ending == ending; });
+}
+
+}  // namespace
+
+std::string ending_fault(const std::string& path) {
+    const auto ending = ending_of(path);
+    if (std::any_of(formats.begin(), formats.end(), [&](const Format& each) { return each.ending == ending; })) return {};
+    return fmt::format("{}: a mesh is a .obj, .ply, .off or .stl file, not '{}'", path, ending);
+}
+
+MeshFile read_mesh(const std::string& path) {
+    const auto& format = format_of(path);
+    FileText file(path);
+    MeshFile out;
+    out.mesh = format.read(file, out.losses);
+    return out;
+}
+
+void probe_mesh(const std::string& path) {
+    const auto& format = format_of(path);
+    FileText file(path);
+    format.probe(file);
+}
+
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement) {
+    Losses losses;
+    const auto text = format_of(path).text(mesh, unplaced(mesh, placement), losses);
+    OutputFile output(path);
+    std::ofstream out(output.aside(), std::ios::binary);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    out.close();
+    if (!out) throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
+    output.commit();
+    return losses;
+}
+
+void require_vertices(const FileText& file, const Mesh& mesh) {
+    const auto found = std::find_if(mesh.corners.begin(), mesh.corners.end(), [&](std::uint32_t vertex) { return vertex >= mesh.points.size(); });
+    if (found == mesh.corners.end()) return;
+    const auto corner = static_cast<std::size_t>(found - mesh.corners.begin());
+    const auto face = std::upper_bound(mesh.ends.begin(), mesh.ends.end(), corner) - mesh.ends.begin();
+    file.fault_in_all(fmt::format("face {} has a vertex {}, but there are {} (both counted from 0)", face, *found, mesh.points.size()));
+}
+
+std::string text_of(const Mesh::Attribute& attribute) {
+    if (attribute.name == "uv") return "UVs";
+    if (attribute.name == "normal" || attribute.name == "colour") return attribute.name + "s";
+    return fmt::format("'{}'", attribute.name);
+}
+
+std::string text_of(Mesh::Attribute::On on) {
+    using On = Mesh::Attribute::On;
+    return on == On::vertices ? "vertices" : on == On::faces ? "faces" : "corners";
+}
+
+void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why) {
+    losses.push_back(fmt::format("{} of {} are not written: {}", text_of(attribute), text_of(attribute.on), why));
+}
+
+const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& format, Losses& losses) {
+    static const std::vector<Mesh::Line> none;
+    if (!mesh.origin) return none;
+    const auto& lines = mesh.origin->lines;
+    if (mesh.origin->format == format) return lines;
+    // Only OBJ's say something that others may miss.
+    const auto says = [](const Mesh::Line& line) {
+        const auto begin = line.text.find_first_not_of(" \t");
+        return begin != std::string::npos && line.text[begin] != '#';
+    };
+    if (mesh.origin->format == "obj" && std::any_of(lines.begin(), lines.end(), says))
+        losses.push_back(fmt::format("groups, materials, lines and the like of the .obj file are not written: .{} holds none", format));
+    return none;
+}
+
+}  // namespace fluidcarve

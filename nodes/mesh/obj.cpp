@@ -1,0 +1,211 @@
+#include "nodes/mesh/formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+namespace fluidcarve {
+namespace {
+
+using Attribute = Mesh::Attribute;
+using openvdb::Vec3d;
+
+/// Statements that change nothing of the geometry: kept as they are, where they stand between the faces.
+constexpr std::array kept = {"g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+
+class Reader {
+public:
+    explicit Reader(FileText& file) : file_(file) {}
+
+    Mesh read() {
+        bool any = false;
+        while (file_.next()) any = take(file_.word()) || any;
+        if (!any) file_.fault_in_all("this is no OBJ file: there is no statement in it");
+        for (std::size_t n = 0; n < mesh_.corners.size(); ++n) require(mesh_.corners[n], mesh_.points.size(), n, "vertex", "vertices");
+        add("uv", uvs_, {"s", "t", "r"});
+        add("normal", normals_, {"nx", "ny", "nz"});
+        if (const auto width = extra_.width(); width > 0) {
+            std::vector<std::string> colour{"red", "green", "blue", "alpha"};
+            colour.resize(width);
+            mesh_.attributes.push_back({width == 1 ? "weight" : "colour",
+                                        Attribute::On::vertices,
+                                        width == 1 ? std::vector<std::string>{"w"} : colour,
+                                        Attribute::Type::float64,
+                                        std::move(extra_.values),
+                                        {}});
+        }
+        origin_->format = "obj";
+        origin_->number = Attribute::Type::float64;
+        mesh_.origin = origin_;
+        return std::move(mesh_);
+    }
+
+private:
+    /// Tuples that faces or vertices share.
+    struct Pool {
+        std::vector<double> values;
+        std::vector<std::uint32_t> at;  ///< of corners
+        std::optional<std::size_t> numbers;
+        std::size_t width() const { return numbers.value_or(0); }
+        std::size_t size() const { return width() == 0 ? 0 : values.size() / width(); }
+    };
+
+    bool take(std::string_view keyword) {
+        if (keyword.empty()) return false;
+        if (keyword.starts_with('#')) return keep(), false;
+        if (keyword == "v") return take_vertex(), true;
+        if (keyword == "vt") return take_tuple(uvs_, 1, 3), true;
+        if (keyword == "vn") return take_tuple(normals_, 3, 3), true;
+        if (keyword == "f") return take_face(), true;
+        if (keyword == "l" || keyword == "p") return take_line(), true;
+        if (std::find(kept.begin(), kept.end(), keyword) == kept.end())
+            file_.fault(fmt::format("{} is no statement that can be kept: a mesh is made of v, vt, vn, f, l and p", quoted(keyword)));
+        return keep(), true;
+    }
+
+    void keep() {
+        origin_->lines.push_back({mesh_.faces(), std::string(file_.line())});
+        if (mesh_.points.empty() && uvs_.values.empty() && normals_.values.empty()) origin_->head = origin_->lines.size();
+    }
+
+    void take_vertex() {
+        Vec3d point;
+        for (int c = 0; c < 3; ++c) {
+            const auto word = file_.word('#');
+            if (word.empty()) file_.fault("a vertex needs three numbers");
+            point[c] = file_.number(word);
+        }
+        mesh_.points.push_back(point);
+        take_tuple(extra_, 0, 4);
+        if (extra_.width() == 2)
+            file_.fault("a vertex has three numbers, a fourth that is its weight, or a colour of three or four behind the three; not five");
+    }
+
+    void take_tuple(Pool& pool, std::size_t least, std::size_t most) {
+        std::size_t numbers = 0;
+        for (auto word = file_.word('#'); !word.empty(); word = file_.word('#'), ++numbers) {
+            if (numbers == most) file_.fault(fmt::format("these are more than {} numbers", most + (least == 0 ? 3 : 0)));
+            pool.values.push_back(file_.number(word));
+        }
+        if (numbers < least) file_.fault(fmt::format("at least {} numbers are needed here", least));
+        if (pool.numbers.value_or(numbers) != numbers) file_.fault("there are not as many numbers as in the statements before of its kind");
+        pool.numbers = numbers;
+    }
+
+    /// An index as it is written, from 1 on or back from the last, as one from 0 on. What lies behind the last may still come.
+    std::uint32_t index(std::string_view word, std::size_t size) const {
+        const long stated = file_.whole(word), from = stated > 0 ? stated - 1 : static_cast<long>(size) + stated;
+        if (stated == 0 || from < 0 || from >= static_cast<long>(Attribute::none)) file_.fault(fmt::format("{} is none of the {} above", quoted(word), size));
+        return static_cast<std::uint32_t>(from);
+    }
+
+    void take_face() {
+        const auto first = mesh_.corners.size();
+        for (auto word = file_.word('#'); !word.empty(); word = file_.word('#')) {
+            std::array<std::string_view, 3> parts;
+            for (std::size_t n = 0; !word.empty(); ++n) {
+                if (n == 3) file_.fault("a corner has at most three indices, as in 1/2/3");
+                const auto end = word.find('/');
+                parts[n] = word.substr(0, end);
+                word.remove_prefix(end == std::string_view::npos ? word.size() : end + 1);
+            }
+            if (parts[0].empty()) file_.fault("a corner needs a vertex");
+            mesh_.corners.push_back(index(parts[0], mesh_.points.size()));
+            uvs_.at.push_back(parts[1].empty() ? Attribute::none : index(parts[1], uvs_.size()));
+            normals_.at.push_back(parts[2].empty() ? Attribute::none : index(parts[2], normals_.size()));
+        }
+        if (mesh_.corners.size() - first < 3) file_.fault("a face needs at least three corners");
+        mesh_.ends.push_back(mesh_.corners.size());
+    }
+
+    /// Lines and points are kept as they are written, so their indices must still be right where all vertices come first.
+    void take_line() {
+        for (auto word = file_.word('#'); !word.empty(); word = file_.word('#')) {
+            const auto vertex = word.substr(0, word.find('/'));
+            if (file_.whole(vertex) < 0)
+                file_.fault(fmt::format("{} counts back from the last vertex, which can't be kept in lines and points", quoted(vertex)));
+            if (index(vertex, mesh_.points.size()) >= mesh_.points.size())
+                file_.fault(fmt::format("{} is none of the {} vertices above", quoted(vertex), mesh_.points.size()));
+        }
+        keep();
+    }
+
+    void require(std::uint32_t index, std::size_t size, std::size_t corner, const std::string& one, const std::string& all) const {
+        if (index == Attribute::none || index < size) return;
+        const auto face = std::upper_bound(mesh_.ends.begin(), mesh_.ends.end(), corner) - mesh_.ends.begin();
+        file_.fault_in_all(fmt::format("face {} has {} {}, but there are {} {}", face + 1, one, std::uint64_t{index} + 1, size, all));
+    }
+
+    void add(const std::string& name, Pool& pool, std::vector<std::string> parts) {
+        for (std::size_t n = 0; n < pool.at.size(); ++n) require(pool.at[n], pool.size(), n, name, name + "s");
+        if (pool.size() == 0) return;
+        parts.resize(pool.width());
+        mesh_.attributes.push_back({name, Attribute::On::corners, std::move(parts), Attribute::Type::float64, std::move(pool.values), std::move(pool.at)});
+    }
+
+    FileText& file_;
+    Mesh mesh_;
+    std::shared_ptr<Mesh::Origin> origin_ = std::make_shared<Mesh::Origin>();
+    Pool uvs_{}, normals_{}, extra_{};
+};
+
+bool is_integer(Attribute::Type type) { return type != Attribute::Type::float32 && type != Attribute::Type::float64; }
+
+}  // namespace
+
+Mesh read_obj(FileText& file, Losses&) { return Reader(file).read(); }
+
+std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
+    fmt::memory_buffer text;
+    const auto to = std::back_inserter(text);
+    const auto& lines = lines_for(mesh, "obj", losses);
+    auto line = lines.begin();
+    const auto write_up_to = [&](auto end) {
+        for (; line != end; ++line) fmt::format_to(to, "{}\n", line->text);
+    };
+    const auto write_before = [&](std::size_t face) { write_up_to(std::find_if(line, lines.end(), [&](const Mesh::Line& each) { return each.face > face; })); };
+    const Attribute *uvs = nullptr, *normals = nullptr, *extra = nullptr;
+    for (const auto& attribute : mesh.attributes) {
+        const auto parts = attribute.parts.size();
+        if (attribute.name == "uv" && !uvs) uvs = &attribute;
+        else if (attribute.name == "normal" && parts == 3 && !normals) normals = &attribute;
+        else if (attribute.on == Attribute::On::vertices && (attribute.name == "colour" || attribute.name == "weight") && !extra) extra = &attribute;
+        else lose(losses, attribute, fmt::format(".obj holds none of {}", text_of(attribute.on)));
+    }
+
+    write_up_to(lines.begin() + (lines.empty() ? 0 : static_cast<std::ptrdiff_t>(mesh.origin->head)));
+    const bool bytes = extra && is_integer(extra->type);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        fmt::format_to(to, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());
+        if (extra)
+            for (const double part : extra->entry(n)) fmt::format_to(to, " {}", bytes ? part / 255 : part);
+        text.push_back('\n');
+    }
+    const auto write_pool = [&](const Attribute* pool, const char* keyword) {
+        for (std::size_t n = 0; pool && n < pool->entries(); ++n) fmt::format_to(to, "{} {}\n", keyword, fmt::join(pool->entry(n), " "));
+    };
+    write_pool(uvs, "vt");
+    write_pool(normals, "vn");
+
+    for (std::size_t face = 0, corner = 0; face < mesh.faces(); ++face) {
+        write_before(face);
+        text.push_back('f');
+        for (; corner < mesh.ends[face]; ++corner) {
+            const auto vertex = mesh.corners[corner];
+            const auto entry = [&](const Attribute* of) { return of ? Mesh::entry_of(*of, face, corner, vertex) : Attribute::none; };
+            const auto uv = entry(uvs), normal = entry(normals);
+            fmt::format_to(to, " {}", std::uint64_t{vertex} + 1);
+            if (uv != Attribute::none) fmt::format_to(to, "/{}", std::uint64_t{uv} + 1);
+            if (normal != Attribute::none) fmt::format_to(to, "{}{}", uv != Attribute::none ? "/" : "//", std::uint64_t{normal} + 1);
+        }
+        text.push_back('\n');
+    }
+    write_before(mesh.faces());
+    // An empty file would look like one that was cut off.
+    if (text.size() == 0) fmt::format_to(to, "o nothing\n");
+    return fmt::to_string(text);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,188 @@
+#include "nodes/mesh/formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace fluidcarve {
+namespace {
+
+using Attribute = Mesh::Attribute;
+using Type = Attribute::Type;
+using openvdb::Vec3d;
+
+struct Head {
+    bool uv, colour, normal;
+    std::size_t vertices, faces;
+};
+
+Head read_head(FileText& file) {
+    if (!file.next()) file.fault_in_all("the file is empty");
+    const auto word_of_line = [&] {
+        for (auto word = file.word('#');; word = file.word('#')) {
+            if (!word.empty()) return word;
+            if (!file.next()) file.fault("the file ends too early");
+        }
+    };
+    const auto keyword = word_of_line();
+    auto rest = keyword;
+    const auto has = [&](std::string_view prefix) {
+        if (!rest.starts_with(prefix)) return false;
+        rest.remove_prefix(prefix.size());
+        return true;
+    };
+    Head out{};
+    out.uv = has("ST");
+    out.colour = has("C");
+    out.normal = has("N");
+    if (rest != "OFF") file.fault(fmt::format("this is no OFF file of three-dimensional points: it begins with {}", quoted(keyword)));
+    const auto count = [&] {
+        const auto word = word_of_line();
+        if (word == "BINARY") file.fault("binary OFF can't be read; export it as text");
+        const long number = file.whole(word);
+        if (number < 0) file.fault(fmt::format("{} is no count", quoted(word)));
+        return static_cast<std::size_t>(number);
+    };
+    out.vertices = count();
+    out.faces = count();
+    count();  // of edges, which nobody states
+    const auto left = file.rest().size() + 1;
+    if (out.vertices > left / 6 || out.faces > left / 8)
+        file.fault_in_all(
+            fmt::format("the head promises {} vertices and {} faces, for which the file is too short: it is cut off or damaged", out.vertices, out.faces));
+    return out;
+}
+
+/// The numbers of the next line that has some.
+struct Numbers {
+    std::vector<double> all;
+    std::vector<bool> whole;  ///< written without a point
+
+    void read(FileText& file) {
+        all.clear();
+        whole.clear();
+        while (all.empty()) {
+            if (!file.next()) file.fault("the file ends too early");
+            for (auto word = file.word('#'); !word.empty(); word = file.word('#')) {
+                all.push_back(file.number(word));
+                whole.push_back(word.find_first_of(".eE") == std::string_view::npos);
+            }
+        }
+    }
+};
+
+/// Takes `count` numbers, from the `first` on. Those of colours are bytes until one has a point.
+void take(Attribute& into, const Numbers& numbers, std::size_t first, std::size_t count) {
+    for (auto n = first; n < first + count; ++n) {
+        into.values.push_back(numbers.all[n]);
+        if (!numbers.whole[n]) into.type = Type::float64;
+    }
+}
+
+Attribute colour(Attribute::On on, std::size_t parts) {
+    Attribute out{"colour", on, {"red", "green", "blue"}, Type::uint8, {}, {}};
+    if (parts == 4) out.parts.emplace_back("alpha");
+    if (parts == 1) out.name = "colour_index", out.parts = {"index"};
+    return out;
+}
+
+}  // namespace
+
+void probe_off(FileText& file) { read_head(file); }
+
+Mesh read_off(FileText& file, Losses& losses) {
+    const auto head = read_head(file);
+    Mesh out;
+    auto origin = std::make_shared<Mesh::Origin>();
+    origin->format = "off";
+    origin->number = Type::float64;
+    out.origin = origin;
+    Numbers numbers;
+
+    Attribute normal{"normal", Attribute::On::vertices, {"nx", "ny", "nz"}, Type::float64, {}, {}};
+    Attribute uv{"uv", Attribute::On::vertices, {"s", "t"}, Type::float64, {}, {}};
+    std::optional<Attribute> colours;
+    const std::size_t others = 3 + (head.normal ? 3 : 0) + (head.uv ? 2 : 0);
+    for (std::size_t n = 0; n < head.vertices; ++n) {
+        numbers.read(file);
+        const auto size = numbers.all.size(), parts = size - std::min(size, others);
+        if (size < others || (head.colour ? parts != 3 && parts != 4 : parts != 0) || (colours && colours->parts.size() != parts))
+            file.fault(fmt::format("a vertex of this file does not have {} numbers", size));
+        out.points.emplace_back(numbers.all[0], numbers.all[1], numbers.all[2]);
+        if (head.normal) take(normal, numbers, 3, 3);
+        if (head.colour && !colours) colours = colour(Attribute::On::vertices, parts);
+        if (colours) take(*colours, numbers, size - parts - (head.uv ? 2 : 0), parts);
+        if (head.uv) take(uv, numbers, size - 2, 2);
+    }
+    if (head.normal) out.attributes.push_back(std::move(normal));
+    if (colours) out.attributes.push_back(std::move(*colours));
+    if (head.uv) out.attributes.push_back(std::move(uv));
+
+    std::optional<Attribute> painted;
+    bool alike = true;
+    for (std::size_t n = 0; n < head.faces; ++n) {
+        numbers.read(file);
+        const double count = numbers.all[0];
+        if (!(count >= 3 && numbers.whole[0])) file.fault(fmt::format("a face needs at least three corners, not {}", count));
+        if (count > static_cast<double>(numbers.all.size() - 1))
+            file.fault(fmt::format("a face of {} corners has only {} numbers behind the count", count, numbers.all.size() - 1));
+        const auto corners = static_cast<std::size_t>(count);
+        for (std::size_t c = 1; c <= corners; ++c) {
+            const double vertex = numbers.all[c];
+            if (!(vertex >= 0 && vertex < static_cast<double>(head.vertices) && numbers.whole[c]))
+                file.fault(fmt::format("a face has a vertex {}, but there are {}, counted from 0", vertex, head.vertices));
+            out.corners.push_back(static_cast<std::uint32_t>(vertex));
+        }
+        out.ends.push_back(out.corners.size());
+        const auto parts = numbers.all.size() - 1 - corners;
+        if (n == 0 && (parts == 1 || parts == 3 || parts == 4)) painted = colour(Attribute::On::faces, parts);
+        alike = alike && parts == (painted ? painted->parts.size() : 0);
+        if (painted && alike) take(*painted, numbers, 1 + corners, parts);
+    }
+    if (!alike) losses.emplace_back("the colours of faces are left out: not all faces have as many numbers of them");
+    else if (painted) out.attributes.push_back(std::move(*painted));
+    return out;
+}
+
+std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
+    std::vector<Attribute> made;  // per vertex, of those on corners
+    made.reserve(mesh.attributes.size());
+    const Attribute *uv = nullptr, *normal = nullptr, *colours = nullptr, *painted = nullptr;
+    for (const auto& attribute : mesh.attributes) {
+        const bool is_colour = attribute.name == "colour";
+        if (is_colour && attribute.on == Attribute::On::faces) {
+            painted = &attribute;
+            continue;
+        }
+        auto& slot = attribute.name == "uv" ? uv : attribute.name == "normal" ? normal : colours;
+        const bool fits = attribute.name == "uv" ? attribute.parts.size() == 2 : attribute.name == "normal" || is_colour;
+        std::size_t several = 0;
+        if (attribute.name == "colour_index" && attribute.on == Attribute::On::faces) painted = &attribute;
+        else if (!fits || slot || attribute.on == Attribute::On::faces) lose(losses, attribute, fmt::format(".off holds none of {}", text_of(attribute.on)));
+        else if (attribute.on == Attribute::On::vertices) slot = &attribute;
+        else if (auto single = per_vertex(mesh, attribute, several)) slot = &made.emplace_back(std::move(*single));
+        else
+            lose(losses, attribute,
+                 fmt::format(".off holds one per vertex, and {} {} several or corners without", several, several == 1 ? "vertex has" : "vertices have"));
+    }
+    lines_for(mesh, "off", losses);
+
+    fmt::memory_buffer text;
+    const auto to = std::back_inserter(text);
+    fmt::format_to(to, "{}{}{}OFF\n{} {} 0\n", uv ? "ST" : "", colours ? "C" : "", normal ? "N" : "", points.size(), mesh.faces());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        fmt::format_to(to, "{} {} {}", points[n].x(), points[n].y(), points[n].z());
+        for (const auto* const attribute : {normal, colours, uv})
+            if (attribute) fmt::format_to(to, " {}", fmt::join(attribute->entry(n), " "));
+        text.push_back('\n');
+    }
+    for (std::size_t n = 0; n < mesh.faces(); ++n) {
+        fmt::format_to(to, "{} {}", mesh.face(n).size(), fmt::join(mesh.face(n), " "));
+        if (painted) fmt::format_to(to, " {}", fmt::join(painted->entry(n), " "));
+        text.push_back('\n');
+    }
+    return fmt::to_string(text);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/registry.h"
+
+namespace fluidcarve {
+
+/// Registers the payload type `mesh`.
+void add_mesh_payload(Registry& registry);
+
+}  // namespace fluidcarve

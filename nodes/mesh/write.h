@@ -1,0 +1,9 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+NodeType mesh_write();
+
+}  // namespace fluidcarve

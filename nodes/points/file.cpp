@@ -1,0 +1,104 @@
+#include "nodes/points/file.h"
+
+#include "graph/problem.h"
+#include "nodes/io/profile.h"
+#include "nodes/points/point_grid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace fluidcarve {
+namespace {
+
+/// Where in the header the point grid is.
+std::size_t place_of(const VdbHeader& header, const std::string& name) {
+    const auto is_points = [](const VdbHeader::Entry& grid) { return grid.type == point_grid_type; };
+    if (!name.empty()) {
+        const auto place = header.place(name);
+        if (is_points(header.grids[place])) return place;
+        throw Failure(fmt::format("{}: grid '{}' holds no points, it is of type {}", header.path, name, header.grids[place].type), Failure::Kind::input);
+    }
+    const auto found = std::find_if(header.grids.begin(), header.grids.end(), is_points);
+    const auto known = header.names();
+    if (found == header.grids.end())
+        throw Failure(fmt::format("{} has no points; it has {}", header.path, known.empty() ? "no grids" : fmt::format("{}", fmt::join(known, ", "))),
+                      Failure::Kind::input);
+    if (const auto next = std::find_if(found + 1, header.grids.end(), is_points); next != header.grids.end())
+        throw Failure(
+            fmt::format("{} has several grids with points, '{}' and '{}': say which with 'grid:'", header.path, found->unique_name, next->unique_name),
+            Failure::Kind::input);
+    return static_cast<std::size_t>(found - header.grids.begin());
+}
+
+void require_no_name(const std::string& path, const std::string& grid) {
+    if (!grid.empty()) throw Failure(fmt::format("{} is a PLY file, which has no grid '{}'; leave 'grid' out", path, grid), Failure::Kind::input);
+}
+
+}  // namespace
+
+Points read_points(const std::string& path, const std::string& grid, PointOffset offset, const Placement& placement) {
+    Points out;
+    if (is_ply(path)) {
+        require_no_name(path, grid);
+        out.ply = std::make_shared<PlyPoints>(read_ply(path));
+        out.placement = placement;
+        return out;
+    }
+    const auto header = read_vdb_header(path);
+    const auto& entry = header.grids[place_of(header, grid)];
+    const auto found = read_vdb_grid(path, entry.unique_name);
+    require_sound(*found, path);
+    auto by = placement;
+    const auto* const from = detected_profile(header);
+    if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = openvdb::Vec3d(-0.5);
+    out.grid = placed(found, by);
+    out.metadata = header.metadata;
+    out.codec = entry.codec;
+    return out;
+}
+
+void look_at_points(const std::string& path, const std::string& grid) {
+    if (is_ply(path)) {
+        require_no_name(path, grid);
+        read_ply_header(path);
+    } else {
+        place_of(read_vdb_header(path), grid);
+    }
+}
+
+openvdb::GridBase::ConstPtr in_grid(const Points& points) { return points.grid ? points.grid : placed(grid_of(*points.ply), points.placement); }
+
+bool names_ply(const std::string& path) {
+    auto ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return ending == ".ply";
+}
+
+std::vector<std::string> write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding,
+                                      const Placement* placement) {
+    std::vector<std::string> left_out;
+    if (!names_ply(path)) {
+        auto grid = in_grid(points);
+        Volume volume;
+        volume.metadata = points.metadata;
+        volume.codec = points.codec;
+        if (beside) volume = *beside;
+        const auto same = [&](const auto& each) { return is_point_grid(*each) && each->getName() == grid->getName(); };
+        const auto found = std::find_if(volume.grids.begin(), volume.grids.end(), same);
+        if (found == volume.grids.end()) volume.grids.push_back(std::move(grid));
+        else *found = std::move(grid);
+        write_vdb(path, volume, Codec::as_read, placement);
+        return left_out;
+    }
+    auto ply = points.ply ? *points.ply : ply_of(*unplaced(points.grid, placement), left_out);
+    if (points.ply && placement && *placement != points.placement)
+        for (std::size_t n = 0; n < ply.size; ++n)
+            ply.set_position(n, (points.placement.scale * ply.position(n) + points.placement.translate - placement->translate) / placement->scale);
+    if (encoding) ply.encoding = *encoding;
+    write_ply(path, ply);
+    return left_out;
+}
+
+}  // namespace fluidcarve

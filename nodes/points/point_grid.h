@@ -1,0 +1,37 @@
+#pragma once
+
+#include "nodes/points/points.h"
+
+namespace fluidcarve {
+
+/// OpenVDB's name of the type of grids with points.
+inline constexpr auto point_grid_type = "Tree_ptdataidx32_5_4_3";
+inline bool is_point_grid(const openvdb::GridBase& grid) { return grid.type() == point_grid_type; }
+
+// All grids below are point grids.
+
+/// Looks at all that the functions below rely on, as a file may hold anything.
+/// @throws Failure (input) naming the file and the grid: counts that don't fit, no positions, one that is not finite, attributes that
+///   differ from leaf to leaf or that are of varying length
+void require_sound(const openvdb::GridBase& grid, const std::string& path);
+
+std::size_t point_count(const openvdb::GridBase& grid);
+/// World positions, leaf by leaf.
+std::vector<openvdb::Vec3d> point_positions(const openvdb::GridBase& grid);
+/// As Points::identities.
+std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid);
+
+/// As for Points. Leaves whose points all stay are shared.
+openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid, const std::vector<PointImage>& images);
+
+/// The vertices as a grid `points` in the same space, with about eight points to a voxel of the box around them: positions as floats
+/// within their voxel, three properties `name_x`, `name_y`, `name_z` of one type as a vector, whole numbers in the least type that
+/// holds them all.
+openvdb::GridBase::Ptr grid_of(const PlyPoints& points);
+
+/// The points as vertices in the grid's space: positions as doubles, vectors as `name_x`, `name_y`, `name_z`, groups as 0 or 1 in
+/// `group_name`. PLY holds neither texts, matrices and quaternions nor whole numbers of 64 bits: those stay behind.
+/// @param left_out  becomes the names of attributes that PLY can't hold
+PlyPoints ply_of(const openvdb::GridBase& grid, std::vector<std::string>& left_out);
+
+}  // namespace fluidcarve

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace fluidcarve {
+
+/// `points.read {path, grid, missing, offset}`: the points of a VDB or PLY file.
+NodeType points_read();
+
+}  // namespace fluidcarve

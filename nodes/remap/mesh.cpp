@@ -1,0 +1,83 @@
+#include "nodes/remap/mesh.h"
+
+#include "graph/problem.h"
+#include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/carve_mesh.h"
+#include "nodes/remap/rim.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+namespace {
+
+struct RemapMesh {
+    struct Params {
+        Auto<Count> count;
+        Rim rim = Rim::cut;
+        double fade = 8;
+        bool still = false;
+    };
+    struct Ports {
+        Ref<Mesh> source;
+        Ref<Lattice> lattice;
+        List<Seams> seams;
+        Ref<Mesh> mesh;
+    };
+
+    static bool animates(const Params& params) { return !params.still; }
+    static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
+
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (context.per_frame()) {
+            io.mesh = carved(params, io, context.frame(), context);
+            return;
+        }
+        for (const int frame : io.seams.back()->frames) {
+            const auto mesh = carved(params, io, frame, context);
+            if (!io.mesh) io.mesh = mesh;
+            const auto& [first, now] = std::mismatch(io.mesh->points.begin(), io.mesh->points.end(), mesh->points.begin());
+            if (first == io.mesh->points.end()) continue;
+            throw Failure(
+                fmt::format("the mesh is one file for all frames, but seams move vertex {} (counted from 0) otherwise in frame {} than in frame {}; leave "
+                            "`static` out, and it will be one per frame, or keep the seams out of it: `protect: mask.mesh`",
+                            now - mesh->points.begin(), frame, io.seams.back()->frames.front()));
+        }
+    }
+
+private:
+    static Ref<Mesh> carved(const Params& params, const Ports& io, int frame, Context& context) {
+        auto map = carve_map(*io.lattice, io.seams, params.count, frame);
+        if (map.empty()) return io.source;
+        if (params.rim == Rim::fade) map.fade(params.fade);
+        auto out = carve_mesh(*io.source, *io.lattice, map);
+        for (const auto& warning : warnings_of(out)) context.warn(warning);
+        return std::make_shared<Mesh>(std::move(out.mesh));
+    }
+};
+
+}  // namespace
+
+NodeType remap_mesh() {
+    using Params = RemapMesh::Params;
+    using Ports = RemapMesh::Ports;
+    return Declare<RemapMesh>("remap.mesh",
+                              "Carves a mesh as remap.grids carves volumes: its vertices move with the space around them; faces, UVs and all else stay.")
+        .input("source", &Ports::source,
+               "The mesh. One that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, what it took is "
+               "pressed together; where one is inserted, its neighbours are drawn apart. Normals of its file stay as they are.")
+        .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
+        .input("seams", &Ports::seams, "Seams, or a list of seam sets in the order of carving.")
+        .param("count", &Params::count, Unit::seams, any_number(),
+               "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
+        .param("rim", &Params::rim, "As in remap.grids: state the same for both.")
+        .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("static", &Params::still,
+               "For a mesh of one file that is to stay one: seams must move it alike in all frames, or it is an error. They do if they are the same in all "
+               "frames, "
+               "as in windows with `static: true`, or if they nowhere pass through it: give them the mesh's voxels to `protect` (mask.mesh).")
+        .output("mesh", &Ports::mesh, "The source carved. Vertices beside the lattice, or where nothing moves, are the same to the last bit.");
+}
+
+}  // namespace fluidcarve

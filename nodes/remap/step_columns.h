@@ -1,0 +1,56 @@
+#pragma once
+
+#include "nodes/remap/carve_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace fluidcarve {
+
+/// The columns of a step around a point, between which its displacements are bilinear.
+class StepColumns {
+public:
+    /// @param lateral, w  coordinates in the step's lattice, inside it
+    StepColumns(const CarveStep& step, double lateral, double w) : step_(step) {
+        const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
+        const int j = cell(lateral, step.laterals() - 2), k = cell(w, step.slices() - (step.closed() ? 1 : 2));
+        const double b = lateral - j, c = w - k;
+        for (std::size_t n = 0; n < 4; ++n) {
+            const bool next_j = n & 1, next_k = n & 2;
+            weights_[n] = (next_j ? b : 1 - b) * (next_k ? c : 1 - c);
+            // Of a column that does not count, there may be none.
+            all_[n] = step.bounds(weights_[n] > 0 && next_j ? j + 1 : j, weights_[n] > 0 && next_k ? k + 1 : k);
+        }
+    }
+
+    /// Seams that displace in each column.
+    std::size_t size() const { return all_[0].size(); }
+    /// CarveStep::bounds between the columns.
+    double bound(std::size_t n) const {
+        return between([n](std::span<const std::uint16_t> column) { return static_cast<double>(column[n]); });
+    }
+    /// CarveStep::displacement between the columns, in vertices: exact where they agree.
+    double displacement(int entry) const {
+        return 0.5 * between([&](std::span<const std::uint16_t> column) {
+                   return static_cast<double>(step_.displacement(entry, CarveStep::passed(entry, column), column));
+               });
+    }
+
+private:
+    template <class Value>
+    double between(const Value& value) const {
+        const double first = value(all_[0]);
+        double out = first;
+        for (std::size_t n = 1; n < 4; ++n)
+            if (weights_[n] > 0) out += weights_[n] * (value(all_[n]) - first);
+        return out;
+    }
+
+    const CarveStep& step_;
+    std::array<double, 4> weights_;
+    std::array<std::span<const std::uint16_t>, 4> all_;
+};
+
+}  // namespace fluidcarve

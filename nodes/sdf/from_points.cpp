@@ -1,0 +1,79 @@
+#include "nodes/sdf/from_points.h"
+
+#include "nodes/field/stencil.h"
+
+#include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/ParticlesToLevelSet.h>
+
+namespace fluidcarve {
+namespace {
+
+/// As ParticlesToLevelSet wants to see points.
+struct Balls {
+    using PosType = openvdb::Vec3R;
+    const std::vector<openvdb::Vec3d>& positions;
+    std::size_t size() const { return positions.size(); }
+    void getPos(std::size_t n, PosType& at) const { at = positions[n]; }
+};
+
+struct FromPoints {
+    struct Params {
+        Auto<double> voxel_size;
+        double radius = Splat{}.radius;
+        int smoothing = Splat{}.smoothing;
+        double half_width = Splat{}.half_width;
+    };
+    struct Ports {
+        Ref<Points> points;
+        Optional<AnyGrid> like;
+        Ref<FloatGrid> surface;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        const bool like = check.connections("like") > 0;
+        if (!like && !params.voxel_size) check.fault("type", "needs 'like', a grid whose voxels to use, or 'voxel_size'");
+        if (like && params.voxel_size) check.fault("voxel_size", "the voxels are those of 'like'; leave one of the two out");
+    }
+
+    static void run(const Params& params, Ports& io, Context&) {
+        if (io.like) cubic_voxel_size(*io.like->grid);
+        const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
+        io.surface = sdf_of_points(*io.points, *transform, {params.radius, params.smoothing, params.half_width});
+    }
+};
+
+}  // namespace
+
+FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transform& transform, const Splat& splat) {
+    const double voxel = transform.voxelSize().x();
+    const auto out = FloatGrid::create(static_cast<float>(splat.half_width * voxel));
+    out->setTransform(transform.copy());
+    out->setGridClass(openvdb::GRID_LEVEL_SET);
+    out->setName("surface");
+    const auto positions = points.positions();
+    openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*out);
+    // Balls of less than a voxel are seen only where they hold a voxel's centre; that is the caller's choice.
+    raster.setRmin(0);
+    raster.rasterizeSpheres(Balls{positions}, splat.radius * voxel);
+    raster.finalize(true);
+    if (splat.smoothing > 0 && !out->tree().empty()) {
+        openvdb::tools::LevelSetFilter<FloatGrid> filter(*out);
+        for (int pass = 0; pass < splat.smoothing; ++pass) filter.mean(1);
+    }
+    return out;
+}
+
+NodeType sdf_from_points() {
+    return Declare<FromPoints>("sdf.from_points", "The surface of particles: the distance to balls around them, as a level set.")
+        .input("points", &FromPoints::Ports::points, "The particles; a frame without any has no surface.")
+        .input("like", &FromPoints::Ports::like, "A grid on whose voxels the surface is made, such as the particles' velocity.")
+        .param("voxel_size", &FromPoints::Params::voxel_size, Unit::world, between(1e-9, 1e9),
+               "Without `like`: edge of the voxels, one of them at the world's origin.")
+        .param("radius", &FromPoints::Params::radius, Unit::voxels, between(0.5, 100),
+               "Of the balls. Where particles stand about half a voxel apart, as in most liquids, 1 to 2 make a closed surface.")
+        .param("smoothing", &FromPoints::Params::smoothing, Unit::none, between(0, 100), "How often the surface is averaged over 3 x 3 x 3 voxels.")
+        .param("half_width", &FromPoints::Params::half_width, Unit::voxels, between(2, 100), "Distances are known this far from the surface, to both sides.")
+        .output("surface", &FromPoints::Ports::surface, "Distance to the surface, world units, negative inside.");
+}
+
+}  // namespace fluidcarve

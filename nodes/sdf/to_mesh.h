@@ -1,0 +1,17 @@
+#pragma once
+
+#include "graph/node_type.h"
+#include "nodes/mesh/mesh.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// The surface on which a grid has a value, its faces turned so that values rise to the outside: quads, and where flat parts
+/// are coarsened triangles too.
+/// @param isovalue    in the grid's unit
+/// @param adaptivity  0: a quad per voxel; to 1: ever fewer, where the surface is flat
+Mesh surface_mesh(const FloatGrid& grid, double isovalue, double adaptivity);
+
+NodeType sdf_to_mesh();
+
+}  // namespace fluidcarve

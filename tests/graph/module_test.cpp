@@ -1,0 +1,33 @@
+#include "graph/module.h"
+#include "graph/problem.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace fluidcarve;
+
+TEST_CASE("a module is opened once, whoever asks first") {
+    std::vector<const void*> tables(8);
+    std::vector<std::thread> threads;
+    for (auto& table : tables) threads.emplace_back([&table] { table = module_table("images"); });
+    for (auto& thread : threads) thread.join();
+    CHECK(tables.front() != nullptr);
+    CHECK(std::set<const void*>(tables.begin(), tables.end()).size() == 1);
+}
+
+TEST_CASE("a module that is not there is told with the places where it was looked for") {
+    const auto home = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+    const auto parent = std::filesystem::path(home).parent_path().string();
+    try {
+        module_table("nonsense");
+        FAIL("opened");
+    } catch (const Failure& failure) {
+        CHECK(std::string(failure.what()) == "the module 'nonsense' is missing: there is no fluidcarve_nonsense.so in " + home + ", " + parent +
+                                                 "/lib/fluidcarve; build or install it beside the program");
+    }
+}
