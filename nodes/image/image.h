@@ -11,7 +11,7 @@ struct Image {
     struct Attribute {
         std::string name;
         std::string type;   ///< as OpenImageIO calls it: "string", "int", "matrix", "uint8[540]"
-        std::string value;  ///< the text, or the bytes of the numbers
+        std::string value;  ///< the text, or the bytes of the numbers; of "string[2]" texts that each end in a 0
     };
     struct Channel {
         std::string name;   ///< "R", "diffuse.G"

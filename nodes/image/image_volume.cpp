@@ -218,7 +218,11 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
 }
 
 float most_of(const std::string& depth) { return depth == "half" ? 65504.0f : depth == "float" || depth == "double" ? INFINITY : 1.0f; }
-float least_of(const std::string& depth) { return depth.starts_with("uint") ? 0.0f : -most_of(depth); }
+float least_of(const std::string& depth) {
+    if (depth == "int8") return -128.0f / 127;
+    if (depth == "int16") return -32768.0f / 32767;
+    return depth.starts_with("uint") ? 0.0f : -most_of(depth);
+}
 
 /// @param z  of the plane in which the pixels are
 void read_pixels(const Channels& channels, const Upright& upright, int z, Image& out) {
@@ -264,10 +268,14 @@ void tell_cut(const Image& image, const std::function<void(const std::string&)>&
     for (std::size_t c = 0; c < count; ++c) {
         const auto& [name, depth] = image.channels[c];
         const float least = least_of(depth), most = most_of(depth);
-        // Depths without end hold what is no number as well.
         if (!std::isfinite(most)) continue;
         std::size_t cut = 0;
-        for (std::size_t n = c; n < image.pixels.size(); n += count) cut += image.pixels[n] >= least && image.pixels[n] <= most ? 0 : 1;
+        for (std::size_t n = c; n < image.pixels.size(); n += count) {
+            const auto value = image.pixels[n];
+            // Half floats hold what is infinite or no number as well.
+            if (depth == "half" && !std::isfinite(value)) continue;
+            cut += value >= least && value <= most ? 0 : 1;
+        }
         if (cut > 0)
             warn(fmt::format("{} values of channel '{}' are not from {:g} to {:g}, which is what {} holds, and were cut off", cut, name, least, most, depth));
     }

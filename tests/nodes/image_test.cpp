@@ -165,7 +165,8 @@ TEST_CASE("what an image says beside its pixels is given back") {
                         attribute<int>("shot", "int", {-7}),
                         attribute<float>("focus", "float", {1.25f}),
                         attribute<float>("chromaticities", "float[8]", {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}),
-                        attribute<int>("framesPerSecond", "rational2i", {24, 1})};
+                        attribute<int>("framesPerSecond", "rational2i", {24, 1}),
+                        {"multiView", "string[2]", std::string("left\0right\0", 11)}};
     images().write(scratch / "a.exr", image, 95);
     const auto before = images().read(scratch / "a.exr", "openexr");
     // Also on the way through a VDB, whose library knows no matrices of this name.
@@ -337,6 +338,17 @@ TEST_CASE("what a format does not hold is said, with the remedy") {
     CHECK(warnings.size() == 4);
     CHECK(warnings.back() == "JPEG keeps 8 bits and changes values a little with each round; PNG, TIFF and EXR keep them");
     CHECK_THAT(warnings.front(), Catch::Contains("values of channel 'R' are not from 0 to 1, which is what uint8 holds, and were cut off"));
+
+    // Half floats hold infinities, as depth has them where there is nothing; only what is finite can be too large.
+    auto far = random_image("openexr", channels({"Z"}, "float"), 4, 2);
+    far.pixels = {INFINITY, -INFINITY, 1, 65504, 65510, -1e6f, 0, NAN};
+    images().write(scratch / "far.exr", far, 95);
+    warnings.clear();
+    write(read(scratch / "far.exr"), scratch / "half.exr", ", depth: half", &warnings);
+    CHECK(warnings == std::vector<std::string>{"2 values of channel 'Z' are not from -65504 to 65504, which is what half holds, and were cut off"});
+    const auto cut = images().read(scratch / "half.exr", "openexr").pixels;
+    REQUIRE(std::isnan(cut.back()));
+    CHECK(std::vector<float>(cut.begin(), cut.end() - 1) == std::vector<float>{INFINITY, -INFINITY, 1, 65504, 65504, -65504, 0});
 
     const auto faults = [](const std::string& yaml) { return NodeBench(image_write(), yaml).faults(); };
     CHECK(faults("{path: a.gif}") == "path: 'path' wants to end in one of .png, .exr, .jpg, .jpeg, .tif, .tiff\n");

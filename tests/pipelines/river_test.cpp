@@ -39,7 +39,7 @@ std::string numbered(const std::string& folder, const std::string& name, int fra
 
 Points points_of(const std::string& path) { return read_points(path, "", PointOffset::detect, in_shot); }
 
-FloatGrid::Ptr ground_of(const Mesh& bank, const openvdb::math::Transform& transform) { return mesh_distance(bank, transform, 12, std::nullopt); }
+FloatGrid::Ptr ground_of(const Mesh& bank, const openvdb::math::Transform& transform) { return mesh_distance(bank, transform, 3, std::nullopt); }
 
 /// As the pipeline builds it.
 Lattice channel() {
@@ -78,6 +78,8 @@ struct Carved {
     FloatGrid::ConstPtr skin(int frame) const {
         return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(numbered(scratch / "", "skin", frame, ".vdb")).find("surface"));
     }
+    /// The water's surface as it was.
+    FloatGrid::ConstPtr skin_before(int frame) const { return sdf_of_points(drops_before(frame), skin(frame)->transform(), splat); }
     /// Which particle came from which.
     std::vector<PointImage> images(int frame, const Points& before) const {
         const CarveMap map(lattice, {std::make_shared<Seams>(read_seams(scratch / "seams.vdb"))}, frame, std::nullopt);
@@ -85,16 +87,6 @@ struct Carved {
     }
     Mesh bank_of(int frame) const { return read_mesh(numbered(scratch / "", "bank", frame, ".obj")).mesh; }
 };
-
-const Carved& wider() {
-    static const Carved carved(6);
-    return carved;
-}
-
-const Carved& narrower() {
-    static const Carved carved(-6);
-    return carved;
-}
 
 /// The water across the channel, and the ground on either side, in vertices along u.
 struct Station {
@@ -133,10 +125,11 @@ Station station(const Lattice& lattice, const FloatGrid& water, const FloatGrid&
     return across(*height);
 }
 
+/// The water is as many voxels wider as there are seams, and the bank stays at its edge.
 void check_stations(const Carved& carved, double change) {
     for (const int frame : {frames.front(), frames.back()}) {
         const auto after = carved.skin(frame);
-        const auto before = sdf_of_points(carved.drops_before(frame), after->transform(), splat);
+        const auto before = carved.skin_before(frame);
         const auto bank_before = ground_of(carved.bank, after->transform()), bank_after = ground_of(carved.bank_of(frame), after->transform());
         // Ten, from where the river has settled to where its banks end.
         for (int n = 0; n < 10; ++n) {
@@ -155,80 +148,88 @@ void check_stations(const Carved& carved, double change) {
     }
 }
 
+/// As many more particles as there is more room.
+void check_density(const Carved& carved) {
+    for (const int frame : {frames.front(), frames.back()}) {
+        const auto before = carved.drops_before(frame), after = carved.drops(frame);
+        const auto& counted = carved.report["points"]["moved"][std::to_string(frame)];
+        CHECK(counted["points"] == before.size());
+        CHECK(after.size() == before.size() - counted["deleted"].get<std::size_t>() + counted["copied"].get<std::size_t>());
+        // As many more as the water has more room, within its surface, which stands off the outermost particles.
+        const auto room = [](const FloatGrid& surface) {
+            double out = 0;
+            for (auto at = surface.cbeginValueOn(); at; ++at) out += static_cast<double>(*at) < -(splat.radius - 0.5) * voxel;
+            return out;
+        };
+        const auto skin = carved.skin(frame);
+        const FloatGrid::ConstPtr was = carved.skin_before(frame), is = sdf_of_points(after, skin->transform(), splat);
+        const double roomier = room(*is) / room(*was), more = static_cast<double>(after.size()) / static_cast<double>(before.size());
+        INFO("frame " << frame << ": " << before.size() << " became " << after.size() << ", " << more << " times as many in " << roomier << " times the room");
+        CHECK(more == Approx(roomier).epsilon(0.1));
+    }
+}
+
+/// No particle comes to lie in the bank that was outside it.
+void check_kept_out(const Carved& carved) {
+    for (const int frame : {frames.front(), frames.back()}) {
+        const auto before = carved.drops_before(frame);
+        const auto positions = before.positions();
+        const auto images = carved.images(frame, before);
+        const auto after = carved.drops(frame).positions();
+        REQUIRE(images.size() == after.size());
+        const auto transform = carved.skin(frame)->transformPtr();
+        const auto ground_before = ground_of(carved.bank, *transform), ground_after = ground_of(carved.bank_of(frame), *transform);
+        const Sampler was(*ground_before), is(*ground_after);
+        std::size_t entered = 0;
+        double deepest = 0;
+        for (std::size_t n = 0; n < after.size(); ++n) {
+            const double distance = was.wsSample(positions[images[n].source]), now = is.wsSample(after[n]);
+            if (distance <= 0 || now >= 0) continue;
+            ++entered;
+            deepest = std::max(deepest, -now / voxel);
+        }
+        INFO("frame " << frame << ": " << entered << " of " << after.size() << ", the deepest " << deepest << " voxels");
+        CHECK(entered == 0);
+    }
+}
+
+/// The bank keeps its faces and its texture, and moves smoothly from frame to frame.
+void check_bank(const Carved& carved) {
+    std::vector<Mesh> banks;
+    for (const int frame : frames) {
+        banks.push_back(carved.bank_of(frame));
+        const auto& bank = banks.back();
+        CHECK(bank.corners == carved.bank.corners);
+        CHECK(bank.ends == carved.bank.ends);
+        REQUIRE(bank.find("uv"));
+        CHECK(bank.find("uv")->values == carved.bank.find("uv")->values);
+        CHECK(bank.find("uv")->at == carved.bank.find("uv")->at);
+    }
+    double fastest = 0, jerk = 0;
+    for (std::size_t n = 0; n < carved.bank.points.size(); ++n) {
+        const auto first = banks[1].points[n] - banks[0].points[n], second = banks[2].points[n] - banks[1].points[n];
+        fastest = std::max({fastest, first.length() / voxel, second.length() / voxel});
+        jerk = std::max(jerk, (second - first).length() / voxel);
+    }
+    INFO("count " << carved.report["seams"]["seams"]["kind"] << ": fastest vertex " << fastest << " voxels per frame, largest change of speed " << jerk);
+    CHECK(fastest < 1);
+    CHECK(jerk < 1);
+}
+
 }  // namespace
 
-TEST_CASE("the river grows and shrinks by as many voxels as seams, and its bank stays at the water's edge") {
-    check_stations(wider(), 6);
-    check_stations(narrower(), -6);
+TEST_CASE("a river that is made wider: its bank, its particles and its texture come along") {
+    const Carved carved(6);
+    check_stations(carved, 6);
+    check_density(carved);
+    check_kept_out(carved);
+    check_bank(carved);
 }
 
-TEST_CASE("the river's particles keep their density: many more in a wider one, many fewer in a narrower one") {
-    for (const auto* const carved : {&wider(), &narrower()})
-        for (const int frame : frames) {
-            const auto before = carved->drops_before(frame), after = carved->drops(frame);
-            const auto& counted = carved->report["points"]["moved"][std::to_string(frame)];
-            CHECK(counted["points"] == before.size());
-            CHECK(after.size() == before.size() - counted["deleted"].get<std::size_t>() + counted["copied"].get<std::size_t>());
-            // As many more as the water has more room, within its surface, which stands off the outermost particles.
-            const auto room = [](const FloatGrid& surface) {
-                double out = 0;
-                for (auto at = surface.cbeginValueOn(); at; ++at) out += static_cast<double>(*at) < -(splat.radius - 0.5) * voxel;
-                return out;
-            };
-            const auto skin = carved->skin(frame);
-            const auto was = sdf_of_points(before, skin->transform(), splat), is = sdf_of_points(after, skin->transform(), splat);
-            const double roomier = room(*is) / room(*was), more = static_cast<double>(after.size()) / static_cast<double>(before.size());
-            INFO("frame " << frame << ": " << before.size() << " became " << after.size() << ", " << more << " times as many in " << roomier
-                          << " times the room");
-            CHECK(more == Approx(roomier).epsilon(0.1));
-        }
-}
-
-TEST_CASE("no particle of the river comes to lie in the bank") {
-    for (const auto* const carved : {&wider(), &narrower()}) {
-        for (const int frame : frames) {
-            const auto before = carved->drops_before(frame);
-            const auto positions = before.positions();
-            const auto images = carved->images(frame, before);
-            const auto after = carved->drops(frame).positions();
-            REQUIRE(images.size() == after.size());
-            const auto transform = carved->skin(frame)->transformPtr();
-            const auto ground_before = ground_of(carved->bank, *transform), ground_after = ground_of(carved->bank_of(frame), *transform);
-            const Sampler was(*ground_before), is(*ground_after);
-            std::size_t entered = 0;
-            double deepest = 0;
-            for (std::size_t n = 0; n < after.size(); ++n) {
-                const double distance = was.wsSample(positions[images[n].source]), now = is.wsSample(after[n]);
-                if (distance <= 0 || now >= 0) continue;
-                ++entered;
-                deepest = std::max(deepest, -now / voxel);
-            }
-            INFO("frame " << frame << ": " << entered << " of " << after.size() << ", the deepest " << deepest << " voxels");
-            CHECK(entered == 0);
-        }
-    }
-}
-
-TEST_CASE("the bank keeps its faces and its texture, and moves smoothly from frame to frame") {
-    for (const auto* const carved : {&wider(), &narrower()}) {
-        std::vector<Mesh> banks;
-        for (const int frame : frames) {
-            banks.push_back(carved->bank_of(frame));
-            const auto& bank = banks.back();
-            CHECK(bank.corners == carved->bank.corners);
-            CHECK(bank.ends == carved->bank.ends);
-            REQUIRE(bank.find("uv"));
-            CHECK(bank.find("uv")->values == carved->bank.find("uv")->values);
-            CHECK(bank.find("uv")->at == carved->bank.find("uv")->at);
-        }
-        double fastest = 0, jerk = 0;
-        for (std::size_t n = 0; n < carved->bank.points.size(); ++n) {
-            const auto first = banks[1].points[n] - banks[0].points[n], second = banks[2].points[n] - banks[1].points[n];
-            fastest = std::max({fastest, first.length() / voxel, second.length() / voxel});
-            jerk = std::max(jerk, (second - first).length() / voxel);
-        }
-        INFO("count " << carved->report["seams"]["seams"]["kind"] << ": fastest vertex " << fastest << " voxels per frame, largest change of speed " << jerk);
-        CHECK(fastest < 1);
-        CHECK(jerk < 1);
-    }
+TEST_CASE("a river that is made narrower: its bank, its particles and its texture come along") {
+    const Carved carved(-6);
+    check_stations(carved, -6);
+    check_density(carved);
+    check_kept_out(carved);
+    check_bank(carved);
 }

@@ -54,6 +54,23 @@ TEST_CASE("a share of an image's width is rounded to whole seams") {
     CHECK(seams("-0.7%") == 3);
 }
 
+TEST_CASE("a painted image is a mask: what is bright in it no seam passes") {
+    const Scratch scratch;
+    const auto energy = [&](const std::string& more) {
+        const auto file = scratch.write("p.yaml", "fluidcarve: 1\nextends: " SOURCE_ROOT "/pipelines/image.yaml\nnodes:\n" + more);
+        const auto ran = fluidcarve_program("run -q " + file + " --to seams --set photo=" TEST_DATA "/images/chelsea.png --set count=-3 --report " +
+                                            (scratch / "report.json"));
+        REQUIRE(ran.err == "");
+        return nlohmann::json::parse(Scratch::read(scratch / "report.json"))["seams"]["seams"];
+    };
+    const auto free = energy("  box: {fit: energy}\n");
+    const auto kept = energy("  paint: {type: image.read, path: " TEST_DATA
+                             "/images/chelsea.png, channels: {red: R}}\n"
+                             "  bright: {type: mask.threshold, field: paint.red, above: 0.75}\n  seams: {protect: bright}\n");
+    CHECK(kept["protected"] == nlohmann::json({0, 0, 0}));
+    CHECK(kept["energy"][0] > free["energy"][0]);
+}
+
 TEST_CASE("a damaged image is an input that can't be read: exit code 3, its name, and no output") {
     const Scratch scratch;
     const auto whole = Scratch::read(TEST_DATA "/images/rocket.jpg");

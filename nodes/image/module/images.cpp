@@ -83,6 +83,9 @@ T from_float(float value) {
         // What is not a number is the least too.
         return static_cast<T>(scaled > least ? std::min(scaled, most) : std::isnan(value) ? 0.0 : least);
     } else {
+        // Infinities stay, what is only too large becomes the largest.
+        if constexpr (std::is_same_v<T, half>)
+            if (std::isfinite(value)) value = std::clamp(value, -65504.0f, 65504.0f);
         return static_cast<T>(value);
     }
 }
@@ -92,7 +95,9 @@ std::vector<Image::Attribute> attributes_of(const ImageSpec& spec) {
     for (const auto& each : spec.extra_attribs) {
         Image::Attribute attribute{each.name().string(), each.type().c_str(), {}};
         if (each.type() == TypeDesc::STRING) attribute.value = each.get_ustring().string();
-        else if (each.type().basetype == TypeDesc::STRING || each.type().basetype == TypeDesc::PTR) continue;
+        else if (each.type().basetype == TypeDesc::PTR) continue;
+        else if (each.type().basetype == TypeDesc::STRING)
+            for (std::size_t n = 0; n < each.type().basevalues(); ++n) attribute.value += static_cast<const OIIO::ustring*>(each.data())[n].string() + '\0';
         else attribute.value.assign(static_cast<const char*>(each.data()), static_cast<std::size_t>(each.datasize()));
         out.push_back(std::move(attribute));
     }
@@ -103,8 +108,14 @@ void set_attributes(ImageSpec& spec, const std::vector<Image::Attribute>& attrib
     for (const auto& each : attributes) {
         // The one name that it writes but does not read.
         const auto type = each.type == OIIO::TypeRational.c_str() ? OIIO::TypeRational : TypeDesc(each.type);
-        if (type == TypeDesc::STRING) spec.attribute(each.name, each.value);
-        else if (type.size() == each.value.size()) spec.attribute(each.name, type, each.value.data());
+        if (type == TypeDesc::STRING) {
+            spec.attribute(each.name, each.value);
+        } else if (type.basetype == TypeDesc::STRING) {
+            std::vector<OIIO::ustring> texts;
+            for (std::size_t begin = 0, end = 0; (end = each.value.find('\0', begin)) != std::string::npos; begin = end + 1)
+                texts.emplace_back(each.value.substr(begin, end - begin));
+            if (texts.size() == type.basevalues()) spec.attribute(each.name, type, texts.data());
+        } else if (type.size() == each.value.size()) spec.attribute(each.name, type, each.value.data());
     }
 }
 
