@@ -6,6 +6,7 @@
 
 #include <sys/resource.h>
 #include <algorithm>
+#include <charconv>
 #include <tuple>
 
 namespace fluidcarve {
@@ -13,6 +14,27 @@ namespace fluidcarve {
 std::string to_text(const Fault& fault) {
     return fmt::format("{} ({}){}: {}", fault.node, fault.type, fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(), one_line(fault.message));
 }
+
+namespace {
+
+/// An entry with a field per frame, in the order of frames; any other as it is.
+nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
+    std::map<int, nlohmann::ordered_json> frames;
+    if (entry.is_object())
+        for (const auto& [name, value] : entry.items()) {
+            int frame = 0;
+            const auto* const end = name.data() + name.size();
+            const auto parsed = std::from_chars(name.data(), end, frame);
+            if (parsed.ec != std::errc() || parsed.ptr != end) return entry;
+            frames[frame] = value;
+        }
+    if (frames.empty()) return entry;
+    auto out = nlohmann::ordered_json::object();
+    for (const auto& [frame, value] : frames) out[std::to_string(frame)] = value;
+    return out;
+}
+
+}  // namespace
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
 
@@ -81,7 +103,7 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
                 {"type", pipeline_.nodes[n].type->name}, {"frames", stats.frames}, {"cached", 0}, {"wall_s", stats.seconds}, {"bytes", stats.most_bytes}};
     }
     for (const auto& [section, nodes] : entries_)
-        for (const auto& [node, entry] : nodes) out[section][node] = entry;
+        for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);
     out["failures"] = json::array();
     for (const auto& fault : failures) {
         json entry{{"node", fault.node}, {"message", fault.message}};

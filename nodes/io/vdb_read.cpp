@@ -270,8 +270,7 @@ NodeType vdb_read() {
         .param("profile", &VdbRead::Params::profile,
                "Whose files these are: where a file has no grid of a name under `grids`, the application's name for it is tried (`velocity`: Houdini's `vel`, "
                "Bifrost's `voxel_velocity`), and Blender's velocities are staggered whatever their class, its points half a voxel below where the file has "
-               "them. Auto "
-               "goes by the grids and marks of each file.")
+               "them. Auto goes by the grids and marks of each file.")
         .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
                "Where the file's origin is in the shot's world; the writer takes it back. Values, velocities too, are not changed.")
         .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")

@@ -12,6 +12,8 @@
 namespace fluidcarve {
 namespace {
 
+using openvdb::Vec3d;
+
 /// Where in the header the point grid is.
 std::size_t place_of(const VdbHeader& header, const std::string& name) {
     const auto is_points = [](const VdbHeader::Entry& grid) { return grid.type == point_grid_type; };
@@ -36,6 +38,37 @@ void require_no_name(const std::string& path, const std::string& grid) {
     if (!grid.empty()) throw Failure(fmt::format("{} is a PLY file, which has no grid '{}'; leave 'grid' out", path, grid), Failure::Kind::input);
 }
 
+Vec3d offset_of(const openvdb::GridBase& grid) {
+    const auto origin = origin_of(grid);
+    return origin ? origin->placement.offset : Vec3d(0);
+}
+
+/// A file of the points' grid and those beside it.
+Volume together(const Points& points, const openvdb::GridBase::ConstPtr& grid, const Volume* beside) {
+    Volume out;
+    out.metadata = points.metadata;
+    out.codec = points.codec;
+    if (beside) {
+        out.grids = beside->grids;
+        if (!beside->codec.empty()) out.codec = beside->codec;
+        for (auto each = beside->metadata.beginMeta(); each != beside->metadata.endMeta(); ++each) {
+            out.metadata.removeMeta(each->first);
+            out.metadata.insertMeta(each->first, *each->second);
+        }
+    }
+    const auto same = [&](const auto& each) { return is_point_grid(*each) && each->getName() == grid->getName(); };
+    const auto found = std::find_if(out.grids.begin(), out.grids.end(), same);
+    if (found == out.grids.end()) {
+        out.grids.push_back(grid);
+        return out;
+    }
+    if (std::find_if(found + 1, out.grids.end(), same) != out.grids.end())
+        throw Failure(fmt::format(
+            "'beside' has several grids of points '{}', and which of them to replace can't be told: write the points to a file of their own", grid->getName()));
+    *found = grid;
+    return out;
+}
+
 }  // namespace
 
 Points read_points(const std::string& path, const std::string& grid, PointOffset offset, const Placement& placement) {
@@ -52,7 +85,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
     require_sound(*found, path);
     auto by = placement;
     const auto* const from = detected_profile(header);
-    if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = openvdb::Vec3d(-0.5);
+    if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = Vec3d(-0.5);
     out.grid = placed(found, by);
     out.metadata = header.metadata;
     out.codec = entry.codec;
@@ -76,29 +109,23 @@ bool names_ply(const std::string& path) {
     return ending == ".ply";
 }
 
-std::vector<std::string> write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding,
-                                      const Placement* placement) {
-    std::vector<std::string> left_out;
+Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement) {
+    Unsaid out;
     if (!names_ply(path)) {
-        auto grid = in_grid(points);
-        Volume volume;
-        volume.metadata = points.metadata;
-        volume.codec = points.codec;
-        if (beside) volume = *beside;
-        const auto same = [&](const auto& each) { return is_point_grid(*each) && each->getName() == grid->getName(); };
-        const auto found = std::find_if(volume.grids.begin(), volume.grids.end(), same);
-        if (found == volume.grids.end()) volume.grids.push_back(std::move(grid));
-        else *found = std::move(grid);
-        write_vdb(path, volume, Codec::as_read, placement);
-        return left_out;
+        const auto grid = in_grid(points);
+        write_vdb(path, together(points, grid, beside), Codec::as_read, placement);
+        const auto* const seen_as = detected_profile(read_vdb_header(path));
+        const bool off = !offset_of(*grid).isZero(), seen_off = seen_as && seen_as->points_off;
+        if (off != seen_off) out.offset = off ? "half_voxel" : "none";
+        return out;
     }
-    auto ply = points.ply ? *points.ply : ply_of(*unplaced(points.grid, placement), left_out);
+    auto ply = points.ply ? *points.ply : ply_of(*placed(unplaced(points.grid, placement), {Vec3d(0), 1, offset_of(*points.grid)}), out.attributes);
     if (points.ply && placement && *placement != points.placement)
         for (std::size_t n = 0; n < ply.size; ++n)
             ply.set_position(n, (points.placement.scale * ply.position(n) + points.placement.translate - placement->translate) / placement->scale);
     if (encoding) ply.encoding = *encoding;
     write_ply(path, ply);
-    return left_out;
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -27,15 +27,20 @@ void look_at_points(const std::string& path, const std::string& grid);
 /// The points as a grid in the shot's world, which remembers its placement.
 openvdb::GridBase::ConstPtr in_grid(const Points& points);
 
-/// Writes a PLY file if the path ends in .ply, else a VDB file; placements are undone. The file appears whole or not at all.
+/// What a file that was written does not say.
+struct Unsaid {
+    std::vector<std::string> attributes;  ///< names of those that PLY can't hold, and that stayed behind
+    std::string offset;                   ///< what points.read must be told as `offset` to find the points where they are; empty: nothing
+};
+
+/// Writes a PLY file if the path ends in .ply, else a VDB file; placements are undone, but that a PLY file knows no voxels, and has the points
+/// where they are against the grids. The file appears whole or not at all.
 /// @param beside     further grids for a VDB file. A point grid of the points' name gives its place to them, otherwise they come last; what
-///                   the file says of itself is what the volume says
+///                   it says of its file and codec goes before what the points say
 /// @param encoding   of a PLY file; null: as it was read, little-endian if it was none
 /// @param placement  what to undo instead, as for write_vdb
-/// @return attributes that PLY can't hold, by name, and that stayed behind
-/// @throws Failure if the file can't be written
-std::vector<std::string> write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding,
-                                      const Placement* placement);
+/// @throws Failure if the file can't be written, or if several point grids of `beside` have the points' name
+Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement);
 
 /// Whether a path ends as PLY files' do.
 bool names_ply(const std::string& path);

@@ -60,7 +60,7 @@ struct KeepOut {
         const nlohmann::ordered_json counts{{"points", io.source->size()}, {"moved", kept.moved}, {"stuck", kept.stuck}};
         context.report("points", {{context.per_frame() ? std::to_string(context.frame()) : "all", counts}});
         if (kept.stuck > 0)
-            context.warn("some points lie so deep in the solid that its distances do not say which way is out, and stay; give it a wider `band`");
+            context.warn("some points lie so deep in the solid that its distances do not say which way is out, and stay; give it a wider `half_width`");
         io.points = kept.moved > 0 ? std::make_shared<Points>(std::move(kept.points)) : io.source;
     }
 };
@@ -94,7 +94,9 @@ NodeType points_keep_out() {
                             "Moves particles that lie in a solid out to its surface: where a carve moved banks and water by a little less or more.")
         .input("source", &KeepOut::Ports::source, "The particles. Those outside the solid stay bit for bit.")
         .input("solid", &KeepOut::Ports::solid, "A level set, below 0 inside: sdf.from_mesh of the carved bank.")
-        .output("points", &KeepOut::Ports::points, "The particles, none in the solid. The report's section `points` says how many were moved.");
+        .output("points", &KeepOut::Ports::points,
+                "The particles, none in the solid but those too deep in it to know the way out. The report's section `points` counts those moved, and those "
+                "stuck.");
 }
 
 }  // namespace fluidcarve

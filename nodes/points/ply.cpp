@@ -79,6 +79,19 @@ std::vector<std::string> words_of(const std::string& line) {
     return {std::istream_iterator<std::string>(in), {}};
 }
 
+/// As std::from_chars, but that what is too small for its type is the nearest that it has.
+template <class T>
+std::from_chars_result parse(const char* begin, const char* end, T& value) {
+    const auto parsed = std::from_chars(begin, end, value);
+    if constexpr (std::is_floating_point_v<T>) {
+        long double wide = 0;
+        if (parsed.ec != std::errc::result_out_of_range || std::from_chars(begin, end, wide).ec != std::errc() || std::abs(wide) > 1) return parsed;
+        value = static_cast<T>(wide);
+        return {parsed.ptr, std::errc()};
+    }
+    return parsed;
+}
+
 class Reader {
 public:
     explicit Reader(const std::string& path) : path_(path) {
@@ -213,7 +226,7 @@ private:
                 const auto* const to = std::find_if(at, end, is_space);
                 if (at == to) cut_off(fmt::format("it states {} vertices and ends in vertex {}", points_.size, row));
                 with_type(column.type, [&](auto value) {
-                    const auto parsed = std::from_chars(*at == '+' ? at + 1 : at, to, value);
+                    const auto parsed = parse(*at == '+' ? at + 1 : at, to, value);
                     if (parsed.ec != std::errc() || parsed.ptr != to)
                         damaged(fmt::format("vertex {} has '{}' as {}, a {}", row, shown(std::string(at, to)), column.name, column.type_name));
                     std::memcpy(column.values.data() + row * sizeof value, &value, sizeof value);

@@ -108,17 +108,26 @@ void with_attribute_type(PlyType type, bool vector, const Visit& visit) {
     }
 }
 
-double voxel_size_of(const std::vector<Vec3d>& positions) {
-    openvdb::BBoxd box;
-    for (const auto& at : positions) box.expand(at);
+double voxel_size_of(const Vec3d& size, std::size_t count) {
     constexpr double points_per_voxel = 8;
-    const auto size = positions.empty() ? Vec3d(0) : box.extents();
     const double longest = std::max({size.x(), size.y(), size.z()});
     if (!(longest > 0)) return 1;
     // A dimension in which the points hardly differ would make the voxels as small as that.
     double volume = 1;
     for (int n = 0; n < 3; ++n) volume *= std::max(size[n], longest / 1000);
-    return std::cbrt(volume * points_per_voxel / static_cast<double>(positions.size()));
+    return std::cbrt(volume * points_per_voxel / static_cast<double>(count));
+}
+
+/// Around the points: voxels are counted in whole numbers that do not reach far from the grid's origin.
+openvdb::math::Transform::Ptr transform_around(const std::vector<Vec3d>& positions) {
+    if (positions.empty()) return openvdb::math::Transform::createLinearTransform(1);
+    openvdb::BBoxd box;
+    for (const auto& at : positions) box.expand(at);
+    const double voxel = voxel_size_of(box.extents(), positions.size());
+    const auto out = openvdb::math::Transform::createLinearTransform(voxel);
+    const auto middle = box.getCenter() / voxel;
+    out->postTranslate(voxel * Vec3d(std::round(middle.x()), std::round(middle.y()), std::round(middle.z())));
+    return out;
 }
 
 }  // namespace
@@ -128,13 +137,13 @@ openvdb::GridBase::Ptr grid_of(const PlyPoints& points) {
     std::vector<Vec3d> positions;
     for (std::size_t n = 0; n < points.size; ++n) positions.push_back(points.position(n));
     const auto grid = PointDataGrid::create();
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_size_of(positions)));
+    grid->setTransform(transform_around(positions));
     grid->setName("points");
 
     std::map<Coord, std::vector<std::pair<Index, std::size_t>>> leaves;  // by origin: voxel and row
     for (std::size_t n = 0; n < points.size; ++n) {
         const auto at = grid->worldToIndex(positions[n]);
-        if (at.length() > 1e9) throw Failure(fmt::format("vertex {} is too far from the others to share a VDB grid with them", n));
+        if (!(at.length() < 1e9)) throw Failure(fmt::format("vertex {} is too far from the others to share a VDB grid with them", n));
         const auto voxel = Coord::round(at);
         leaves[voxel & ~static_cast<std::int32_t>(Leaf::DIM - 1)].emplace_back(Leaf::coordToOffset(voxel), n);
     }

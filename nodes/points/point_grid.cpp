@@ -136,8 +136,14 @@ std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves, const Attri
         bool uniform = true;
         for (const auto& [leaf, pairs] : runs) {
             const auto& source = *leaves.all[leaf]->attributeSet().getConst(n);
-            target.copyValuesUnsafe(source, CopyRun{&pairs});
             uniform = uniform && source.isUniform();
+            // Of a uniform array there is one value, where the copy reads as many as the stride.
+            AttributeArray::Ptr whole;
+            if (source.isUniform() && source.stride() > 1) {
+                whole = source.copy();
+                whole->expand();
+            }
+            target.copyValuesUnsafe(whole ? *whole : source, CopyRun{&pairs});
         }
         if (uniform) target.compact();
     }
@@ -162,7 +168,10 @@ void require_sound(const openvdb::GridBase& grid, const std::string& path) {
     const auto refuse = [&](const std::string& fault) {
         throw Failure(fmt::format("{} is damaged: grid '{}': {}", path, grid.getName(), fault), Failure::Kind::input);
     };
-    const AttributeSet::Descriptor* first = nullptr;
+    const auto place_of = [](const Coord& at) { return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z()); };
+    // Arrays that say of one value that all points have it state any number of points in no bytes.
+    constexpr std::uint64_t values_per_byte = 16;
+    const AttributeSet* first = nullptr;
     std::uint64_t count = 0;
     for (auto leaf = of(grid).tree().cbeginLeaf(); leaf; ++leaf) {
         const auto& set = leaf->attributeSet();
@@ -174,15 +183,24 @@ void require_sound(const openvdb::GridBase& grid, const std::string& path) {
         const auto* const positions = set.getConst("P");
         if (!positions || positions->valueType() != openvdb::typeNameAsString<Vec3f>() || positions->stride() != 1)
             refuse("it has no attribute P of type vec3s, which holds the positions");
-        if (first && first != &set.descriptor() && *first != set.descriptor()) refuse("its points have other attributes here than there");
-        first = first ? first : &set.descriptor();
-        for (std::size_t n = 0; n < set.size(); ++n)
-            if (!set.getConst(n)->hasConstantStride()) refuse("it has an attribute of a length that varies from point to point");
+        if (first && &first->descriptor() != &set.descriptor() && first->descriptor() != set.descriptor())
+            refuse("its points have other attributes here than there");
+        first = first ? first : &set;
+        for (std::size_t n = 0; n < set.size(); ++n) {
+            const auto& array = *set.getConst(n);
+            if (!array.hasConstantStride()) refuse("it has an attribute of a length that varies from point to point");
+            if (array.stride() < 1 || array.stride() != first->getConst(n)->stride()) refuse("it has an attribute of other lengths here than there");
+            if (array.size() != leaf->pointCount())
+                refuse(fmt::format("it counts {} points at {}, but has {} values", leaf->pointCount(), place_of(leaf->origin()), array.size()));
+            const auto values = std::uint64_t{array.size()} * array.stride(), most = values_per_byte * leaf->memUsage();
+            if (values > most)
+                refuse(fmt::format("it states {} values in the voxels from {}, more than the {} that as many bytes can mean", values, place_of(leaf->origin()),
+                                   most));
+        }
         const Positions handle(*positions);
         each_point(*leaf, [&](Index point, Index voxel) {
             if (openvdb::math::isFinite(handle.get(point))) return;
-            const auto at = leaf->offsetToGlobalCoord(voxel);
-            refuse(fmt::format("the position of a point in voxel [{}, {}, {}] is not finite", at.x(), at.y(), at.z()));
+            refuse(fmt::format("the position of a point in voxel {} is not finite", place_of(leaf->offsetToGlobalCoord(voxel))));
         });
         count += leaf->pointCount();
     }

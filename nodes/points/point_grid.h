@@ -11,8 +11,8 @@ inline bool is_point_grid(const openvdb::GridBase& grid) { return grid.type() ==
 // All grids below are point grids.
 
 /// Looks at all that the functions below rely on, as a file may hold anything.
-/// @throws Failure (input) naming the file and the grid: counts that don't fit, no positions, one that is not finite, attributes that
-///   differ from leaf to leaf or that are of varying length
+/// @throws Failure (input) naming the file and the grid: counts that don't fit, or far beyond what so many bytes can hold, no positions, one
+///   that is not finite, attributes that differ from leaf to leaf or that are of varying length
 void require_sound(const openvdb::GridBase& grid, const std::string& path);
 
 std::size_t point_count(const openvdb::GridBase& grid);
@@ -24,9 +24,9 @@ std::vector<std::uint64_t> point_identities(const openvdb::GridBase& grid);
 /// As for Points. Leaves whose points all stay are shared.
 openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid, const std::vector<PointImage>& images);
 
-/// The vertices as a grid `points` in the same space, with about eight points to a voxel of the box around them: positions as floats
-/// within their voxel, three properties `name_x`, `name_y`, `name_z` of one type as a vector, whole numbers in the least type that
-/// holds them all.
+/// The vertices as a grid `points` in the same space, with about eight points to a voxel of the box around them, in whose middle the
+/// grid's origin is: positions as floats within their voxel, three properties `name_x`, `name_y`, `name_z` of one type as a vector, whole
+/// numbers in the least type that holds them all.
 openvdb::GridBase::Ptr grid_of(const PlyPoints& points);
 
 /// The points as vertices in the grid's space: positions as doubles, vectors as `name_x`, `name_y`, `name_z`, groups as 0 or 1 in

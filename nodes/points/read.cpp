@@ -26,7 +26,10 @@ struct PointsRead {
         Ref<Points> points;
     };
 
-    static void check(const Params& params, NodeCheck& check) { check_missing(params.path, params.missing, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_missing(params.path, params.missing, check);
+        if (names_ply(params.path.text()) && check.stated("offset")) check.fault("offset", "is for VDB files; a PLY file has its points where they are");
+    }
 
     static void survey(const Params& params, Survey& survey) {
         survey_files(params.path, params.missing, survey, [&](int, int file) { look_at_points(params.path.at(file), params.grid); });
@@ -47,7 +50,8 @@ NodeType points_read() {
         .param("missing", &PointsRead::Params::missing, missing_doc)
         .param("offset", &PointsRead::Params::offset,
                "Where a VDB file's points are against its other grids: where the file says (none), or half a voxel below along each axis, as in Blender's "
-               "liquids (half_voxel). Auto knows Blender's files by their grids. The writer takes it back.")
+               "liquids (half_voxel). Auto knows Blender's files by their grids, `particles` or `shadow` beside `velocity` or `density`: of particles alone in "
+               "a file, say half_voxel. Writers of VDB files take it back.")
         .param("translate", &PointsRead::Params::translate, Unit::world, any_number(),
                "Where the file's origin is in the shot's world, as for vdb.read of the same file; the writer takes it back.")
         .param("scale", &PointsRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")

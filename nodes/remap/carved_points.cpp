@@ -87,9 +87,10 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         const int ahead = static_cast<int>(passed), back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
         return (step.inserts() ? -1 : 1) * (ahead - 2 * back);
     };
-    // Points half a vertex from a removed seam, or on a doubled entry, stay whole.
-    const auto beyond = [&](double place, std::size_t n) { return inserts(n) ? place > bound(n) + snap_width : place >= bound(n) - snap_width; };
-    const auto before = [&](double place, std::size_t n) { return inserts(n) ? place < bound(n) - snap_width : place <= bound(n) + snap_width; };
+    // Points half a vertex from a removed seam, or on a doubled entry, stay whole. Near a rim seams are narrower than what snaps elsewhere.
+    const double near = std::min(snap_width, scale / 4);
+    const auto beyond = [&](double place, std::size_t n) { return inserts(n) ? place > bound(n) + near : place >= bound(n) - near; };
+    const auto before = [&](double place, std::size_t n) { return inserts(n) ? place < bound(n) - near : place <= bound(n) + near; };
     for (std::size_t passed = 0; passed <= bounds.size(); ++passed) {
         const double place = u - scale * d(passed);
         if (passed > 0 && !beyond(place, passed - 1)) break;
@@ -135,7 +136,8 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
             }
             ways.swap(next);
         }
-        part.deleted += ways.empty();
+        // The point itself comes first; a later step may take it and leave its copies.
+        part.deleted += ways.empty() || ways.front().copy != 0;
         for (const auto& way : ways) {
             const bool moved = way.at != *from;
             part.images.push_back({source, moved, moved ? positions[n] + mapping.position(way.at) - mapping.position(*from) : Vec3d(0)});

@@ -19,7 +19,7 @@ void carve_point(const CarveStep& step, const openvdb::Vec3d& at, std::vector<do
 /// Vertices by which copies are moved at most.
 constexpr double default_jitter = 0.25;
 
-/// What became of the points of a list.
+/// What became of the points of a list: `points - deleted + copied` are left.
 struct CarvedPoints {
     std::size_t moved = 0, deleted = 0, copied = 0;
     std::vector<PointImage> images;

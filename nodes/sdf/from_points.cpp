@@ -2,11 +2,27 @@
 
 #include "nodes/field/stencil.h"
 
+#include <fmt/format.h>
 #include <openvdb/tools/LevelSetFilter.h>
 #include <openvdb/tools/ParticlesToLevelSet.h>
 
 namespace fluidcarve {
 namespace {
+
+/// Points are told apart by voxels up to here.
+constexpr double farthest = 1e9;
+
+/// Positions that no voxel's centre is, by a hair: in a ball smaller than the band, ParticlesToLevelSet would make a hole of its middle.
+std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, const openvdb::math::Transform& transform) {
+    const double voxel = transform.voxelSize().x();
+    for (auto& at : positions) {
+        const auto index = [&] { return transform.worldToIndex(at); };
+        if (!(index().length() < farthest))
+            throw Failure(fmt::format("a particle at [{}, {}, {}] is too far from the grid's origin to stand in one of its voxels", at.x(), at.y(), at.z()));
+        for (double hair = 1e-9 * voxel; hair < voxel && index() == openvdb::Coord::round(index()).asVec3d(); hair *= 2) at.x() += hair;
+    }
+    return positions;
+}
 
 /// As ParticlesToLevelSet wants to see points.
 struct Balls {
@@ -50,10 +66,11 @@ FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transfor
     out->setTransform(transform.copy());
     out->setGridClass(openvdb::GRID_LEVEL_SET);
     out->setName("surface");
-    const auto positions = points.positions();
+    const auto positions = off_centres(points.positions(), transform);
     openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*out);
     // Balls of less than a voxel are seen only where they hold a voxel's centre; that is the caller's choice.
     raster.setRmin(0);
+    raster.setRmax(2 * splat.radius);
     raster.rasterizeSpheres(Balls{positions}, splat.radius * voxel);
     raster.finalize(true);
     if (splat.smoothing > 0 && !out->tree().empty()) {

@@ -75,8 +75,8 @@ TEST_CASE("points.keep_out counts, tells of points too deep to know the way out,
     CHECK(run({}, ball(1)) == std::tuple(nlohmann::ordered_json{{"7", {{"points", 0}, {"moved", 0}, {"stuck", 0}}}}, std::vector<std::string>(), true));
     const auto [entry, warnings, same] = run({middle, middle + Vec3d(0.95, 0, 0)}, ball(1));
     CHECK(entry == nlohmann::ordered_json{{"7", {{"points", 2}, {"moved", 1}, {"stuck", 1}}}});
-    CHECK(warnings ==
-          std::vector<std::string>{"some points lie so deep in the solid that its distances do not say which way is out, and stay; give it a wider `band`"});
+    CHECK(warnings == std::vector<std::string>{
+                          "some points lie so deep in the solid that its distances do not say which way is out, and stay; give it a wider `half_width`"});
     CHECK(!same);
     const auto fog = FloatGrid::create();
     fog->setName("fog");

@@ -9,10 +9,12 @@
 #include "tests/support/scratch.h"
 
 #include <fmt/format.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 using namespace fluidcarve;
@@ -63,6 +65,39 @@ std::vector<std::string> sorted_rows(const PlyPoints& points) {
     return out;
 }
 
+/// With an attribute `weights` of several floats, all of which are the number of the leaf, held as one.
+Points with_weights(const Points& points, const std::function<openvdb::Index(int)>& stride) {
+    using namespace openvdb::points;
+    const auto grid = points.grid->deepCopyGrid();
+    int number = 0;
+    for (auto leaf = static_cast<PointDataGrid&>(*grid).tree().beginLeaf(); leaf; ++leaf, ++number) {
+        auto set = std::make_unique<AttributeSet>(leaf->attributeSet());
+        const auto weights = set->appendAttribute("weights", TypedAttributeArray<float>::attributeType(), stride(number));
+        static_cast<TypedAttributeArray<float>&>(*weights).collapse(static_cast<float>(number));
+        leaf->replaceAttributeSet(set.release(), true);
+    }
+    auto out = points;
+    out.grid = grid;
+    return out;
+}
+
+/// So many points in the voxel at the origin, right in its middle: held as one.
+openvdb::GridBase::Ptr crowd(openvdb::Index count) {
+    using namespace openvdb::points;
+    auto leaf = std::make_unique<PointDataTree::LeafNodeType>();
+    leaf->replaceAttributeSet(new AttributeSet(AttributeSet::Descriptor::create(TypedAttributeArray<openvdb::Vec3f>::attributeType()), count), true);
+    leaf->setOffsets(std::vector<PointDataTree::ValueType>(PointDataTree::LeafNodeType::SIZE, count));
+    const auto out = grid_of(ply_at({}));
+    out->setName("crowd");
+    static_cast<PointDataGrid&>(*out).tree().addLeaf(leaf.release());
+    return out;
+}
+
+struct Told : Context::Host {
+    std::vector<std::string> warnings;
+    void warn(const std::string& message) override { warnings.push_back(message); }
+};
+
 std::string refusal(const std::string& path) {
     const auto whole = failure_of([&] { read(path); });
     const auto start = whole.find(path);
@@ -102,6 +137,50 @@ TEST_CASE("Blender's particles stand where its grids say, half a voxel from wher
     const auto houdini = data + "/vdb/cortex_points.vdb";
     CHECK(read_points(houdini, "", PointOffset::detect, {}).positions() == read_points(houdini, "", PointOffset::none, {}).positions());
     CHECK(read_points(houdini, "", PointOffset::half_voxel, {}).positions() != read_points(houdini, "", PointOffset::none, {}).positions());
+}
+
+TEST_CASE("where a file's grids don't tell how its points are meant, the writer says what to tell points.read") {
+    const Scratch scratch;
+    const auto points = read(river_43);
+    const auto volume = read_vdb(river_43);
+    CHECK(write_points(scratch / "beside.vdb", points, &volume, nullptr, nullptr).offset.empty());
+    CHECK(read(scratch / "beside.vdb").positions() == points.positions());
+    CHECK(write_points(scratch / "alone.vdb", points, nullptr, nullptr, nullptr).offset == "half_voxel");
+    CHECK(read_points(scratch / "alone.vdb", "", PointOffset::half_voxel, {}).positions() == points.positions());
+    CHECK(read(scratch / "alone.vdb").positions() != points.positions());
+    const auto stated = read_points(river_43, "", PointOffset::none, {});
+    CHECK(write_points(scratch / "alone.vdb", stated, nullptr, nullptr, nullptr).offset.empty());
+    CHECK(write_points(scratch / "beside.vdb", stated, &volume, nullptr, nullptr).offset == "none");
+    CHECK(write_points(scratch / "a.ply", points, nullptr, nullptr, nullptr).offset.empty());
+
+    Told told;
+    NodeBench writer(points_write(), "{path: " + (scratch / "a.vdb") + "}");
+    const std::vector<int> frames{1};
+    writer.run({{"source", {Payload(std::make_shared<Points>(points))}}}, Context(told, frames).at(0));
+    CHECK(told.warnings ==
+          std::vector<std::string>{"the file's grids do not tell where the points are against them: read it by points.read with 'offset: half_voxel'"});
+}
+
+TEST_CASE("points keep what their file says of itself beside grids that say nothing, or something else") {
+    const Scratch scratch;
+    auto points = in_vdb(points_at({Vec3d(1, 2, 3)}));
+    points.metadata.insertMeta("shot", openvdb::Int32Metadata(7));
+    points.metadata.insertMeta("take", openvdb::Int32Metadata(2));
+    points.codec = "zip";
+    Volume beside;
+    beside.grids = {FloatGrid::create()};
+    beside.metadata.insertMeta("shot", openvdb::StringMetadata("eight"));
+    write_points(scratch / "a.vdb", points, &beside, nullptr, nullptr);
+    const auto written = read_vdb(scratch / "a.vdb");
+    CHECK(written.metadata.metaValue<std::string>("shot") == "eight");
+    CHECK(written.metadata.metaValue<std::int32_t>("take") == 2);
+    CHECK(written.codec == "zip");
+    beside.codec = "none";
+    write_points(scratch / "a.vdb", points, &beside, nullptr, nullptr);
+    CHECK(read_vdb(scratch / "a.vdb").codec == "none");
+    for (int n = 0; n < 2; ++n) beside.grids.push_back(points.grid);
+    CHECK(failure_of([&] { write_points(scratch / "b.vdb", points, &beside, nullptr, nullptr); }) ==
+          "'beside' has several grids of points 'points', and which of them to replace can't be told: write the points to a file of their own");
 }
 
 TEST_CASE("vdb.read places points among its grids as points.read does") {
@@ -155,6 +234,25 @@ TEST_CASE("a PLY file of another system's line ends, or with vertices on one lin
     CHECK(read(scratch.write("b.ply", header + "1 2 3 4 5 +6\r\n")).positions() == std::vector{Vec3d(1, 2, 3), Vec3d(4, 5, 6)});
 }
 
+TEST_CASE("numbers of an ASCII file that are too small for their type are the nearest that it has") {
+    const Scratch scratch;
+    const std::string header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty float z\nend_header\n";
+    const auto at = read(scratch.write("a.ply", header + "-1e-46 1e-400 1.2e-45\n")).ply->position(0);
+    CHECK(at == Vec3d(0, 0, std::numeric_limits<float>::denorm_min()));
+    CHECK(std::signbit(at.x()));
+}
+
+TEST_CASE("points far from the world's origin find their place in a grid") {
+    const Vec3d far(3e10, -1e10, 2e10);
+    auto positions = scattered({Vec3d(-5), Vec3d(5)}, 500, 21);
+    for (auto& at : positions) at += far;
+    const auto grid = in_vdb(points_at(positions));
+    const auto ids = grid.identities();
+    const auto there = grid.positions();
+    REQUIRE(there.size() == positions.size());
+    for (std::size_t n = 0; n < there.size(); ++n) REQUIRE((there[n] - positions[ids[n]]).length() < 2e-5);
+}
+
 TEST_CASE("a placement moves PLY points into the shot's world, and the writer takes it back to the last bit") {
     const Scratch scratch;
     const auto path = scratch.write("a.ply", typical_ascii);
@@ -170,12 +268,20 @@ TEST_CASE("a placement moves PLY points into the shot's world, and the writer ta
 TEST_CASE("points go from VDB to PLY and back with all that PLY can hold") {
     const Scratch scratch;
     const auto points = read(river_43);
-    CHECK(write_points(scratch / "a.ply", points, nullptr, nullptr, nullptr).empty());
+    CHECK(write_points(scratch / "a.ply", points, nullptr, nullptr, nullptr).attributes.empty());
     const auto ply = read(scratch / "a.ply");
     std::string names;
     for (const auto& column : ply.ply->columns) names += column.type_name + ' ' + column.name + ' ';
     CHECK(names == "double x double y double z int U float particles_velocity_x float particles_velocity_y float particles_velocity_z ");
-    CHECK(ply.positions() == read_points(river_43, "", PointOffset::none, {}).positions());
+    CHECK(ply.positions() == points.positions());
+    const Placement placement{Vec3d(1, -2, 3), 2};
+    const auto moved = read_points(river_43, "", PointOffset::detect, placement);
+    write_points(scratch / "moved.ply", moved, nullptr, nullptr, nullptr);
+    CHECK(Scratch::read(scratch / "moved.ply") == Scratch::read(scratch / "a.ply"));
+    const auto there = read_points(scratch / "moved.ply", "", PointOffset::detect, placement).positions(), wanted = moved.positions();
+    double worst = 0;
+    for (std::size_t n = 0; n < wanted.size(); ++n) worst = std::max(worst, (there[n] - wanted[n]).length());
+    CHECK(worst < 1e-12);
 
     write_points(scratch / "b.vdb", ply, nullptr, nullptr, nullptr);
     const auto back = read(scratch / "b.vdb");
@@ -195,10 +301,7 @@ TEST_CASE("points go from VDB to PLY and back with all that PLY can hold") {
 
 TEST_CASE("what PLY can't hold is said") {
     const Scratch scratch;
-    struct Told : Context::Host {
-        std::vector<std::string> warnings;
-        void warn(const std::string& message) override { warnings.push_back(message); }
-    } told;
+    Told told;
     const std::vector<int> frames{1};
     auto ply = ply_at({Vec3d(1, 2, 3)});
     ply.columns.push_back(column<std::uint32_t>("key", "uint", PlyType::uint32, {4000000000u}));
@@ -220,6 +323,8 @@ TEST_CASE("a writer is told apart by its path's ending, and says what does not f
           "beside: a PLY file holds points alone; write a .vdb, or the grids with vdb.write\n");
     CHECK(NodeBench(points_write(), "{path: a.vdb, encoding: ascii}").faults() == "encoding: is for PLY files; the path does not end in .ply\n");
     CHECK(NodeBench(points_write(), "{path: a.ply, encoding: ascii}").faults() == "");
+    CHECK(NodeBench(points_read(), "{path: a.ply, offset: half_voxel}").faults() == "offset: is for VDB files; a PLY file has its points where they are\n");
+    CHECK(NodeBench(points_read(), "{path: a.vdb, offset: half_voxel}").faults() == "");
     CHECK(NodeBench(points_read(), "{path: a.vdb, missing: hold}").faults() == "missing: 'hold' is for sequences; the path has no frame token such as ####\n");
 }
 
@@ -278,6 +383,7 @@ TEST_CASE("a PLY file that is damaged is refused with the reason") {
     CHECK(refused(with(small, "vertex 1", "vertex 99999999999999999999")) == "FILE is damaged: its header counts '99999999999999999999' of an element");
     CHECK(refused(with(small, "vertex 1", "vertex -1")) == "FILE is damaged: its header counts '-1' of an element");
     CHECK(refused(with(small, "1 2 3", "1 2 nan")) == "FILE is damaged: the position of vertex 0 is not finite");
+    CHECK(refused(with(small, "1 2 3", "1 2 1e39")) == "FILE is damaged: vertex 0 has '1e39' as z, a float");
     CHECK(refused(with(small, "1 2 3", "1 2 3 4")) == "FILE is damaged: it goes on after the 1 vertices that it states");
     CHECK(refused(with(small, "1 2 3", "100 2")) == "FILE is cut off: it states 1 vertices and ends in vertex 0; copy or write it again");
     CHECK(refused(with(small, "1 2 3", "1 2 {3}")) == "FILE is damaged: vertex 0 has '?3?' as z, a float");
@@ -318,6 +424,41 @@ TEST_CASE("a VDB file of points that is cut off, or holds what is no position, i
     Points points;
     points.grid = with_images(*good, {{0, false, {}}, {1, true, Vec3d(1, std::numeric_limits<double>::quiet_NaN(), 3)}});
     CHECK(failure_of([&] { require_sound(*points.grid, "a.vdb"); }).find("a.vdb is damaged: grid 'points': the position of a point in voxel [") == 0);
+}
+
+TEST_CASE("attributes of several values per point stay with their points, also where a leaf holds them as one") {
+    const auto points = with_weights(in_vdb(points_at(scattered({Vec3d(0), Vec3d(40)}, 3000, 22))), [](int) { return 12; });
+    require_sound(*points.grid, "a.vdb");
+    const auto positions = points.positions();
+    std::vector<PointImage> images;
+    // One in three moves far enough to come to another leaf.
+    for (std::uint32_t n = 0; n < positions.size(); ++n) images.push_back({n, n % 3 == 0, positions[n] + Vec3d(0, 20, 0)});
+    const auto moved = with_images(points, images);
+    require_sound(*moved.grid, "a.vdb");
+    std::vector<std::string> left_out;
+    auto was = ply_of(*points.grid, left_out), is = ply_of(*moved.grid, left_out);
+    REQUIRE(is.column("weights_11"));
+    CHECK(PlyPoints::number(*was.column("weights_11"), was.size - 1) > 2);
+    for (auto* const each : {&was, &is}) each->columns.erase(each->columns.begin(), each->columns.begin() + 3);
+    CHECK(sorted_rows(is) == sorted_rows(was));
+}
+
+TEST_CASE("a VDB file whose points' attributes don't fit one another, or that states far more points than it holds, is refused") {
+    const auto points = in_vdb(points_at(scattered({Vec3d(0), Vec3d(40)}, 3000, 23)));
+    CHECK(failure_of([&] { require_sound(*with_weights(points, [](int leaf) { return leaf == 0 ? 2 : 3; }).grid, "a.vdb"); }) ==
+          "a.vdb is damaged: grid 'points': it has an attribute of other lengths here than there");
+    CHECK(failure_of([&] { require_sound(*with_weights(points, [](int) { return 3; }).grid, "a.vdb"); }) == "");
+    CHECK(failure_of([&] { require_sound(*with_weights(points, [](int) { return 1 << 28; }).grid, "a.vdb"); }).find(" values in the voxels from [") !=
+          std::string::npos);
+
+    const Scratch scratch;
+    Volume volume;
+    volume.grids = {crowd(8 * 512)};
+    write_vdb(scratch / "few.vdb", volume);
+    CHECK(read(scratch / "few.vdb").size() == 8 * 512);
+    volume.grids = {crowd(100'000'000)};
+    write_vdb(scratch / "many.vdb", volume);
+    CHECK(refusal(scratch / "many.vdb").find("FILE is damaged: grid 'crowd': it states 100000000 values in the voxels from [0, 0, 0], more than the ") == 0);
 }
 
 TEST_CASE("a list of some of the points, moved and copied, keeps their attributes in both kinds of file") {

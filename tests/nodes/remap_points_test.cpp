@@ -232,6 +232,31 @@ TEST_CASE("a fade takes away and adds evenly less towards the rims, and keeps th
     CHECK(kept(9, 11) == Approx(whole).margin(0.02));
 }
 
+TEST_CASE("right beside a rim a fading seam takes and adds no less than its width") {
+    for (const double width : {1e-7, 4e-6, 1e-5, 4e-5, 1e-3}) {
+        INFO(width);
+        const auto places = [&](Kind kind, double from_bound) {
+            auto step = step_of(straight_seams(box, Axis::u, kind, {10}));
+            step.fade(4);
+            // An inserted seam doubles what is right before its new entry.
+            const double bound = kind == Kind::remove ? 9.5 : 11 - width;
+            auto out = places_of(step, Vec3d(bound + from_bound * width, 4 * width, 6));
+            for (auto& place : out) place = (place - bound) / width;
+            return out;
+        };
+        const auto are = [](const std::vector<double>& got, const std::vector<double>& wanted) {
+            REQUIRE(got.size() == wanted.size());
+            for (std::size_t n = 0; n < got.size(); ++n) CHECK(got[n] == Approx(wanted[n]).margin(1e-6));
+        };
+        are(places(Kind::remove, -0.5), {-0.5});
+        are(places(Kind::remove, 0.5), {});
+        are(places(Kind::remove, 1.5), {0.5});
+        are(places(Kind::insert, -0.5), {-0.5});
+        are(places(Kind::insert, 0.5), {0.5, 1.5});
+        are(places(Kind::insert, 1.5), {2.5});
+    }
+}
+
 TEST_CASE("in bent and closed lattices points outside stay, and the others move by whole vertices along u") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     std::mt19937 random(11);
@@ -299,6 +324,8 @@ TEST_CASE("a chain is carved in its order, each step in the space that those bef
     }
     CHECK(carved.copied > 1000);
     CHECK(carved.deleted > 1000);
+    // Also where a step takes a point whose copy stays.
+    CHECK(carved.images.size() == positions.size() - carved.deleted + carved.copied);
 }
 
 TEST_CASE("copies stand off by their point's id alone, and by no more than the jitter") {

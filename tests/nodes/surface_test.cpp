@@ -156,6 +156,29 @@ TEST_CASE("a point becomes a ball, points the union of theirs") {
     CHECK(curvature_field(*none)->activeVoxelCount() == 0);
 }
 
+TEST_CASE("a point on a voxel's centre makes a ball without a hole, and balls may be as large as they can be stated") {
+    const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+    const auto whole = [](const FloatGrid& surface, const Coord& middle, double radius) {
+        // What is no deeper than the band has a distance of its own.
+        for (auto at = CoordBBox(middle.offsetBy(-2), middle.offsetBy(2)).begin(); at; ++at) {
+            const auto distance = ((*at - middle).asVec3d().length() - radius) * voxel;
+            REQUIRE(surface.tree().isValueOn(*at));
+            REQUIRE(surface.tree().getValue(*at) == Approx(distance).margin(1e-5));
+        }
+    };
+    for (const auto& middle : {Coord(0, 0, 0), Coord(3, -5, 7), Coord(100000000, -5, 7)})
+        for (const double radius : {1.5, 3.0}) {
+            INFO(middle << ' ' << radius);
+            whole(*sdf_of_points(points_at({transform->indexToWorld(middle)}), *transform, {radius, 0, 3.01}), middle, radius);
+        }
+    CHECK(failure_of([&] { sdf_of_points(points_at({Vec3d(1e12, 0, 0)}), *transform, {}); }).find("is too far from the grid's origin") != std::string::npos);
+
+    const auto small = openvdb::math::Transform::createLinearTransform(0.014);
+    const auto large = sdf_of_points(points_at({Vec3d(0.1, 0.2, 0.3)}), *small, {100, 0, 3});
+    CHECK(large->tree().getValue(Coord::round(small->worldToIndex(Vec3d(0.1 + 1.4, 0.2, 0.3)))) == Approx(0).margin(0.014));
+    CHECK(large->activeVoxelCount() > 500000);
+}
+
 TEST_CASE("particles and grids of Blender's liquids make a surface in one place, the same for any number of threads") {
     const auto points = std::make_shared<Points>(read_points(river_43, "", PointOffset::detect, {}));
     const auto volume = read_vdb(river_43);
