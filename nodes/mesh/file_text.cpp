@@ -27,20 +27,26 @@ std::optional<Number> parsed(std::string_view word) {
 
 }  // namespace
 
-FileText::FileText(std::string path) : path_(std::move(path)) {
+FileText::FileText(std::string path, std::size_t most) : path_(std::move(path)) {
     std::error_code error;
-    if (std::filesystem::is_directory(path_, error)) throw Failure(path_ + " is a folder", Failure::Kind::input);
+    const auto status = std::filesystem::status(path_, error);
+    if (std::filesystem::is_directory(status)) throw Failure(path_ + " is a folder", Failure::Kind::input);
+    // To open a pipe would wait for who writes into it.
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        throw Failure(path_ + " is a pipe or a device; a mesh is read from a regular file", Failure::Kind::input);
     std::ifstream in(path_, std::ios::binary);
-    const auto size = std::filesystem::file_size(path_, error);
+    size_ = std::filesystem::file_size(path_, error);
     if (!in || error) throw Failure(path_ + " can't be opened", Failure::Kind::input);
-    text_.resize(size);
-    if (!in.read(text_.data(), static_cast<std::streamsize>(size))) throw Failure(path_ + " can't be read", Failure::Kind::input);
+    text_.resize(std::min<std::size_t>(size_, most));
+    if (!in.read(text_.data(), static_cast<std::streamsize>(text_.size()))) throw Failure(path_ + " can't be read", Failure::Kind::input);
     if (text_.empty()) fault_in_all("the file is empty");
 }
 
 bool FileText::next() {
-    if (next_ >= text_.size()) return false;
-    const auto end = std::min(text_.find('\n', next_), text_.size());
+    const auto found = text_.find('\n', next_);
+    ran_out_ = found == std::string::npos && text_.size() < size_;
+    if (next_ >= text_.size() || ran_out_) return false;
+    const auto end = std::min(found, text_.size());
     line_ = std::string_view(text_).substr(next_, end - next_);
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     next_ = std::min(end + 1, text_.size());
@@ -52,6 +58,7 @@ bool FileText::next() {
 std::string_view FileText::word(char comment) {
     const auto begin = std::min(line_.find_first_not_of(blanks, in_line_), line_.size());
     if (begin == line_.size() || (comment != 0 && line_[begin] == comment)) {
+        has_comments_ = has_comments_ || begin != line_.size();
         in_line_ = line_.size();
         return {};
     }
@@ -80,8 +87,14 @@ std::string_view FileText::take(std::size_t bytes) {
 }
 
 double FileText::number(std::string_view word) const {
+    const double out = any_number(word);
+    if (!std::isfinite(out)) fault(fmt::format("{} is no number", quoted(word)));
+    return out;
+}
+
+double FileText::any_number(std::string_view word) const {
     const auto out = parsed<double>(word);
-    if (!out || !std::isfinite(*out)) fault(fmt::format("{} is no number", quoted(word)));
+    if (!out) fault(fmt::format("{} is no number", quoted(word)));
     return *out;
 }
 

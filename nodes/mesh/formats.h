@@ -33,6 +33,8 @@ void require_vertices(const FileText& file, const Mesh& mesh);
 std::string text_of(const Mesh::Attribute& attribute);
 /// "vertices", "faces" or "corners".
 std::string text_of(Mesh::Attribute::On on);
+/// What full light is in colours of this type: an integer's maximum, or 1.
+double full_light(Mesh::Attribute::Type type);
 /// Says that an attribute, or all lines of another format's file, are not written.
 void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why);
 /// The mesh's lines if its file was of this format; says that groups and materials of another are not written.

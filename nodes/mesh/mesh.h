@@ -26,7 +26,7 @@ struct Mesh {
         std::string name;  ///< "uv", "normal", "colour", or the file's own
         On on = On::vertices;
         std::vector<std::string> parts;  ///< what PLY calls its numbers: "nx", "ny", "nz"
-        Type type = Type::float32;       ///< colours of integer types reach from 0 to 255, others from 0 to 1
+        Type type = Type::float32;       ///< colours reach to an integer type's maximum, others to 1
         std::vector<double> values;      ///< parts.size() per entry; an entry per vertex or face, in their order
         std::vector<std::uint32_t> at;   ///< on corners: each corner's entry, or `none`; entries may be shared
 

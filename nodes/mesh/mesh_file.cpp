@@ -10,6 +10,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace fluidcarve {
 namespace {
@@ -53,9 +54,16 @@ MeshFile read_mesh(const std::string& path) {
 }
 
 void probe_mesh(const std::string& path) {
+    constexpr std::size_t most_heads = 1 << 16;
     const auto& format = format_of(path);
-    FileText file(path);
-    format.probe(file);
+    FileText head(path, most_heads);
+    try {
+        format.probe(head);
+    } catch (const Failure&) {
+        if (!head.ran_out()) throw;
+        FileText file(path);
+        format.probe(file);
+    }
 }
 
 std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement) {
@@ -87,6 +95,21 @@ std::string text_of(const Mesh::Attribute& attribute) {
 std::string text_of(Mesh::Attribute::On on) {
     using On = Mesh::Attribute::On;
     return on == On::vertices ? "vertices" : on == On::faces ? "faces" : "corners";
+}
+
+double full_light(Mesh::Attribute::Type type) {
+    using Type = Mesh::Attribute::Type;
+    switch (type) {
+        case Type::int8: return std::numeric_limits<std::int8_t>::max();
+        case Type::uint8: return std::numeric_limits<std::uint8_t>::max();
+        case Type::int16: return std::numeric_limits<std::int16_t>::max();
+        case Type::uint16: return std::numeric_limits<std::uint16_t>::max();
+        case Type::int32: return std::numeric_limits<std::int32_t>::max();
+        case Type::uint32: return std::numeric_limits<std::uint32_t>::max();
+        case Type::float32:
+        case Type::float64: break;
+    }
+    return 1;
 }
 
 void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& why) {

@@ -15,11 +15,11 @@ struct MeshFile {
 
 /// Reads .obj, .ply (text or binary), .off (text) and .stl (text or binary). Numbers of text are kept at double precision, OBJ's
 /// UVs and normals per corner, PLY's properties under their own names. Only vertices of STL that stand at one place become one.
-/// @throws Failure (input) with the file, the place in it and the reason: missing, cut off, another format, a number that is
+/// @throws Failure (input) with the file, the place in it and the reason: missing, a pipe, cut off, another format, a number that is
 ///   none or not finite, a face with a vertex that there is not
 MeshFile read_mesh(const std::string& path);
 
-/// Looks at the head of a file alone, as far as its format has one. @throws Failure (input) as read_mesh
+/// Looks at the head of a file alone, as far as its format has one, and at the file's size. @throws Failure (input) as read_mesh
 void probe_mesh(const std::string& path);
 
 /// Writes the format that the path's ending names; a mesh of a file of that format as that file was. The file appears whole or

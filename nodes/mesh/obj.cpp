@@ -55,6 +55,7 @@ private:
     bool take(std::string_view keyword) {
         if (keyword.empty()) return false;
         if (keyword.starts_with('#')) return keep(), false;
+        if (file_.line().ends_with('\\')) file_.fault("a statement that is continued in the next line, by a '\\' at the end, can't be read; join the lines");
         if (keyword == "v") return take_vertex(), true;
         if (keyword == "vt") return take_tuple(uvs_, 1, 3), true;
         if (keyword == "vn") return take_tuple(normals_, 3, 3), true;
@@ -123,9 +124,12 @@ private:
     /// Lines and points are kept as they are written, so their indices must still be right where all vertices come first.
     void take_line() {
         for (auto word = file_.word('#'); !word.empty(); word = file_.word('#')) {
-            const auto vertex = word.substr(0, word.find('/'));
+            const auto slash = word.find('/');
+            const auto vertex = word.substr(0, slash);
             if (file_.whole(vertex) < 0)
                 file_.fault(fmt::format("{} counts back from the last vertex, which can't be kept in lines and points", quoted(vertex)));
+            if (slash != std::string_view::npos && file_.whole(word.substr(slash + 1)) < 0)
+                file_.fault(fmt::format("{} counts back from the last UV, which can't be kept in lines", quoted(word.substr(slash + 1))));
             if (index(vertex, mesh_.points.size()) >= mesh_.points.size())
                 file_.fault(fmt::format("{} is none of the {} vertices above", quoted(vertex), mesh_.points.size()));
         }
@@ -151,8 +155,6 @@ private:
     Pool uvs_{}, normals_{}, extra_{};
 };
 
-bool is_integer(Attribute::Type type) { return type != Attribute::Type::float32 && type != Attribute::Type::float64; }
-
 }  // namespace
 
 Mesh read_obj(FileText& file, Losses&) { return Reader(file).read(); }
@@ -167,20 +169,23 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     };
     const auto write_before = [&](std::size_t face) { write_up_to(std::find_if(line, lines.end(), [&](const Mesh::Line& each) { return each.face > face; })); };
     const Attribute *uvs = nullptr, *normals = nullptr, *extra = nullptr;
+    const bool own = mesh.origin && mesh.origin->format == "obj";
     for (const auto& attribute : mesh.attributes) {
         const auto parts = attribute.parts.size();
-        if (attribute.name == "uv" && !uvs) uvs = &attribute;
+        // Other formats' weights say something else, and their UVs have two parts.
+        const bool is_extra = attribute.name == "colour" ? parts == 3 || parts == 4 : attribute.name == "weight" && parts == 1 && own;
+        if (attribute.name == "uv" && (parts == 2 || own) && !uvs) uvs = &attribute;
         else if (attribute.name == "normal" && parts == 3 && !normals) normals = &attribute;
-        else if (attribute.on == Attribute::On::vertices && (attribute.name == "colour" || attribute.name == "weight") && !extra) extra = &attribute;
+        else if (attribute.on == Attribute::On::vertices && is_extra && !extra) extra = &attribute;
         else lose(losses, attribute, fmt::format(".obj holds none of {}", text_of(attribute.on)));
     }
 
     write_up_to(lines.begin() + (lines.empty() ? 0 : static_cast<std::ptrdiff_t>(mesh.origin->head)));
-    const bool bytes = extra && is_integer(extra->type);
+    const double light = extra ? full_light(extra->type) : 1;
     for (std::size_t n = 0; n < points.size(); ++n) {
         fmt::format_to(to, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());
         if (extra)
-            for (const double part : extra->entry(n)) fmt::format_to(to, " {}", bytes ? part / 255 : part);
+            for (const double part : extra->entry(n)) fmt::format_to(to, " {}", part / light);
         text.push_back('\n');
     }
     const auto write_pool = [&](const Attribute* pool, const char* keyword) {

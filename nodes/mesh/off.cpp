@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace fluidcarve {
@@ -47,7 +48,7 @@ Head read_head(FileText& file) {
     out.vertices = count();
     out.faces = count();
     count();  // of edges, which nobody states
-    const auto left = file.rest().size() + 1;
+    const auto left = file.left() + 1;
     if (out.vertices > left / 6 || out.faces > left / 8)
         file.fault_in_all(
             fmt::format("the head promises {} vertices and {} faces, for which the file is too short: it is cut off or damaged", out.vertices, out.faces));
@@ -83,8 +84,18 @@ void take(Attribute& into, const Numbers& numbers, std::size_t first, std::size_
 Attribute colour(Attribute::On on, std::size_t parts) {
     Attribute out{"colour", on, {"red", "green", "blue"}, Type::uint8, {}, {}};
     if (parts == 4) out.parts.emplace_back("alpha");
-    if (parts == 1) out.name = "colour_index", out.parts = {"index"};
+    if (parts == 1) out.name = "colour_index", out.parts = {"index"}, out.type = Type::int32;
     return out;
+}
+
+/// Colours as OFF has them: whole numbers to 255, or, with a point even where they are whole, to 1.
+void put_colours(fmt::memory_buffer& text, const Attribute& attribute, std::size_t n) {
+    const auto to = std::back_inserter(text);
+    const double light = full_light(attribute.type);
+    const bool index = attribute.name == "colour_index";
+    for (const double part : attribute.entry(n))
+        if (light == 1) fmt::format_to(to, " {:#}", part);
+        else fmt::format_to(to, " {}", index || light == 255 ? part : std::round(part * 255 / light));
 }
 
 }  // namespace
@@ -142,6 +153,7 @@ Mesh read_off(FileText& file, Losses& losses) {
     }
     if (!alike) losses.emplace_back("the colours of faces are left out: not all faces have as many numbers of them");
     else if (painted) out.attributes.push_back(std::move(*painted));
+    if (file.has_comments()) losses.emplace_back("comments are left out");
     return out;
 }
 
@@ -150,22 +162,22 @@ std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     made.reserve(mesh.attributes.size());
     const Attribute *uv = nullptr, *normal = nullptr, *colours = nullptr, *painted = nullptr;
     for (const auto& attribute : mesh.attributes) {
-        const bool is_colour = attribute.name == "colour";
-        if (is_colour && attribute.on == Attribute::On::faces) {
-            painted = &attribute;
-            continue;
-        }
-        auto& slot = attribute.name == "uv" ? uv : attribute.name == "normal" ? normal : colours;
-        const bool fits = attribute.name == "uv" ? attribute.parts.size() == 2 : attribute.name == "normal" || is_colour;
+        const auto parts = attribute.parts.size();
+        const bool on_faces = attribute.on == Attribute::On::faces, is_colour = attribute.name == "colour" && (parts == 3 || parts == 4);
+        auto& slot = on_faces ? painted : attribute.name == "uv" ? uv : attribute.name == "normal" ? normal : colours;
+        const bool fits = is_colour || (on_faces ? attribute.name == "colour_index" && parts == 1
+                                                 : (attribute.name == "uv" && parts == 2) || (attribute.name == "normal" && parts == 3));
         std::size_t several = 0;
-        if (attribute.name == "colour_index" && attribute.on == Attribute::On::faces) painted = &attribute;
-        else if (!fits || slot || attribute.on == Attribute::On::faces) lose(losses, attribute, fmt::format(".off holds none of {}", text_of(attribute.on)));
-        else if (attribute.on == Attribute::On::vertices) slot = &attribute;
+        if (!fits || slot) lose(losses, attribute, fmt::format(".off holds none of {}", text_of(attribute.on)));
+        else if (attribute.on != Attribute::On::corners) slot = &attribute;
         else if (auto single = per_vertex(mesh, attribute, several)) slot = &made.emplace_back(std::move(*single));
         else
             lose(losses, attribute,
                  fmt::format(".off holds one per vertex, and {} {} several or corners without", several, several == 1 ? "vertex has" : "vertices have"));
     }
+    for (const auto* const attribute : {colours, painted})
+        if (attribute && attribute->name == "colour" && full_light(attribute->type) > 255)
+            losses.push_back(fmt::format("colours of {} are rounded to bytes: .off holds no finer whole ones", text_of(attribute->on)));
     lines_for(mesh, "off", losses);
 
     fmt::memory_buffer text;
@@ -173,13 +185,14 @@ std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     fmt::format_to(to, "{}{}{}OFF\n{} {} 0\n", uv ? "ST" : "", colours ? "C" : "", normal ? "N" : "", points.size(), mesh.faces());
     for (std::size_t n = 0; n < points.size(); ++n) {
         fmt::format_to(to, "{} {} {}", points[n].x(), points[n].y(), points[n].z());
-        for (const auto* const attribute : {normal, colours, uv})
-            if (attribute) fmt::format_to(to, " {}", fmt::join(attribute->entry(n), " "));
+        if (normal) fmt::format_to(to, " {}", fmt::join(normal->entry(n), " "));
+        if (colours) put_colours(text, *colours, n);
+        if (uv) fmt::format_to(to, " {}", fmt::join(uv->entry(n), " "));
         text.push_back('\n');
     }
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
         fmt::format_to(to, "{} {}", mesh.face(n).size(), fmt::join(mesh.face(n), " "));
-        if (painted) fmt::format_to(to, " {}", fmt::join(painted->entry(n), " "));
+        if (painted) put_colours(text, *painted, n);
         text.push_back('\n');
     }
     return fmt::to_string(text);

@@ -7,8 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <type_traits>
 
 namespace fluidcarve {
 namespace {
@@ -27,6 +30,13 @@ constexpr std::array types = {TypeName{"char", "int8", Type::int8, 1},        Ty
                               TypeName{"int", "int32", Type::int32, 4},       TypeName{"uint", "uint32", Type::uint32, 4},
                               TypeName{"float", "float32", Type::float32, 4}, TypeName{"double", "float64", Type::float64, 8}};
 const TypeName& name_of(Type type) { return types[static_cast<std::size_t>(type)]; }
+
+bool is_integer(Type type) { return type != Type::float32 && type != Type::float64; }
+/// Whether a number is one of an integer type.
+bool is_one_of(Type type, double number) {
+    const double most = full_light(type), least = type == Type::int8 || type == Type::int16 || type == Type::int32 ? -most - 1 : 0;
+    return number == std::floor(number) && number >= least && number <= most;
+}
 
 /// Properties that belong together.
 struct Group {
@@ -47,6 +57,9 @@ struct Property {
     std::string name;
     Type type;
     std::optional<Type> count;  ///< of a list
+
+    bool is_axis() const { return !count && (name == "x" || name == "y" || name == "z"); }
+    bool is_corners() const { return count && (name == "vertex_indices" || name == "vertex_index"); }
 };
 struct Element {
     std::string name;
@@ -106,7 +119,7 @@ private:
             else if (!keyword.empty()) file_.fault(fmt::format("{} does not belong into a header", quoted(keyword)));
         }
         if (!stated) file_.fault("the header states no format");
-        std::size_t left = file_.rest().size() + 1;  // the last line of a text may lack its end
+        std::size_t left = file_.left() + 1;  // the last line of a text may lack its end
         for (const auto& element : elements_) {
             const auto each = element.bytes(origin_->binary);
             if (each > 0 && element.count > left / each)
@@ -181,13 +194,13 @@ private:
         std::vector<std::pair<std::size_t, std::size_t>> places;
     };
 
-    /// @param taken  properties that are none of attributes
-    Columns columns(const Element& element, Attribute::On on, const std::vector<std::string>& taken) {
+    /// @param taken  whether a property is none of attributes
+    Columns columns(const Element& element, Attribute::On on, bool (Property::*taken)() const) {
         Columns out;
         const auto& all = element.properties;
         out.places.resize(all.size());
         for (std::size_t n = 0; n < all.size();) {
-            if (std::find(taken.begin(), taken.end(), all[n].name) != taken.end()) {
+            if ((all[n].*taken)()) {
                 ++n;
                 continue;
             }
@@ -219,14 +232,15 @@ private:
     }
 
     void read_vertices(const Element& element) {
-        auto into = columns(element, Attribute::On::vertices, {"x", "y", "z"});
+        auto into = columns(element, Attribute::On::vertices, &Property::is_axis);
         std::array<std::size_t, 3> place{};
         for (std::size_t c = 0; c < 3; ++c) {
             const auto found = std::find_if(element.properties.begin(), element.properties.end(),
                                             [&](const Property& each) { return each.name == std::string(1, "xyz"[c]) && !each.count; });
             if (found == element.properties.end()) file_.fault_in_all(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
             place[c] = static_cast<std::size_t>(found - element.properties.begin());
-            origin_->number = found->type;
+            // What types differ in, the widest holds.
+            origin_->number = c == 0 || origin_->number == found->type ? found->type : Type::float64;
         }
         mesh_.points.resize(element.count);
         for (std::size_t n = 0; n < element.count; ++n)
@@ -242,7 +256,7 @@ private:
                     if (!std::isfinite(value))
                         file_.fault_in_all(fmt::format("vertex {} (counted from 0) is not at a finite place: its {} is {}", n, "xyz"[axis], value));
                     mesh_.points[n][static_cast<int>(axis)] = value;
-                } else if (property.name != "x" && property.name != "y" && property.name != "z") {
+                } else if (!property.is_axis()) {
                     into.attributes[into.places[p].first].values.push_back(value);
                 }
             }
@@ -250,10 +264,9 @@ private:
     }
 
     void read_faces(const Element& element) {
-        const auto is_corners = [](const Property& each) { return each.count && (each.name == "vertex_indices" || each.name == "vertex_index"); };
-        if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1 && element.count > 0)
+        if (std::count_if(element.properties.begin(), element.properties.end(), std::mem_fn(&Property::is_corners)) != 1 && element.count > 0)
             file_.fault_in_all("element 'face' has no list 'vertex_indices'");
-        auto into = columns(element, Attribute::On::faces, {"vertex_indices", "vertex_index"});
+        auto into = columns(element, Attribute::On::faces, &Property::is_corners);
         for (std::size_t n = 0; n < element.count; ++n)
             for (std::size_t p = 0; p < element.properties.size(); ++p) {
                 const auto& property = element.properties[p];
@@ -264,12 +277,12 @@ private:
                 const auto count = next_count(property);
                 for (std::size_t corner = 0; corner < count; ++corner) {
                     const double vertex = next(property.type);
-                    if (!is_corners(property)) continue;
+                    if (!property.is_corners()) continue;
                     if (!(vertex >= 0 && vertex < Attribute::none && vertex == std::floor(vertex)))
                         file_.fault_in_all(fmt::format("face {} (counted from 0) has a vertex {}", n, vertex));
                     mesh_.corners.push_back(static_cast<std::uint32_t>(vertex));
                 }
-                if (!is_corners(property)) continue;
+                if (!property.is_corners()) continue;
                 if (count < 3) file_.fault_in_all(fmt::format("face {} (counted from 0) has {} corners; it needs at least three", n, count));
                 mesh_.ends.push_back(mesh_.corners.size());
             }
@@ -296,10 +309,11 @@ public:
         const bool own = mesh.origin && mesh.origin->format == "ply";
         binary_ = !own || mesh.origin->binary;
         swap_ = own && mesh.origin->big_endian != (std::endian::native == std::endian::big);
-        const auto exact = [](const Vec3d& point) {
-            return std::all_of(point.asPointer(), point.asPointer() + 3, [](double c) { return static_cast<double>(static_cast<float>(c)) == c; });
+        const auto all = [&](const auto& holds) {
+            return std::all_of(points.begin(), points.end(), [&](const Vec3d& at) { return holds(at[0]) && holds(at[1]) && holds(at[2]); });
         };
-        number_ = own ? mesh.origin->number : std::all_of(points.begin(), points.end(), exact) ? Type::float32 : Type::float64;
+        if (own && (!is_integer(mesh.origin->number) || all([&](double c) { return is_one_of(mesh.origin->number, c); }))) number_ = mesh.origin->number;
+        else number_ = all([](double c) { return static_cast<double>(static_cast<float>(c)) == c; }) ? Type::float32 : Type::float64;
         for (const auto& attribute : mesh.attributes) {
             if (attribute.on != Attribute::On::corners) {
                 kept_.push_back(attribute);
@@ -359,6 +373,8 @@ private:
 
     template <class T>
     void put_bytes(double value) {
+        // Text may hold what its type does not.
+        if constexpr (std::is_integral_v<T>) value = std::clamp<double>(value, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max());
         auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(value));
         if (swap_) std::reverse(bytes.begin(), bytes.end());
         text_.append(bytes.data(), bytes.size());

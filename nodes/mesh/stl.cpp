@@ -16,6 +16,7 @@ using Attribute = Mesh::Attribute;
 using openvdb::Vec3d;
 
 constexpr std::size_t head_bytes = 80, triangle_bytes = 50;
+constexpr auto extra_type = Attribute::Type::uint16;  ///< of a binary triangle's last bytes
 
 template <class T>
 T little_endian(const char* bytes) {
@@ -28,11 +29,11 @@ T little_endian(const char* bytes) {
 /// The triangles that a binary file promises; nothing if it is text. @throws Failure if it is cut off
 std::optional<std::size_t> triangles_of(const FileText& file) {
     const auto all = file.rest();
-    const std::size_t head = head_bytes + 4;
-    const std::size_t count = all.size() < head ? 0 : little_endian<std::uint32_t>(all.data() + head_bytes);
-    const bool whole = all.size() >= head && (all.size() - head) / triangle_bytes >= count;
+    const std::size_t size = file.left(), head = head_bytes + 4;
+    const std::size_t count = size < head ? 0 : little_endian<std::uint32_t>(all.data() + head_bytes);
+    const bool whole = size >= head && (size - head) / triangle_bytes >= count;
     if (all.starts_with("solid") && (!whole || all.find("endsolid") != std::string_view::npos)) return std::nullopt;
-    if (all.size() < head) file.fault_in_all("this is no STL file: it neither begins with 'solid' nor has the head of a binary one");
+    if (size < head) file.fault_in_all("this is no STL file: it neither begins with 'solid' nor has the head of a binary one");
     if (!whole)
         file.fault_in_all(fmt::format("the head promises {} triangles, for which the file is too short: it is cut off, damaged, or no STL file", count));
     return count;
@@ -73,7 +74,7 @@ void read_binary(FileText& file, std::size_t count, Triangles& out, Mesh::Origin
     origin.binary = true;
     origin.lines.push_back({0, std::string(file.take(head_bytes))});
     file.take(4);
-    Attribute extra{"attribute", Attribute::On::faces, {"attribute"}, Attribute::Type::uint16, {}, {}};
+    Attribute extra{"attribute", Attribute::On::faces, {"attribute"}, extra_type, {}, {}};
     bool says = false;
     for (std::size_t n = 0; n < count; ++n) {
         const auto bytes = file.take(triangle_bytes);
@@ -100,6 +101,12 @@ void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
         for (int c = 0; c < 3; ++c) out[c] = file.number(file.any_word());
         return out;
     };
+    // Triangles without an area have normals of nan.
+    const auto direction = [&] {
+        Vec3d out;
+        for (int c = 0; c < 3; ++c) out[c] = file.any_number(file.any_word());
+        return out;
+    };
     bool open = false;
     for (;;) {
         auto word = file.word();
@@ -113,7 +120,7 @@ void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
             file.rest_of_line();
         } else if (word == "facet" && open) {
             expect("normal");
-            const auto normal = position();
+            const auto normal = direction();
             expect("outer");
             expect("loop");
             std::array<Vec3d, 3> corners;
@@ -151,8 +158,8 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     const Attribute *normals = nullptr, *extra = nullptr;
     for (const auto& attribute : mesh.attributes) {
         const bool on_faces = attribute.on == Attribute::On::faces;
-        if (on_faces && attribute.name == "normal") normals = &attribute;
-        else if (on_faces && attribute.name == "attribute" && !text) extra = &attribute;
+        if (on_faces && attribute.name == "normal" && attribute.parts.size() == 3 && !normals) normals = &attribute;
+        else if (on_faces && attribute.name == "attribute" && attribute.type == extra_type && !text && !extra) extra = &attribute;
         else lose(losses, attribute, ".stl holds nothing but triangles and their normals");
     }
     const auto& lines = lines_for(mesh, "stl", losses);
@@ -199,7 +206,7 @@ std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
         for (const auto& part : parts) {
             const auto &a = points[part[0]], &b = points[part[1]], &d = points[part[2]];
             auto normal = (b - a).cross(d - a);
-            normal.normalize();
+            if (const double length = normal.length(); length > 0) normal /= length;
             if (normals) normal = Vec3d(normals->entry(n).data());
             put_three("facet normal", normal);
             if (text) out += "outer loop\n";

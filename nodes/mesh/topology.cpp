@@ -19,8 +19,9 @@ void silence() {
     std::call_once(once, [] { omerr().disable(); });
 }
 
-/// How many pairs of vertices are joined by an odd number of sides of faces.
-std::size_t odd_edges(const Mesh& mesh) {
+}  // namespace
+
+std::size_t boundary_edges(const Mesh& mesh) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
     sides.reserve(mesh.corners.size());
     for (std::size_t n = 0; n < mesh.faces(); ++n) {
@@ -36,8 +37,6 @@ std::size_t odd_edges(const Mesh& mesh) {
     }
     return out;
 }
-
-}  // namespace
 
 Topology topology_of(const Mesh& mesh) {
     silence();
@@ -59,7 +58,7 @@ Topology topology_of(const Mesh& mesh) {
         for (const auto vertex : face) corners.emplace_back(static_cast<int>(vertex));
         if (!joined.add_face(corners).is_valid()) ++out.non_manifold_faces;
     }
-    out.boundary_edges = odd_edges(mesh);
+    out.boundary_edges = boundary_edges(mesh);
     std::vector<bool> used(mesh.points.size());
     for (const auto vertex : mesh.corners) used[vertex] = true;
     out.lone_vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));

@@ -19,6 +19,9 @@ struct Topology {
 /// Degenerate faces are left out of it.
 Topology topology_of(const Mesh& mesh);
 
+/// Topology::boundary_edges alone.
+std::size_t boundary_edges(const Mesh& mesh);
+
 /// What is unusual, in words, or empty. Boundaries and lone vertices are not.
 std::string faults_of(const Topology& topology);
 

@@ -12,16 +12,29 @@ using openvdb::Vec3d;
 /// Twice the area of a triangle, positive if it turns to the left.
 double area(const Vec2d& a, const Vec2d& b, const Vec2d& c) { return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()); }
 
+/// A corner of what is left of a face.
+struct Corner {
+    Vec2d at;
+    std::size_t before, after;
+    bool reflex = false;     ///< or straight: no ear, and the only kind that lies in ears of others
+    std::size_t in_way = 0;  ///< a corner that lay in its triangle; itself: none is known
+};
+
 /// The face's corners as seen from above, so that it turns to the left: along the axis in which its area (Newell's) is largest.
-std::vector<Vec2d> flattened(const std::vector<Vec3d>& points, std::span<const std::uint32_t> face) {
+std::vector<Corner> flattened(const std::vector<Vec3d>& points, std::span<const std::uint32_t> face) {
+    const auto& first = points[face[0]];
     Vec3d normal(0);
-    for (std::size_t n = 0; n < face.size(); ++n) normal += points[face[n]].cross(points[face[(n + 1) % face.size()]]);
+    for (std::size_t n = 1; n + 1 < face.size(); ++n) normal += (points[face[n]] - first).cross(points[face[n + 1]] - first);
     int axis = 0;
     for (int c = 1; c < 3; ++c)
         if (std::abs(normal[c]) > std::abs(normal[axis])) axis = c;
     const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-    std::vector<Vec2d> out;
-    for (const auto vertex : face) out.emplace_back(normal[axis] < 0 ? -points[vertex][x] : points[vertex][x], points[vertex][y]);
+    std::vector<Corner> out;
+    out.reserve(face.size());
+    for (std::size_t n = 0; n < face.size(); ++n) {
+        const auto& point = points[face[n]];
+        out.push_back({Vec2d(normal[axis] < 0 ? -point[x] : point[x], point[y]), (n + face.size() - 1) % face.size(), (n + 1) % face.size()});
+    }
     return out;
 }
 
@@ -33,32 +46,47 @@ void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t
         out.push_back({face[0], face[1], face[2]});
         return;
     }
-    const auto at = flattened(points, face);
-    std::vector<std::size_t> left(face.size());
-    for (std::size_t n = 0; n < left.size(); ++n) left[n] = n;
-    const auto neighbours = [&](std::size_t n) { return std::array{left[(n + left.size() - 1) % left.size()], left[n], left[(n + 1) % left.size()]}; };
+    auto ring = flattened(points, face);
+    std::vector<std::size_t> reflex;
+    const auto update = [&](std::size_t n) {
+        auto& corner = ring[n];
+        const bool was = corner.reflex;
+        corner.reflex = area(ring[corner.before].at, corner.at, ring[corner.after].at) <= 0;
+        if (corner.reflex && !was) reflex.push_back(n);
+        if (!corner.reflex && was) std::erase(reflex, n);
+        corner.in_way = n;
+    };
+    for (std::size_t n = 0; n < ring.size(); ++n) update(n);
     const auto is_ear = [&](std::size_t n) {
-        const auto [a, b, c] = neighbours(n);
-        if (area(at[a], at[b], at[c]) <= 0) return false;
-        return std::none_of(left.begin(), left.end(), [&, a = a, b = b, c = c](std::size_t other) {
-            const auto& p = at[other];
+        auto& corner = ring[n];
+        if (corner.reflex) return false;
+        if (corner.in_way != n && ring[corner.in_way].reflex) return false;
+        const auto &a = ring[corner.before].at, &b = corner.at, &c = ring[corner.after].at;
+        const auto found = std::find_if(reflex.begin(), reflex.end(), [&](std::size_t other) {
+            const auto& p = ring[other].at;
             // Corners at one place, as where a hole is joined to the rim, are in nobody's way.
-            return p != at[a] && p != at[b] && p != at[c] && area(at[a], at[b], p) >= 0 && area(at[b], at[c], p) >= 0 && area(at[c], at[a], p) >= 0;
+            return p != a && p != b && p != c && area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0;
         });
+        corner.in_way = found == reflex.end() ? n : *found;
+        return found == reflex.end();
     };
     std::size_t next = 0;
-    while (left.size() > 3) {
-        std::size_t tried = 0;
-        while (tried < left.size() && !is_ear((next + tried) % left.size())) ++tried;
+    for (auto left = face.size(); left > 3; --left) {
         // Without an ear the face meets itself: any cut is as good.
-        const auto ear = (next + tried) % left.size();
-        const auto [a, b, c] = neighbours(ear);
-        out.push_back({face[a], face[b], face[c]});
-        left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+        auto cut = next;
+        for (std::size_t tried = 0; tried < left && !is_ear(cut); ++tried) cut = ring[cut].after;
+        const auto before = ring[cut].before, after = ring[cut].after;
+        out.push_back({face[before], face[cut], face[after]});
+        if (ring[cut].reflex) std::erase(reflex, cut);
+        ring[cut].reflex = false;
+        ring[before].after = after;
+        ring[after].before = before;
+        update(before);
+        update(after);
         // The corner after the next: fans are thinner than strips.
-        next = (ear + 1) % left.size();
+        next = ring[after].after;
     }
-    out.push_back({face[left[0]], face[left[1]], face[left[2]]});
+    out.push_back({face[ring[next].before], face[next], face[ring[next].after]});
 }
 
 }  // namespace fluidcarve

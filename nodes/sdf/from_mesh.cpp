@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace fluidcarve {
 namespace {
@@ -19,6 +20,52 @@ using openvdb::Vec3s;
 
 constexpr double most_voxels = 1e9;
 constexpr double farthest = 1 << 22;  ///< voxels from the origin, where floats still tell halves apart
+
+/// How many voxels lie in a band around triangles, at most.
+class BandSize {
+public:
+    /// @param band  its half width, voxels, as all lengths here
+    explicit BandSize(double band) : band_(band), edge_(8 * band) {}
+
+    void add(const Vec3s& a, const Vec3s& b, const Vec3s& c) {
+        openvdb::BBoxd box;
+        for (const auto& corner : {a, b, c}) box.expand(openvdb::Vec3d(corner));
+        all_.expand(box);
+        // Slabs on both sides, half cylinders around edges, parts of balls around corners (Steiner).
+        const double perimeter = (b - a).length() + (c - b).length() + (a - c).length(), area = 0.5 * (b - a).cross(c - a).length();
+        const double sum = 2 * band_ * area + 0.5 * pi * band_ * band_ * perimeter + 4.0 / 3 * pi * std::pow(band_, 3);
+        if (box.extents()[box.maxExtent()] > edge_) {
+            large_ += sum;
+            return;
+        }
+        auto& cell = cells_[openvdb::Coord::floor(openvdb::Vec3d(a) / edge_)];
+        cell.box.expand(box);
+        cell.sum += sum;
+    }
+
+    /// Small triangles' bands overlap: those of a cell take no more than their box.
+    double voxels() const {
+        double out = large_;
+        for (const auto& [at, cell] : cells_) out += std::min(cell.sum, grown(cell.box));
+        return out > 0 ? std::min(out, grown(all_)) : 0;
+    }
+
+private:
+    struct Cell {
+        openvdb::BBoxd box;
+        double sum = 0;
+    };
+    static constexpr double pi = openvdb::math::pi<double>();
+
+    double grown(const openvdb::BBoxd& box) const {
+        const auto size = box.extents() + openvdb::Vec3d(2 * band_);
+        return size.x() * size.y() * size.z();
+    }
+
+    double band_, edge_, large_ = 0;
+    openvdb::BBoxd all_;
+    std::map<openvdb::Coord, Cell> cells_;
+};
 
 /// The mesh as triangles in the grid's index space.
 struct Triangles {
@@ -37,17 +84,17 @@ struct Triangles {
             throw Failure(fmt::format("the mesh reaches {:.3g} voxels away from the grid's origin: more than {:.0f} can't be told apart; choose larger voxels",
                                       reach, farthest));
         std::vector<std::array<std::uint32_t, 3>> parts;
-        double area = 0;
+        BandSize size(band);
         for (std::size_t n = 0; n < mesh.faces(); ++n) {
             triangulate(mesh.points, mesh.face(n), parts);
             for (const auto& [a, b, c] : parts) {
                 corners.emplace_back(a, b, c);
-                area += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).length();
+                size.add(points[a], points[b], points[c]);
             }
         }
-        if (!(2 * band * area <= most_voxels))
-            throw Failure(
-                fmt::format("the mesh's narrow band would take about {:.1e} voxels, more than {:.0e}; choose larger voxels", 2 * band * area, most_voxels));
+        if (const double voxels = size.voxels(); !(voxels <= most_voxels))
+            throw Failure(fmt::format("the band around the mesh's faces may take {:.1e} voxels, more than {:.0e}; choose larger voxels, or a narrower band",
+                                      voxels, most_voxels));
     }
 };
 
@@ -82,9 +129,10 @@ struct SdfFromMesh {
     static void run(const Params& params, Ports& io, Context& context) {
         const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
         if (io.like) cubic_voxel_size(*io.like->grid);
-        if (const auto topology = topology_of(*io.mesh); !params.thickness && !topology.closed() && io.mesh->faces() > 0)
+        auto surface = mesh_distance(*io.mesh, *transform, params.band, params.thickness);
+        if (surface->getGridClass() != openvdb::GRID_LEVEL_SET)
             context.warn("the mesh is not closed, so that it has no inside: the distances have no sign; state a `thickness` for a shell around its faces");
-        io.surface = mesh_distance(*io.mesh, *transform, params.band, params.thickness);
+        io.surface = std::move(surface);
     }
 };
 
@@ -98,7 +146,7 @@ FloatGrid::Ptr mesh_distance_unsigned(const Mesh& mesh, const openvdb::math::Tra
 
 FloatGrid::Ptr mesh_distance(const Mesh& mesh, const openvdb::math::Transform& transform, double band, std::optional<double> thickness) {
     if (!thickness) {
-        if (!topology_of(mesh).closed()) return mesh_distance_unsigned(mesh, transform, band);
+        if (boundary_edges(mesh) > 0) return mesh_distance_unsigned(mesh, transform, band);
         const auto out = distance(mesh, transform, band, 0);
         out->setGridClass(openvdb::GRID_LEVEL_SET);
         return out;

@@ -37,7 +37,13 @@ Mesh surface_mesh(const FloatGrid& grid, double isovalue, double adaptivity) {
     std::vector<openvdb::Vec3s> points;
     std::vector<openvdb::Vec3I> triangles;
     std::vector<openvdb::Vec4I> quads;
-    openvdb::tools::volumeToMesh(grid, points, triangles, quads, isovalue, adaptivity, true);
+    // OpenVDB takes what lies below the value for the inside in grids of this class alone, and else what lies above.
+    openvdb::MetaMap meta(grid);
+    const bool rises = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.background() > isovalue;
+    const auto grid_class = openvdb::GridBase::gridClassToString(rises ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
+    meta.insertMeta(openvdb::GridBase::META_GRID_CLASS, openvdb::StringMetadata(grid_class));
+    const auto classed = openvdb::gridConstPtrCast<FloatGrid>(static_cast<const openvdb::GridBase&>(grid).copyGridReplacingMetadata(meta));
+    openvdb::tools::volumeToMesh(*classed, points, triangles, quads, isovalue, adaptivity, true);
     Mesh out;
     out.points.assign(points.begin(), points.end());
     add_turned(quads, out);

@@ -44,8 +44,8 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
     for (std::size_t c = 0; c < length; ++c) {
         const auto* const energies = strip.energies(c);
         const auto way = [&](int i, int step) {
-            return before[static_cast<std::size_t>(i + step)] +
-                   static_cast<double>(strip.steps()(c, window.first + i, c - 1, window.first + i + step, in_time));
+            const auto from = static_cast<std::ptrdiff_t>(i) + step;
+            return before[static_cast<std::size_t>(from)] + static_cast<double>(strip.steps()(c, window.first + i, c - 1, window.first + i + step, in_time));
         };
         for (int i = 0; i < window.size(); ++i) {
             const auto at = static_cast<std::size_t>(i);

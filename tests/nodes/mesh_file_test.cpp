@@ -10,8 +10,12 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
+
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 
 using namespace fluidcarve;
 using openvdb::Vec3d;
@@ -200,7 +204,9 @@ TEST_CASE("what of a PLY file can't be kept is told") {
 TEST_CASE("an OFF file comes back with its normals, colours and UVs, and the colours of faces") {
     const Scratch scratch;
     const std::string all = "STCNOFF\n3 1 0\n0.123456789012345 0 0 0 0 1 255 0 0 0 0\n1 0 0 0 0 1 0 255 0 1 0\n0 1 0 0 0 1 0 0 255 0 1\n3 0 1 2 10 20 30\n";
-    const auto mesh = read(scratch, "a.off", "# a comment\n" + all);
+    const auto file = read_mesh(scratch.write("a.off", "# a comment\n" + all));
+    CHECK(file.losses == std::vector<std::string>{"comments are left out"});
+    const auto& mesh = file.mesh;
     CHECK(mesh.points[0].x() == 0.123456789012345);
     CHECK(mesh.find("colour")->type == Attribute::Type::uint8);
     CHECK(mesh.find("uv")->entry(1)[0] == 1);
@@ -209,6 +215,139 @@ TEST_CASE("an OFF file comes back with its normals, colours and UVs, and the col
     const auto fractions = read(scratch, "c.off", "COFF 3 0 0\n0 0 0 1.0 1.0 1.0\n1 0 0 1 1 1\n0 1 0 0 0 0\n");
     CHECK(fractions.find("colour")->type == Attribute::Type::float64);
     CHECK(fractions.faces() == 0);
+}
+
+TEST_CASE("whole colours of OFF keep their meaning: 1.0 stays full light, and 1 a byte") {
+    const Scratch scratch;
+    for (const std::string one : {"1.0", "1"}) {
+        const std::string zero = one == "1" ? "0" : "0.0", light = " " + one + " " + zero + " " + zero;
+        const auto text = "COFF\n3 1 0\n0 0 0" + light + "\n1 0 0" + light + "\n0 1 0" + light + "\n3 0 1 2" + light + "\n";
+        const auto mesh = read(scratch, "a.off", text);
+        CHECK(mesh.find("colour")->type == (one == "1" ? Attribute::Type::uint8 : Attribute::Type::float64));
+        CHECK(written(scratch, "b.off", mesh).text == text);
+    }
+    // A single number is an index, which a byte may not hold.
+    const std::string painted = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 70000\n";
+    const auto mesh = read(scratch, "c.off", painted);
+    CHECK(written(scratch, "c.off", mesh).text == painted);
+    written(scratch, "c.ply", mesh);
+    CHECK(read_mesh(scratch / "c.ply").mesh.attributes.at(0).values == std::vector<double>{70000});
+}
+
+TEST_CASE("integer colours reach to their type's maximum, in whatever format they are written; only OBJ's own weights become w") {
+    const Scratch scratch;
+    const auto mesh = read(scratch, "a.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
+                           "property ushort green\nproperty ushort blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                           "0 0 0 65535 0 257\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+    written(scratch, "a.obj", mesh);
+    const auto obj = read_mesh(scratch / "a.obj").mesh;
+    CHECK(obj.find("colour")->entry(0)[0] == 1);
+    CHECK(obj.find("colour")->entry(0)[2] == Approx(1 / 255.0));
+    const auto off = written(scratch, "a.off", mesh);
+    CHECK(off.text.find("\n0 0 0 255 0 1\n") != std::string::npos);
+    CHECK(off.losses == std::vector<std::string>{"colours of vertices are rounded to bytes: .off holds no finer whole ones"});
+
+    const std::string weighed = "v 0 0 0 2\nv 1 0 0 3\nv 0 1 0 4\nf 1 2 3\n";
+    CHECK(written(scratch, "b.obj", read(scratch, "b.obj", weighed)).text == weighed);
+    const auto skin = read(scratch, "b.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float weight\n"
+                           "end_header\n0 0 0 0.5\n");
+    const auto out = written(scratch, "c.obj", skin);
+    CHECK(out.text == "v 0 0 0\n");
+    CHECK(out.losses.size() == 1);
+}
+
+TEST_CASE("attributes that share a name alone with those of a format are told, not read beyond their width") {
+    const Scratch scratch;
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string tail = "end_header\n0 0 0 5\n1 0 0 5\n0 1 0 5\n3 0 1 2 7 8 9\n";
+    for (const std::string name : {"normal", "colour", "uv"}) {
+        INFO(name);
+        const auto mesh = read(scratch, "a.ply",
+                               head + "property float " + name +
+                                   "\nelement face 1\nproperty list uchar int vertex_indices\nproperty float normal\n"
+                                   "property float attribute\nproperty float colour\n" +
+                                   tail);
+        const auto stl = written(scratch, "a.stl", mesh), off = written(scratch, "a.off", mesh), obj = written(scratch, "a.obj", mesh);
+        for (const auto* const each : {&stl, &off, &obj}) CHECK(each->losses.size() == 4);
+        CHECK(read_mesh(scratch / "a.stl").mesh.find("normal")->values == std::vector<double>{0, 0, 1});
+        CHECK(off.text == "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        CHECK(obj.text == "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    }
+}
+
+TEST_CASE("a number of PLY's faces that is called like their list is an attribute, and a list that is called like an axis is none") {
+    const Scratch scratch;
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nproperty int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 7\n";
+    const auto mesh = read(scratch, "a.ply", text);
+    CHECK(mesh.corners == std::vector<std::uint32_t>{0, 1, 2});
+    REQUIRE(mesh.find("vertex_index"));
+    CHECK(mesh.find("vertex_index")->values == std::vector<double>{7});
+    CHECK(written(scratch, "b.ply", mesh).text == text);
+    const auto listed = read_mesh(scratch.write("c.ply",
+                                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nproperty float x\nproperty float y\n"
+                                                "property float z\nend_header\n2 8 9 1 2 3\n"));
+    CHECK(listed.mesh.points == std::vector<Vec3d>{{1, 2, 3}});
+    CHECK(listed.losses == std::vector<std::string>{"the list 'x' of element 'vertex' is left out"});
+}
+
+TEST_CASE("PLY's whole coordinates stay whole where vertices stay, and keep their fractions where they move; types that differ lose nothing") {
+    const Scratch scratch;
+    const auto head = [](const std::string& x, const std::string& z) {
+        return "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty " + x + " x\nproperty " + x + " y\nproperty " + z + " z\n" +
+               "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
+    };
+    const std::int16_t low = -32768, one = 1, two = 2;
+    const auto whole = head("short", "short") + bytes(low) + bytes(one) + bytes(two);
+    auto mesh = read(scratch, "a.ply", whole);
+    CHECK(written(scratch, "b.ply", mesh).text == whole);
+    for (const Vec3d& moved : {Vec3d(0.5, 1, 2), Vec3d(0.1, 1, 2), Vec3d(32768, 1, 2)}) {
+        mesh.points[0] = moved;
+        written(scratch, "b.ply", mesh);
+        CHECK(read_mesh(scratch / "b.ply").mesh.points[0] == moved);
+    }
+    const auto mixed = read(scratch, "c.ply", head("double", "short") + bytes(0.1) + bytes(0.2) + bytes(two));
+    written(scratch, "d.ply", mixed);
+    CHECK(read_mesh(scratch / "d.ply").mesh.points[0] == Vec3d(0.1, 0.2, 2));
+}
+
+TEST_CASE("a probe reads the head alone, and asks for a regular file") {
+    const Scratch scratch;
+    // So large that no memory holds it, but without a block on the disk.
+    const auto huge = [&](const std::string& name, const std::string& head) {
+        const auto path = scratch.write(name, head);
+        std::filesystem::resize_file(path, std::uintmax_t{1} << 42);
+        return path;
+    };
+    const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+    const std::string axes = "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+    CHECK_NOTHROW(probe_mesh(huge("a.obj", "v 0 0 0\n")));
+    CHECK_NOTHROW(probe_mesh(huge("a.ply", ply + "100000000000" + axes)));
+    CHECK_THROWS_WITH(probe_mesh(huge("b.ply", ply + "1000000000000" + axes)), Catch::Contains("for which the file is too short"));
+    CHECK_NOTHROW(probe_mesh(huge("a.off", "OFF\n100000 1000000 0\n")));
+    CHECK_NOTHROW(probe_mesh(huge("a.stl", std::string(80, 'x') + "\xff\xff\xff\xff")));
+    // Heads longer than is usual are heads too.
+    std::string comments;
+    for (int n = 0; n < 5000; ++n) comments += "comment of no use\n";
+    CHECK_NOTHROW(probe_mesh(scratch.write("c.ply", "ply\n" + comments + "format ascii 1.0\nelement vertex 1" + axes + "0 0 0\n")));
+
+    const auto pipe = scratch / "pipe.obj";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    CHECK_THROWS_WITH(probe_mesh(pipe), pipe + " is a pipe or a device; a mesh is read from a regular file");
+}
+
+TEST_CASE("STL's triangles without an area have a normal of nan, which comes back; of the tiniest others one is computed") {
+    const Scratch scratch;
+    const std::string text = "solid\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid\n";
+    CHECK(written(scratch, "a.stl", read(scratch, "a.stl", text)).text == text);
+    Mesh tiny;
+    tiny.points = {{0, 0, 0}, {1e-5, 0, 0}, {0, 1e-5, 0}};
+    tiny.add_face(std::array<std::uint32_t, 3>{0, 1, 2});
+    written(scratch, "b.stl", tiny);
+    CHECK(read_mesh(scratch / "b.stl").mesh.find("normal")->values == std::vector<double>{0, 0, 1});
 }
 
 TEST_CASE("an STL file comes back as it was, its corners at one place made one vertex") {
@@ -314,6 +453,8 @@ TEST_CASE("malformed OBJ files are refused with line and reason") {
     CHECK(fault(three + "f 1//1 2//1 3//1\n") == " face 1 has normal 1, but there are 0 normals");
     CHECK(fault(three + "f 1/1/1/1 2 3\n") == "4: a corner has at most three indices, as in 1/2/3");
     CHECK(fault(three + "l 1 -1\n") == "4: '-1' counts back from the last vertex, which can't be kept in lines and points");
+    CHECK(fault(three + "vt 0 0\nl 1/-1 2/-1\n") == "5: '-1' counts back from the last UV, which can't be kept in lines");
+    CHECK(fault(three + "f 1 2 \\\n3\n") == "4: a statement that is continued in the next line, by a '\\' at the end, can't be read; join the lines");
     CHECK(fault("\x89PNG\n") == "1: '?PNG' is no statement that can be kept: a mesh is made of v, vt, vn, f, l and p");
     CHECK_THROWS_WITH(read_mesh(scratch / "none.obj"), scratch / "none.obj" + " can't be opened");
     CHECK_THROWS_WITH(read_mesh(scratch.path()), scratch.path() + ": a mesh is a .obj, .ply, .off or .stl file, not ''");
@@ -425,6 +566,44 @@ TEST_CASE("a concave face is cut along its own diagonals") {
         CHECK(sum == Approx(turned ? 24 : -24));
         CHECK(sizes == Approx(24));
     }
+}
+
+TEST_CASE("a face of very many corners is cut in a moment, where hardly any is an ear") {
+    // A thin zigzag band: in each peak's triangle lies the corner beneath it.
+    const int side = 4000;
+    const Vec3d far(1e6, 1e6, 0);
+    std::vector<Vec3d> points;
+    for (int n = 0; n < side; ++n) points.push_back(far + Vec3d(n, n % 2, 0));
+    for (int n = side - 1; n >= 0; --n) points.push_back(far + Vec3d(n, n % 2 + 0.25, 0));
+    std::vector<std::uint32_t> face(points.size());
+    for (std::size_t n = 0; n < face.size(); ++n) face[n] = static_cast<std::uint32_t>(n);
+    std::vector<std::array<std::uint32_t, 3>> parts;
+    triangulate(points, face, parts);
+    double sum = 0, sizes = 0;
+    for (const auto& [a, b, c] : parts) {
+        const double area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).z();
+        sum += area;
+        sizes += std::abs(area);
+    }
+    CHECK(sum == Approx(0.25 * (side - 1)));
+    CHECK(sizes == Approx(sum));
+}
+
+TEST_CASE("how a face lies is told far away from the origin, too") {
+    // So small and so far that products of its coordinates lose its area. The corner at (2, 1) points inwards.
+    const std::array<Vec3d, 5> corners{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}}};
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::uint32_t first = 0; first < 5; ++first) {
+            std::vector<Vec3d> points;
+            for (const auto& at : corners) points.push_back(Vec3d(3.1e7, -2.3e7, 5.7e7) + 0.01 * Vec3d(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]));
+            std::vector<std::uint32_t> face;
+            for (std::uint32_t n = 0; n < 5; ++n) face.push_back((first + n) % 5);
+            std::vector<std::array<std::uint32_t, 3>> parts;
+            triangulate(points, face, parts);
+            double sizes = 0;
+            for (const auto& [a, b, c] : parts) sizes += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).length();
+            CHECK(sizes == Approx(1e-4 * 10).epsilon(1e-3));
+        }
 }
 
 TEST_CASE("mesh.read warns of what is unusual, places, and holds or misses frames; mesh.write wants an ending that it knows") {

@@ -129,6 +129,24 @@ TEST_CASE("a mesh that would fill the memory, or lies too far away, is refused")
     CHECK(mesh_distance(Mesh{}, *voxels(1), 3, std::nullopt)->activeVoxelCount() == 0);
 }
 
+TEST_CASE("the size of a band counts what lies around edges and corners, but where triangles share it once") {
+    Mesh speck;
+    speck.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    speck.add_face(std::array<std::uint32_t, 3>{0, 1, 2});
+    CHECK_THROWS_WITH(near_mask(speck, *voxels(1), 650), Catch::Contains("voxels, more than 1e+09; choose larger voxels, or a narrower band"));
+    CHECK_THROWS_WITH(mesh_distance(speck, *voxels(1), 650, std::nullopt), Catch::Contains("voxels, more than 1e+09"));
+    // Two sheets of many small triangles, whose bands one by one would be far too many, as would be the box around both.
+    Mesh sheets;
+    const int side = 72;
+    for (const int place : {0, 10000}) {
+        const auto first = static_cast<std::uint32_t>(sheets.points.size());
+        for (int n = 0; n < side * side; ++n) sheets.points.emplace_back(place + n % side, place + n / side, place);
+        for (std::uint32_t n = first; n < first + side * (side - 1); ++n)
+            if ((n - first) % side + 1 < side) sheets.add_face(std::array<std::uint32_t, 4>{n, n + 1, n + side + 1, n + side});
+    }
+    CHECK(mesh_distance(sheets, *voxels(1), 30, std::nullopt)->tree().getValue(Coord(10030, 10030, 10011)) == Approx(11));
+}
+
 TEST_CASE("the mesh of a level set lies on its surface, is closed, and is turned outwards") {
     const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(1.0f, openvdb::Vec3f(2, 0, 0), 0.1f, 3);
     for (const double adaptivity : {0.0, 0.5}) {
@@ -153,6 +171,32 @@ TEST_CASE("the mesh of a level set lies on its surface, is closed, and is turned
     for (auto voxel = again->cbeginValueOn(); voxel; ++voxel)
         if (std::abs(*voxel) < 0.1) worst = std::max<double>(worst, std::abs(*voxel - ball->tree().getValue(voxel.getCoord())));
     CHECK(worst < 0.02);
+}
+
+TEST_CASE("faces are turned outwards whatever the class of the grid says, and for densities too") {
+    /// What the faces enclose: below 0 if they are turned inwards.
+    const auto volume = [](const FloatGrid& grid, double isovalue) {
+        const auto mesh = surface_mesh(grid, isovalue, 0);
+        double out = 0;
+        for (std::size_t n = 0; n < mesh.faces(); ++n) {
+            const auto face = mesh.face(n);
+            for (std::size_t c = 2; c < face.size(); ++c) out += mesh.points[face[0]].dot(mesh.points[face[c - 1]].cross(mesh.points[face[c]])) / 6;
+        }
+        return out;
+    };
+    const auto of_ball = [](double radius) { return Approx(4.0 / 3 * openvdb::math::pi<double>() * radius * radius * radius).epsilon(0.02); };
+    const auto ball = openvdb::tools::createLevelSetSphere<FloatGrid>(1.0f, openvdb::Vec3f(2, 0, 0), 0.1f, 3);
+    for (const auto grid_class : {openvdb::GRID_LEVEL_SET, openvdb::GRID_UNKNOWN, openvdb::GRID_FOG_VOLUME}) {
+        ball->setGridClass(grid_class);
+        CHECK(volume(*ball, 0) == of_ball(1));
+        CHECK(ball->getGridClass() == grid_class);
+    }
+    FloatGrid density(0);
+    density.setTransform(ball->transform().copy());
+    for (auto voxel = ball->cbeginValueOn(); voxel; ++voxel) density.tree().setValue(voxel.getCoord(), 0.5f - *voxel);
+    for (auto tile = ball->cbeginValueOff(); tile; ++tile)
+        if (*tile < 0) density.tree().addTile(static_cast<openvdb::Index>(openvdb::FloatTree::DEPTH) - 1 - tile.getDepth(), tile.getCoord(), 1, true);
+    CHECK(volume(density, 0.4) == of_ball(1.1));
 }
 
 TEST_CASE("a grid of tiles alone has a surface too") {
