@@ -11,4 +11,5 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"
+#include "nodes/grid_instances.h"
 #include "nodes/payloads.h"
