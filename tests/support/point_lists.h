@@ -13,7 +13,7 @@ template <class T>
 PlyPoints::Column column(const std::string& name, const std::string& type_name, PlyType type, const std::vector<T>& values) {
     PlyPoints::Column out{name, type_name, type, {}};
     out.values.resize(values.size() * sizeof(T));
-    std::memcpy(out.values.data(), values.data(), out.values.size());
+    if (!values.empty()) std::memcpy(out.values.data(), values.data(), out.values.size());
     return out;
 }
 
