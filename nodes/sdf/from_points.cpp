@@ -67,6 +67,7 @@ FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transfor
     out->setGridClass(openvdb::GRID_LEVEL_SET);
     out->setName("surface");
     const auto positions = off_centres(points.positions(), transform);
+    if (positions.empty()) return out;
     openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*out);
     // Balls of less than a voxel are seen only where they hold a voxel's centre; that is the caller's choice.
     raster.setRmin(0);
