@@ -1,5 +1,7 @@
 #pragma once
 
+#include "graph/payload.h"
+
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
@@ -21,6 +23,7 @@ public:
         virtual void warn(const std::string& /*message*/) {}
         virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
         virtual void progress(double /*fraction*/) {}
+        virtual void hold(const Payload& /*result*/) {}
     };
 
     Context();
@@ -43,6 +46,8 @@ public:
     void check_cancelled() const;
     /// How far `finish` has come, 0 to 1.
     void progress(double fraction) const { host_->progress(fraction); }
+    /// What of a growing result (Growth) is there already, so that a run that is killed need not find it again.
+    void hold(const Payload& result) const { host_->hold(result); }
     /// Shown at the end and kept in the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
     /// An entry for this node in a section of the report (`seams`).

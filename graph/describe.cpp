@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace fluidcarve {
 namespace {
@@ -84,6 +85,13 @@ std::string more_outputs_text(const NodeType& type) {
     return fmt::format("One more output for each entry of '{}', of the entry's name and type.", type.outputs_param);
 }
 
+/// What stays in the work folder, unless a pipeline says otherwise.
+std::string kept_text(const NodeType& type) {
+    const bool digests = type.digest != typeid(void);
+    if (type.kept) return fmt::format("Kept in the work folder: results{}.", digests ? ", and what it takes of each frame" : "");
+    return digests ? "Kept in the work folder: what it takes of each frame." : "";
+}
+
 /// Some value of the shape, as YAML.
 std::string sample(const Shape& shape, const Range& range) {
     const auto number = [&](double wanted) { return fmt::format("{}", std::clamp(wanted, range.min, range.max)); };
@@ -145,6 +153,22 @@ std::string rule(std::size_t cells) {
     return out + "\n";
 }
 
+/// The types of which some node has a port; others stay within a node.
+std::vector<PayloadType> travelling(const Registry& registry) {
+    std::vector<PayloadType> out;
+    const auto travels = [&](const PayloadType& payload) {
+        for (const auto& [name, type] : registry.nodes()) {
+            const auto is = [&](const auto& port) { return port.type == payload.type; };
+            if (type.digest == payload.type && std::none_of(type.inputs.begin(), type.inputs.end(), is) &&
+                std::none_of(type.outputs.begin(), type.outputs.end(), is))
+                return false;
+        }
+        return true;
+    };
+    std::copy_if(registry.payloads().begin(), registry.payloads().end(), std::back_inserter(out), travels);
+    return out;
+}
+
 Json json_of(const Registry& registry, const NodeType& type) {
     Json out{{"name", type.name}, {"doc", type.doc}, {"inputs", Json::array()}, {"params", Json::array()}, {"outputs", Json::array()}};
     for (const auto& input : type.inputs) {
@@ -168,6 +192,8 @@ Json json_of(const Registry& registry, const NodeType& type) {
     for (const auto& output : type.outputs)
         out["outputs"].push_back({{"name", output.name}, {"type", registry.payload(output.type).name}, {"once", !type.per_frame_outputs}, {"doc", output.doc}});
     if (!type.outputs_param.empty()) out["outputs_from"] = type.outputs_param;
+    out["version"] = type.version;
+    out["kept"] = type.kept;
     return out;
 }
 
@@ -200,6 +226,7 @@ std::string describe(const Registry& registry, const NodeType& type) {
     if (!type.outputs.empty() || !type.outputs_param.empty()) out += "\noutputs\n";
     for (const auto& output : type.outputs) field(output.name, gives_text(registry, type, output), output.doc);
     if (!type.outputs_param.empty()) out += wrapped(more_outputs_text(type), 2);
+    if (const auto kept = kept_text(type); !kept.empty()) out += "\n" + wrapped(kept, 0);
     return out + "\nexample\n" + example(registry, type, 2);
 }
 
@@ -223,6 +250,7 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
         for (const auto& output : type.outputs) out += row({"`" + output.name + "`", gives_text(registry, type, output), output.doc});
     }
     if (!type.outputs_param.empty()) out += "\n" + more_outputs_text(type) + "\n";
+    if (const auto kept = kept_text(type); !kept.empty()) out += "\n" + kept + "\n";
     return out + "\n```yaml\n" + example(registry, type, 0) + "```\n";
 }
 
@@ -242,9 +270,12 @@ std::string to_markdown(const Registry& registry) {
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));
         body += "\n" + to_markdown(registry, type);
     }
-    std::string out = "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`.\n\n" + contents + "\n" +
-                      body + "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
-    for (const auto& payload : registry.payloads()) out += row({payload.name, payload.doc});
+    std::string out =
+        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`. Beside its own\n"
+        "fields every node takes `doc`, words for people, and `cache: true` or `false`: whether its results are kept in the work folder,\n"
+        "where it is worth it unless said otherwise; of a writer, whether files that are current stay as they are.\n\n" +
+        contents + "\n" + body + "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
+    for (const auto& payload : travelling(registry)) out += row({payload.name, payload.doc});
     return out;
 }
 
@@ -253,7 +284,7 @@ std::string to_json(const Registry& registry, const NodeType& type) { return jso
 std::string to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};
     for (const auto& [name, type] : registry.nodes()) out["nodes"].push_back(json_of(registry, type));
-    for (const auto& payload : registry.payloads()) out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
+    for (const auto& payload : travelling(registry)) out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
     return out.dump(2) + "\n";
 }
 

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_extends = 16;
-const std::vector<std::string> top_fields{"fluidcarve", "params", "env", "extends", "frames", "nodes"};
+const std::vector<std::string> top_fields{"fluidcarve", "plugins", "params", "env", "extends", "frames", "nodes"};
 const std::vector<std::string> param_fields{"type", "default", "min", "max", "doc"};
 
 void add(Problems& problems, const Mark& at, std::string message) { problems.push_back({at, std::move(message), {}, {}}); }
@@ -47,6 +47,13 @@ void merge(Value& earlier, const Value& later, int levels) {
         }
     }
     earlier.mark = later.mark;
+}
+
+/// A list of `later` starts with what it is in `earlier`.
+void put_before(Value& later, const Value& earlier, const char* list) {
+    auto* const now = later.find(list);
+    const auto* const before = earlier.find(list);
+    if (now && before && now->value.kind == Value::Kind::list) now->value.items.insert(now->value.items.begin(), before->value.items.begin(), before->value.items.end());
 }
 
 class Reader {
@@ -85,6 +92,7 @@ public:
         if (base_path.is_relative()) base_path = fs::path(source->folder) / base_path;
         Value merged = load(base_path.lexically_normal().string(), extends->value.mark);
         loading_.pop_back();
+        put_before(root, merged, "plugins");
         merge(merged, root, 3);
         return merged;
     }
@@ -121,6 +129,12 @@ private:
         for (const auto* name : {"params", "nodes"})
             if (const auto* field = root.find(name); field && field->value.kind != Value::Kind::map)
                 add(problems_, field->value.mark, fmt::format("'{}' wants a map, not {}", name, field->value.describe()));
+        const auto* const plugins = root.find("plugins");
+        if (!plugins || plugins->value.kind == Value::Kind::null) return;
+        if (plugins->value.kind != Value::Kind::list)
+            return add(problems_, plugins->value.mark, "'plugins' wants a list of files, not " + plugins->value.describe());
+        for (const auto& file : plugins->value.items)
+            if (file.kind != Value::Kind::scalar) add(problems_, file.mark, "'plugins' wants the paths of files, not " + file.describe());
     }
 
     Problems& problems_;
@@ -140,18 +154,31 @@ public:
             else add(problems_, item.mark, "'env' wants names, not " + item.describe());
     }
 
-    void declare_params(const Value& params, const std::map<std::string, Value>& settings) {
-        for (const auto& field : params.fields) declare_param(field, settings);
+    /// @return a map of what they stand for
+    Value declare_params(const Value& params, const std::map<std::string, Value>& settings) {
+        Value out;
+        out.kind = Value::Kind::map;
+        out.mark = params.mark;
+        for (const auto& field : params.fields) {
+            declare_param(field, settings);
+            out.fields.push_back({field.name, field.mark, values_[field.name]});
+        }
+        return out;
     }
 
     /// Replaces `${name}` all through a value.
-    void replace(Value& value) {
-        if (value.kind == Value::Kind::scalar) replace_scalar(value, values_);
-        for (auto& item : value.items) replace(item);
-        for (auto& field : value.fields) replace(field.value);
-    }
+    void replace(Value& value) { replace(value, values_, {}); }
+
+    std::vector<Insertion> insertions;  ///< of what was replaced so far
 
 private:
+    void replace(Value& value, const std::map<std::string, Value>& params, const Mark& in) {
+        const auto mark = value.mark;
+        if (value.kind == Value::Kind::scalar) return replace_scalar(value, params, in);
+        for (auto& item : value.items) replace(item, params, mark);
+        for (auto& field : value.fields) replace(field.value, params, mark);
+    }
+
     void declare_param(const Value::Field& field, const std::map<std::string, Value>& settings) {
         const auto& [name, mark, param] = field;
         values_[name].kind = Value::Kind::unresolved;  // known, whatever else is wrong with it
@@ -179,7 +206,8 @@ private:
             return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
 
         Value replaced = *value;
-        if (value != &from_environment) replace_environment(replaced);
+        // Params may build on the environment, but not on each other: no order to get wrong.
+        if (value != &from_environment) replace(replaced, {}, {});
         if (fits(*type, replaced, name, range)) values_[name] = std::move(replaced);
     }
 
@@ -213,14 +241,8 @@ private:
         return out;
     }
 
-    /// Params may build on the environment, but not on each other: no order to get wrong.
-    void replace_environment(Value& value) {
-        static const std::map<std::string, Value> no_params;
-        if (value.kind == Value::Kind::scalar) replace_scalar(value, no_params);
-        for (auto& item : value.items) replace_environment(item);
-    }
-
-    void replace_scalar(Value& value, const std::map<std::string, Value>& params) {
+    /// @param in  what the value stands in
+    void replace_scalar(Value& value, const std::map<std::string, Value>& params, const Mark& in) {
         if (value.text.find("${") == std::string::npos) return;
         const auto give_up = [&] { value.kind = Value::Kind::unresolved; };
         std::string out;
@@ -234,12 +256,14 @@ private:
             const auto* const found = look_up(name, value.mark, params);
             if (!found || found->kind == Value::Kind::unresolved) return give_up();
             if (begin == 0 && end + 1 == value.text.size()) {
+                insertions.push_back({in, name});
                 const Value whole = *found;
                 value = whole;
                 return;
             }
             if (found->kind != Value::Kind::scalar)
                 return add(problems_, value.mark, fmt::format("${{{}}} is {} and can't be put inside a text", name, found->describe())), give_up();
+            insertions.push_back({value.mark, name});
             out += found->text;
             at = end + 1;
         }
@@ -349,6 +373,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     out.sources = std::move(reader.sources);
     out.frames = part("frames", Value::Kind::null);
     out.nodes = part("nodes", Value::Kind::map);
+    out.plugins = part("plugins", Value::Kind::null);
     if (root.fields.empty()) return out;
     if (out.nodes.fields.empty() && problems.empty()) add(problems, root.mark, "the pipeline has no nodes");
     if (const auto* const frames = root.find("frames"); frames && frames->value.kind == Value::Kind::null)
@@ -357,9 +382,11 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     const auto params = part("params", Value::Kind::map);
     Names known(problems);
     known.declare_environment(part("env", Value::Kind::null));
-    known.declare_params(params, apply(settings, out.nodes, params, problems));
+    out.params = known.declare_params(params, apply(settings, out.nodes, params, problems));
     known.replace(out.frames);
     known.replace(out.nodes);
+    known.replace(out.plugins);
+    out.insertions = std::move(known.insertions);
     return out;
 }
 

@@ -1,6 +1,7 @@
 #include "graph/drawing.h"
 
 #include "graph/layout.h"
+#include "graph/xml_text.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@ namespace {
 constexpr double margin = 16;
 constexpr double legend_height = 22;
 constexpr double box_height = 44;
+constexpr double note_height = 16;
 constexpr const char* ink = "#1d2329";
 constexpr const char* line = "#7c8691";  // visible on white and on black
 
@@ -64,18 +66,6 @@ std::string escaped_for_dot(const std::string& text) {
     return out;
 }
 
-std::string escaped_for_xml(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '<') out += "&lt;";
-        else if (c == '>') out += "&gt;";
-        else if (c == '&') out += "&amp;";
-        else if (c == '"') out += "&quot;";
-        else out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-    return out;
-}
-
 /// Widths of DejaVu Sans, generously: the viewer may have another font.
 double text_width(const std::string& text, double size) { return static_cast<double>(text.size()) * size * 0.62; }
 
@@ -96,7 +86,7 @@ std::string rounded(double x, double y, double width, double height, const char*
 }
 
 std::string label(double x, double y, double size, const char* weight, const std::string& text) {
-    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" font-weight="{}" fill="{}">{}</text>)", x, y, size, weight, ink, escaped_for_xml(text));
+    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" font-weight="{}" fill="{}">{}</text>)", x, y, size, weight, ink, xml_text(text));
 }
 
 /// Chips in a row, each in the colour of what it explains. Adds its width to `right`.
@@ -115,6 +105,48 @@ std::string legend(const Pipeline& pipeline, double& right) {
     return out;
 }
 
+/// @param looks  per node, or none: then colours are by rate, and a legend says so
+std::string draw(const Pipeline& pipeline, const Registry& registry, const std::vector<Look>& looks) {
+    const bool plain = looks.empty();
+    Layout layout;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const double note = plain ? 0 : text_width(looks[n].note, 11);
+        layout.boxes.push_back(
+            {std::max({text_width(node.name, 13), text_width(node.type->name, 11), note}) + 20, box_height + (plain ? 0 : note_height), 0, 0});
+    }
+    const auto links = connections(pipeline, registry);
+    for (const auto& each : links) layout.edges.push_back({each.from, each.to, {}});
+    layout.place();
+
+    double right = 0;
+    const auto chips = plain ? legend(pipeline, right) : std::string();
+    const double top = plain ? 2 * margin + legend_height : margin;
+    const double width = std::max(layout.width + 2 * margin, right + margin);
+    auto out = fmt::format(
+        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}" viewBox="0 0 {0:.0f} {1:.0f}" font-family="'DejaVu Sans', Verdana, sans-serif"{2}>)"
+        "\n<title>{3}</title>\n",
+        width, layout.height + top + margin,
+        plain ? std::string() : fmt::format(R"( style="width:100%;height:auto;min-width:{:.0f}px;max-width:{:.0f}px")", 0.75 * width, width),
+        xml_text(pipeline.name));
+    out += chips;
+    out += fmt::format("<g transform=\"translate({},{})\">\n", margin, top);
+    for (std::size_t n = 0; n < links.size(); ++n)
+        out += fmt::format(R"(<path class="edge" d="{}" fill="none" stroke="{}" stroke-width="1.6"><title>{}</title></path>)"
+                           "\n",
+                           path_of(layout.edges[n].route), line, xml_text(links[n].text));
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const auto& box = layout.boxes[n];
+        out += fmt::format("<g class=\"node {}\"><title>{}</title>", plain ? to_text(node.rate) : looks[n].style, xml_text(node.type->doc));
+        out += rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
+        out += label(box.x + 10, box.y + 19, 13, "bold", node.name) + label(box.x + 10, box.y + 35, 11, "normal", node.type->name);
+        if (!plain) out += label(box.x + 10, box.y + 51, 11, "normal", looks[n].note);
+        out += "</g>\n";
+    }
+    return out + "</g>\n</svg>\n";
+}
+
 }  // namespace
 
 std::string to_dot(const Pipeline& pipeline, const Registry& registry) {
@@ -129,36 +161,8 @@ std::string to_dot(const Pipeline& pipeline, const Registry& registry) {
     return out + "}\n";
 }
 
-std::string to_svg(const Pipeline& pipeline, const Registry& registry) {
-    Layout layout;
-    for (const auto& node : pipeline.nodes)
-        layout.boxes.push_back({std::max(text_width(node.name, 13), text_width(node.type->name, 11)) + 20, box_height, 0, 0});
-    const auto links = connections(pipeline, registry);
-    for (const auto& each : links) layout.edges.push_back({each.from, each.to, {}});
-    layout.place();
+std::string to_svg(const Pipeline& pipeline, const Registry& registry) { return draw(pipeline, registry, {}); }
 
-    double right = 0;
-    const auto chips = legend(pipeline, right);
-    const double width = std::max(layout.width + 2 * margin, right + margin);
-    const double height = layout.height + legend_height + 3 * margin;
-    auto out = fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}" viewBox="0 0 {0:.0f} {1:.0f}" font-family="'DejaVu Sans', Verdana, sans-serif">)"
-        "\n<title>{2}</title>\n",
-        width, height, escaped_for_xml(pipeline.name));
-    out += chips;
-    out += fmt::format("<g transform=\"translate({},{})\">\n", margin, 2 * margin + legend_height);
-    for (std::size_t n = 0; n < links.size(); ++n)
-        out += fmt::format(R"(<path class="edge" d="{}" fill="none" stroke="{}" stroke-width="1.6"><title>{}</title></path>)"
-                           "\n",
-                           path_of(layout.edges[n].route), line, escaped_for_xml(links[n].text));
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        const auto& box = layout.boxes[n];
-        out += fmt::format("<g class=\"node {}\"><title>{}</title>", to_text(node.rate), escaped_for_xml(node.type->doc));
-        out += rounded(box.x, box.y, box.width, box.height, fill(node.rate), node.gathers ? 2.5 : 1);
-        out += label(box.x + 10, box.y + 19, 13, "bold", node.name) + label(box.x + 10, box.y + 35, 11, "normal", node.type->name) + "</g>\n";
-    }
-    return out + "</g>\n</svg>\n";
-}
+std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<Look>& looks) { return draw(pipeline, registry, looks); }
 
 }  // namespace fluidcarve

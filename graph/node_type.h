@@ -7,6 +7,7 @@
 #include <concepts>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <typeindex>
@@ -57,6 +58,7 @@ struct ParamSpec {
     bool required = false;
     std::string fallback;  ///< the default, as YAML; empty where required
     std::function<bool(void* params, const Value&, ValueReader&)> parse;
+    std::function<std::string(const void* params)> text;  ///< the value, as YAML that parses to the same
     /// Set for path parameters: the pattern in parsed params.
     std::function<const PathPattern&(const void* params)> path;
 };
@@ -77,18 +79,43 @@ public:
     virtual const std::vector<int>& frames() const = 0;
     virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
     virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
+    virtual void stands_in(int frame, int file) = 0;                  ///< the file of frame `file` serves `frame`
+    virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< memory that the frame will take, by what its file says
     virtual void leave_out(int frame) = 0;                            ///< for every node; its neighbours become adjacent in time
     virtual void missing(int frame, const std::string& message) = 0;  ///< or there, but unreadable
     virtual void warn(const std::string& message) = 0;
 };
 
+/// How much a growing result holds.
+struct Extent {
+    std::size_t count = 0;
+    std::size_t of = 0;  ///< what a percentage is of
+};
+
+/// A node whose result holds the answers to smaller wishes, and can be continued to larger ones: a solver, whose first seams
+/// are the same however many are asked for. Then it has but one output.
+struct Growth {
+    std::string param;                                    ///< how much is wished for: no part of what the result depends on,
+    std::function<std::string(const void* params)> rest;  ///< but for this, as text
+    std::function<Extent(const Payload& result)> extent;  ///< of what is there
+    std::function<std::size_t(const void* params, std::size_t of)> wanted;
+    /// The first `count`, and a report entry of all turned into one of these.
+    std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
+    /// Those of the node's warnings that depend on how much there is, by its report entry; empty: there are none.
+    std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
+};
+
 /// A node at work: parameters bound, state of its own if it gathers. Made anew for every run.
 struct Behaviour {
     std::function<std::shared_ptr<void>()> make_ports;
-    std::function<void(void* ports, Context&)> run;        ///< per frame, concurrently; empty if the node only gathers
-    std::function<void(const void* ports, Context&)> add;  ///< in frame order, one at a time; empty if it gathers nothing
-    std::function<void(void* ports, Context&)> finish;     ///< once, after the last add; before any run
-    std::function<bool(const Context&)> wants;             ///< whether `add` needs the context's frame
+    std::function<void(void* ports, Context&)> run;              ///< per frame, concurrently; empty if the node only gathers
+    std::function<void(const void* ports, Context&)> add;        ///< in frame order, one at a time; empty if it gathers nothing, or digests
+    std::function<Payload(const void* ports, Context&)> digest;  ///< per frame, concurrently: what `take` needs of it
+    std::function<void(const Payload& digest, Context&)> take;   ///< in frame order, one at a time, in place of `add`
+    /// Before `finish`, of a growing result: what was found before, less than is wished for, and what was reported of it.
+    std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;
+    std::function<void(void* ports, Context&)> finish;  ///< once, after the last add; before any run
+    std::function<bool(const Context&)> wants;          ///< whether `add` needs the context's frame
 };
 
 /// All that is known of a node type. Made by Declare.
@@ -98,8 +125,13 @@ struct NodeType {
     std::vector<InputSpec> inputs;
     std::vector<OutputSpec> outputs;
     std::vector<ParamSpec> params;
-    std::string outputs_param;      ///< the parameter that names further outputs, or empty
-    bool per_frame_outputs = true;  ///< false: outputs come from `finish`, once
+    std::string outputs_param;               ///< the parameter that names further outputs, or empty
+    bool per_frame_outputs = true;           ///< false: outputs come from `finish`, once
+    int version = 1;                         ///< of its results: those of another version are not used again
+    bool kept = false;                       ///< results are worth a file in the work folder, unless the pipeline says otherwise
+    std::type_index digest = typeid(void);   ///< what `Behaviour::digest` makes; void: nothing
+    std::vector<std::string> digest_fields;  ///< inputs and parameters that it depends on
+    std::optional<Growth> growth;
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
@@ -177,6 +209,12 @@ struct ParamsOf<Node> {
 ///     static bool gathers(const Params&);                            optional; false: add and finish are left out
 ///     static bool wants(const Params&, const Context&);              optional; false: add does not need this frame
 ///
+/// What `add` needs of a frame may be small beside the frame, or dear to find. Then it is a value of its own, which is found
+/// for many frames at once and kept, so that no later run needs the frame:
+///
+///     static std::shared_ptr<Digest> digest(const Params&, const Ports&, Context&);       with Declare::digests
+///     void add(const Params&, const Ref<Digest>&, Context&);                              in place of the other add
+///
 /// and, each optional,
 ///
 ///     static bool animates(const Params&);                           runs per frame, though no input or file of its own does
@@ -243,6 +281,28 @@ public:
         return *this;
     }
 
+    /// Results of another version are not used again: to be raised whenever the same inputs come to give another result.
+    Declare& version(int number) {
+        type_.version = number;
+        return *this;
+    }
+    /// Results are worth a file in the work folder: reading them takes less time than making them.
+    Declare& kept() {
+        type_.kept = true;
+        return *this;
+    }
+    /// @param fields  inputs and parameters that Node::digest depends on
+    Declare& digests(std::vector<std::string> fields) {
+        static_assert(has_digest);
+        type_.digest = typeid(typename Digested<Node>::type);
+        type_.digest_fields = std::move(fields);
+        return *this;
+    }
+    Declare& grows(Growth growth) {
+        type_.growth = std::move(growth);
+        return *this;
+    }
+
     /// A parameter with a default: the value of its field in a fresh Params.
     template <class T, class P>
     requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
@@ -274,7 +334,14 @@ public:
 
 private:
     static constexpr bool has_run = requires(const Node node, const Params params, Ports& ports, Context& context) { node.run(params, ports, context); };
-    static constexpr bool has_add = requires(Node node, const Params params, const Ports& ports, Context& context) { node.add(params, ports, context); };
+    static constexpr bool has_digest = requires(const Params params, const Ports& ports, Context& context) { Node::digest(params, ports, context); };
+    template <class N>
+    struct Digested {
+        using type = std::remove_cvref_t<decltype(*N::digest(std::declval<const Params&>(), std::declval<const Ports&>(), std::declval<Context&>()))>;
+    };
+    static constexpr bool has_add = has_digest || requires(Node node, const Params params, const Ports& ports, Context& context) {
+        node.add(params, ports, context);
+    };
     static_assert(has_run || has_add, "a node needs run, or add and finish");
 
     template <class T, class P>
@@ -285,6 +352,7 @@ private:
         spec.shape = ParamTraits<T>::shape();
         spec.unit = unit;
         spec.range = range;
+        spec.text = [member](const void* params) { return ParamTraits<T>::text(static_cast<const Params*>(params)->*member); };
         spec.parse = [member](void* params, const Value& value, ValueReader& reader) {
             auto got = ParamTraits<T>::parse(value, reader);
             if (got) static_cast<Params*>(params)->*member = std::move(*got);
@@ -306,7 +374,17 @@ private:
             bool gathers = true;
             if constexpr (requires { Node::gathers(Params{}); }) gathers = Node::gathers(*params);
             if (gathers) {
-                out.add = [params, node](const void* ports, Context& context) { node->add(*params, *static_cast<const Ports*>(ports), context); };
+                if constexpr (has_digest) {
+                    using Digest = typename Digested<Node>::type;
+                    out.digest = [params](const void* ports, Context& context) {
+                        return Payload(Node::digest(*params, *static_cast<const Ports*>(ports), context));
+                    };
+                    out.take = [params, node](const Payload& digest, Context& context) { node->add(*params, digest.as<Digest>(), context); };
+                } else {
+                    out.add = [params, node](const void* ports, Context& context) { node->add(*params, *static_cast<const Ports*>(ports), context); };
+                }
+                if constexpr (requires(Node & each, const Payload& result, const nlohmann::ordered_json& entry) { each.resume(result, entry); })
+                    out.resume = [node](const Payload& result, const nlohmann::ordered_json& entry) { node->resume(result, entry); };
                 out.finish = [params, node](void* ports, Context& context) { node->finish(*params, *static_cast<Ports*>(ports), context); };
                 if constexpr (requires(const Context& context) { Node::wants(Params{}, context); })
                     out.wants = [params](const Context& context) { return Node::wants(*params, context); };

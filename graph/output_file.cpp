@@ -6,8 +6,13 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
@@ -16,8 +21,39 @@
 namespace fluidcarve {
 namespace {
 
+namespace fs = std::filesystem;
+
 std::mutex unfinished_mutex;
 std::set<std::string> unfinished;
+
+/// This machine's name, as part of a file's.
+const std::string& host() {
+    static const std::string name = [] {
+        std::array<char, 256> out{};
+        gethostname(out.data(), out.size() - 1);
+        std::string text = out.data();
+        std::replace_if(
+            text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c); }, '-');
+        return text;
+    }();
+    return name;
+}
+
+/// Removes what processes of this machine that were killed left aside in a folder; once per folder.
+void remove_orphans(const fs::path& folder) {
+    static std::set<fs::path> seen;
+    if (!seen.insert(folder).second) return;
+    const auto mark = "." + host() + ".";
+    std::error_code error;
+    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+        const auto name = each->path().filename().string();
+        const auto part = name.rfind(".part"), at = name.rfind(mark, part);
+        if (!name.starts_with('.') || part == std::string::npos || at == std::string::npos) continue;
+        const int process = std::atoi(name.c_str() + at + mark.size());
+        std::error_code ignored;
+        if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) fs::remove(each->path(), ignored);
+    }
+}
 
 }  // namespace
 
@@ -30,11 +66,12 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
     const std::lock_guard lock(unfinished_mutex);
-    // Made here and now: what a folder's rights say and what it takes are two things. A killed run of the same number, as all
-    // have in a container, may have left its own.
+    remove_orphans(folder);
+    // Made here and now: what a folder's rights say and what it takes are two things. A killed run of the same number may have left
+    // its own.
     int file = -1;
     do {
-        aside_ = (folder / fmt::format(".{}.{}.{}.part{}", target.stem().string(), getpid(), serial++, target.extension().string())).string();
+        aside_ = (folder / fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), host(), getpid(), serial++, target.extension().string())).string();
         file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (file < 0 && errno == EEXIST);
     if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));

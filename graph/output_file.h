@@ -5,7 +5,8 @@
 namespace fluidcarve {
 
 /// A file that appears whole or not at all: written aside in its own folder, then renamed.
-/// Give up, by an exception or otherwise, and the destructor removes what was written.
+/// Give up, by an exception or otherwise, and the destructor removes what was written; after a kill, the next process that
+/// writes into the folder does.
 class OutputFile {
 public:
     /// Makes the folder if it is not there. @throws Failure where it can't be written to

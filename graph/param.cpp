@@ -124,6 +124,7 @@ std::optional<int> ParamTraits<int>::parse(const Value& value, ValueReader& read
 }
 
 std::string ParamTraits<double>::text(double value) { return number_text(value); }
+std::string ParamTraits<float>::text(float value) { return fmt::format("{}", value); }
 
 std::optional<float> ParamTraits<float>::parse(const Value& value, ValueReader& reader) {
     const auto number = reader.number(value, false);

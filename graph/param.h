@@ -119,7 +119,7 @@ template <>
 struct ParamTraits<float> {
     static Shape shape() { return {Shape::Kind::number, {}, {}}; }
     static std::optional<float> parse(const Value& value, ValueReader& reader);
-    static std::string text(float value) { return ParamTraits<double>::text(value); }
+    static std::string text(float value);
 };
 template <>
 struct ParamTraits<std::string> {

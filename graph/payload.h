@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <typeindex>
@@ -41,12 +42,31 @@ struct PayloadType {
     std::string doc;
     std::type_index type = typeid(void);
     std::function<std::uint64_t(const Payload&)> bytes;  ///< memory held, for the report
+
+    int version = 0;  ///< of what `write` writes
+    /// How a value goes to a file and comes back, to the last bit; empty: it can't be kept.
+    std::function<void(const Payload&, std::ostream&)> write;
+    std::function<Payload(std::istream&)> read;  ///< throws Failure where `write` has not written that
+};
+
+/// How values of a type go to a file and come back.
+template <class T>
+struct Filed {
+    int version = 1;  ///< raise it whenever `write` changes
+    std::function<void(const T&, std::ostream&)> write;
+    std::function<Ref<T>(std::istream&)> read;
 };
 
 /// @param bytes  memory held by a value of the type
+/// @param filed  left out: values can't be kept in files
 template <class T>
-PayloadType payload_type(std::string name, std::string doc, std::function<std::uint64_t(const T&)> bytes) {
-    return {std::move(name), std::move(doc), typeid(T), [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); }};
+PayloadType payload_type(std::string name, std::string doc, std::function<std::uint64_t(const T&)> bytes, Filed<T> filed = {}) {
+    PayloadType out{std::move(name), std::move(doc), typeid(T), [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); },
+                    filed.version,   nullptr,        nullptr};
+    if (!filed.write) return out;
+    out.write = [write = std::move(filed.write)](const Payload& payload, std::ostream& to) { write(*payload.as<T>(), to); };
+    out.read = [read = std::move(filed.read)](std::istream& from) { return Payload(read(from)); };
+    return out;
 }
 
 /// An input of type `to` also takes payloads of type `from`.

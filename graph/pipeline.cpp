@@ -1,5 +1,7 @@
 #include "graph/pipeline.h"
 
+#include "graph/placed_check.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +31,7 @@ struct Draft {
     bool unsure = false;                             ///< something that decides its rate is wrong, here or upstream
 };
 
-class NodeCheckOf : public NodeCheck {
+class NodeCheckOf : public PlacedCheck {
 public:
     NodeCheckOf(const Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
     bool stated(std::string_view field) const override { return draft_.value->find(field) != nullptr; }
@@ -40,7 +42,13 @@ public:
     }
     void fault(std::string_view field, const std::string& message) override {
         const auto* const found = draft_.value->find(field);
-        add(problems_, found ? found->value.mark : draft_.node.mark, fmt::format("{} {}", draft_.node.type->name, message));
+        fault(found ? found->value.mark : draft_.node.mark, message);
+    }
+    void fault(const Mark& at, const std::string& message) override { add(problems_, at, fmt::format("{} {}", draft_.node.type->name, message)); }
+    std::vector<std::string> names(std::string_view input) const override {
+        for (std::size_t n = 0; n < draft_.node.input_names.size(); ++n)
+            if (draft_.node.type->inputs[n].name == input) return draft_.node.input_names[n];
+        return {};
     }
 
 private:
@@ -99,7 +107,7 @@ private:
         draft.node.inputs.resize(node_type->inputs.size());
         draft.node.input_names.resize(node_type->inputs.size());
         for (const auto& each : value.fields) {
-            if (each.name == "type") continue;
+            if (is_common_field(each.name)) continue;
             if (!node_type->input(each.name) && !node_type->param(each.name)) {
                 const auto fields = node_type->field_names();
                 add(problems_, each.mark, fmt::format("{} has no parameter '{}'{}", node_type->name, each.name, did_you_mean(each.name, fields)));
@@ -108,6 +116,7 @@ private:
             }
         }
         read_params(draft);
+        read_cache(draft);
         for (std::size_t n = 0; n < node_type->inputs.size(); ++n) read_references(draft, n);
         if (node_type->check && draft.node.params) {
             NodeCheckOf check(draft, problems_);
@@ -146,6 +155,23 @@ private:
         draft.node.params = params;
         if (type.named_outputs)
             for (auto& output : type.named_outputs(params.get())) draft.node.outputs.push_back(std::move(output));
+    }
+
+    /// Whether results are kept: as the type says, or as the pipeline does.
+    void read_cache(Draft& draft) {
+        const auto& type = *draft.node.type;
+        draft.node.kept = type.kept || draft.node.outputs.empty();
+        draft.node.digests_kept = true;
+        const auto* const field = draft.value->find("cache");
+        if (!field || field->value.kind == Value::Kind::null) return;
+        ValueReader reader(problems_, fmt::format("{} field 'cache'", type.name), any_number());
+        const auto wanted = ParamTraits<bool>::parse(field->value, reader);
+        if (!wanted) return;
+        draft.node.kept = draft.node.digests_kept = *wanted;
+        for (const auto& output : draft.node.outputs)
+            if (const auto& payload = registry_.payload(output.type); *wanted && !payload.write)
+                return add(problems_, field->value.mark,
+                           fmt::format("{} can't be kept: its output '{}' is {}, which no file holds", type.name, output.name, payload.name));
     }
 
     void read_references(Draft& draft, std::size_t n) {
@@ -382,6 +408,13 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
             }
         }
     return {};
+}
+
+bool Pipeline::writes(std::size_t n) const {
+    const auto& node = nodes[n];
+    return node.outputs.empty() && std::any_of(node.type->params.begin(), node.type->params.end(), [&](const ParamSpec& spec) {
+               return spec.shape.kind == Shape::Kind::output_path && !spec.path(node.params.get()).text().empty();
+           });
 }
 
 std::string to_text(Rate rate) {

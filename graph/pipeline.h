@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/document.h"
+#include "graph/load_plugin.h"
 #include "graph/registry.h"
 
 #include <memory>
@@ -33,6 +34,8 @@ struct Node {
     std::vector<OutputSpec> outputs;                    ///< the type's, then those that a parameter names
     std::vector<std::vector<Link>> inputs;              ///< per InputSpec of the type
     std::vector<std::vector<std::string>> input_names;  ///< per InputSpec: the names of a named input's links
+    bool kept = false;                                  ///< its results go to the work folder; of a writer: files that are current stay
+    bool digests_kept = false;                          ///< what it digests of each frame does
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< of its outputs, or of its run if it has none
     bool per_frame_input = false;                       ///< some input arrives per frame
@@ -44,9 +47,12 @@ struct Pipeline {
     std::vector<std::string> files;  ///< it and those that it extends
     FrameSet frames;                 ///< the sequence
     std::vector<Node> nodes;
+    PluginFiles plugins;  ///< of node types that are not built in
 
     const Node* find(std::string_view name) const;
     std::vector<std::string> node_names() const;
+    /// Whether a node delivers files and nothing else.
+    bool writes(std::size_t node) const;
     /// Nodes whose outputs nobody reads: writers, and whatever hangs loose.
     std::vector<std::size_t> leaves() const;
     /// `nodes` and all that they need, as one flag per node.

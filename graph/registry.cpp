@@ -17,6 +17,8 @@ const ParamSpec* NodeType::param(std::string_view name) const {
     return found == params.end() ? nullptr : &*found;
 }
 
+bool is_common_field(std::string_view name) { return std::find(common_fields.begin(), common_fields.end(), name) != common_fields.end(); }
+
 std::vector<std::string> NodeType::field_names() const {
     std::vector<std::string> out;
     for (const auto& input : inputs) out.push_back(input.name);
@@ -30,7 +32,7 @@ void Registry::add(NodeType type) {
     if (type.doc.empty()) refuse("no doc");
     std::vector<std::string> seen;
     const auto take = [&](const std::string& name, const std::string& doc) {
-        if (name.empty() || name == "type") refuse(fmt::format("'{}' can't name a field", name));
+        if (name.empty() || is_common_field(name)) refuse(fmt::format("'{}' can't name a field", name));
         if (doc.empty()) refuse(fmt::format("'{}' has no doc", name));
         if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse(fmt::format("two fields are called '{}'", name));
         seen.push_back(name);

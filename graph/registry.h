@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <string>
@@ -22,6 +23,10 @@ struct FileInspector {
     /// What `look` found, for people.
     std::function<std::string(const nlohmann::ordered_json&)> text;
 };
+
+/// What a node of any type may state beside its own inputs and parameters: its type, whether its results are kept, words for people.
+inline constexpr std::array<std::string_view, 3> common_fields{"type", "cache", "doc"};
+bool is_common_field(std::string_view name);
 
 /// The node types and payload types that a pipeline may use. A plain value: the program fills one, so may a test.
 class Registry {

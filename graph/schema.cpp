@@ -105,6 +105,7 @@ Json fields_of(const NodeType& type, const Registry& registry) {
         if (param.required) continue;
         if (auto fallback = default_of(param); !fallback.is_null()) property["default"] = std::move(fallback);
     }
+    for (const auto* const name : {"cache", "doc"}) properties[name] = defined(name);
     return {{"type", "object"}, {"description", type.doc}, {"properties", std::move(properties)}, {"additionalProperties", false}};
 }
 
@@ -120,6 +121,7 @@ Json required_of(const NodeType& type) {
 /// The same fields, each of which may be null.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
+    for (const auto* const name : {"cache", "doc"}) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
     for (const auto& name : type.field_names()) properties[name] = any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
     return {{"properties", std::move(properties)}, {"additionalProperties", false}};
 }
@@ -176,14 +178,22 @@ std::string schema(const Registry& registry) {
          {{"description", "Text with ${name}: a param, or an environment variable named under `env`."}, {"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
         {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
         {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
+        {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
+        {"doc", {{"description", "Words for people."}, {"type", "string"}}},
         {"param", param_of(true)},
         {"param_change", param_of(false)},
         {"node", node_of(registry, true)},
         {"node_change", node_of(registry, false)}};
+    definitions["cache"]["description"] =
+        "Whether results are kept in the work folder; of a writer, whether files that are current stay. Left out: as is worth it.";
     for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
 
     Json properties{
         {"fluidcarve", {{"const", 1}, {"description", "Format version."}}},
+        {"plugins",
+         {{"type", Json::array({"array", "null"})},
+          {"items", {{"type", "string"}}},
+          {"description", "Files with node types of their own, loaded by --allow-plugins; `fluidcarve schema --plugin FILE` knows these types too."}}},
         {"params", {{"type", "object"}, {"description", "What a shot may change, by --set NAME=VALUE; used as ${name}."}}},
         {"env", {{"type", "array"}, {"items", {{"type", "string"}}}, {"description", "Environment variables that ${NAME} may name."}}},
         {"extends", {{"type", "string"}, {"description", "A pipeline file that this one changes, by name: params, nodes and their fields."}}},

@@ -5,10 +5,13 @@
 #include "nodes/energy/gradient.h"
 #include "nodes/energy/image.h"
 #include "nodes/energy/kinetic.h"
+#include "nodes/energy/payload_type.h"
 #include "nodes/energy/remap.h"
 #include "nodes/energy/surface.h"
 #include "nodes/energy/volume.h"
 #include "nodes/energy/vorticity.h"
+#include "nodes/expression/energy_ax.h"
+#include "nodes/expression/field_ax.h"
 #include "nodes/field/collocate.h"
 #include "nodes/field/curl.h"
 #include "nodes/field/curvature.h"
@@ -71,6 +74,7 @@ Registry builtin_registry() {
     add_mesh_payload(out);
     add_lattice_payloads(out);
     add_points_payload(out);
+    add_energy_payload(out);
     out.add(vdb_inspector());
     out.add(vdb_read());
     out.add(vdb_write());
@@ -88,6 +92,7 @@ Registry builtin_registry() {
     out.add(field_magnitude());
     out.add(field_collocate());
     out.add(field_filter());
+    out.add(field_ax());
     out.add(energy_vorticity());
     out.add(energy_kinetic());
     out.add(energy_gradient());
@@ -97,6 +102,7 @@ Registry builtin_registry() {
     out.add(energy_image());
     out.add(energy_combine());
     out.add(energy_remap());
+    out.add(energy_ax());
     out.add(mask_threshold());
     out.add(mask_box());
     out.add(mask_sphere());

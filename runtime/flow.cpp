@@ -19,18 +19,19 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 /// One frame on its way through a pass. Nodes of the pass fire when their last input has arrived.
 struct FrameRun {
     FrameRun(std::size_t place, std::size_t order, std::size_t nodes)
-        : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), active(nodes), failed(nodes) {}
+        : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), failed(nodes) {}
 
     const std::size_t place;  ///< in the sequence
     const std::size_t order;  ///< of admission, without gaps
     std::vector<std::vector<Payload>> outputs;
     std::vector<std::atomic<int>> waiting;  ///< inputs still to arrive
     std::vector<std::atomic<int>> readers;  ///< nodes that have yet to read the outputs
-    std::vector<char> active;               ///< the node has work in this frame
+    std::vector<Schedule::Action> actions;  ///< what each node does in this frame
     std::vector<char> failed;
     std::atomic<int> open{0};  ///< ends of the graph not yet reached
 };
 using Token = std::shared_ptr<FrameRun>;
+using Action = Schedule::Action;
 
 /// The edges of one pass, between pipeline nodes.
 struct Wiring {
@@ -61,16 +62,35 @@ Wiring wire(const Pipeline& pipeline, const Pass& pass) {
 }  // namespace
 
 struct Flow::Self {
-    /// One node's line to the run.
-    struct NodeHost : Context::Host {
-        Self* run = nullptr;
-        std::size_t node = 0;
-        Clock::time_point finish_start{};
-        bool cancelled() const override { return run->cancelled(); }
-        void warn(const std::string& message) override { run->report.warn(node, message); }
-        void report(const std::string& section, const nlohmann::ordered_json& entry) override { run->report.entry(node, section, entry); }
+    /// A body's line to the run, and what it said there.
+    struct Line : Context::Host {
+        Line(Self& run, std::size_t node) : run(run), node(node) {}
+        Self& run;
+        const std::size_t node;
+        const Clock::time_point start = Clock::now();
+        std::mutex mutex;
+        Said said;
+        std::optional<Key> grows;  ///< where a growing result is held
+
+        bool cancelled() const override { return run.cancelled(); }
+        void warn(const std::string& message) override {
+            run.report.warn(node, message);
+            const std::lock_guard lock(mutex);
+            said.warnings.push_back(message);
+        }
+        void report(const std::string& section, const nlohmann::ordered_json& entry) override {
+            run.report.entry(node, section, entry);
+            const std::lock_guard lock(mutex);
+            said.report[section] = entry;
+        }
         void progress(double fraction) override {
-            if (run->steps[node].finish) run->progress.part(*run->steps[node].finish, fraction, since(finish_start));
+            if (run.steps[node].finish) run.progress.part(*run.steps[node].finish, fraction, since(start));
+        }
+        void hold(const Payload& result) override {
+            const std::lock_guard lock(mutex);
+            if (!grows) return;
+            const Profile::Span span(run.profile, "keep", node, std::nullopt);
+            run.store.keep_grown(*grows, node, result, said, true);
         }
     };
     struct Steps {
@@ -81,20 +101,22 @@ struct Flow::Self {
     const Registry& registry;
     const std::vector<int>& frames;
     const RunOptions& options;
+    Store& store;
     Report& report;
     Progress& progress;
+    Profile* const profile;
     const std::function<bool()> cancelled;
     std::vector<Behaviour> behaviours;
-    std::vector<NodeHost> hosts;
     std::vector<Steps> steps;
     std::vector<std::vector<Payload>> held;  ///< outputs of once-run nodes
     std::atomic<bool> failed{false};         ///< something went wrong
     std::atomic<bool> fatal{false};          ///< it ends the run even where the user said to keep going
+    std::atomic<bool> lost{false};           ///< a kept result is not there any more
 
-    bool stopped() const { return cancelled() || fatal || (failed && !options.keep_going); }
+    bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
-    Context context(std::size_t node) {
-        Context out(hosts[node], frames);
+    Context context(Line& line) {
+        Context out(line, frames);
         out.limits(options.memory, options.work_folder);
         return out;
     }
@@ -131,7 +153,9 @@ struct Flow::Self {
     }
 
     /// Calls a body; whatever it throws becomes a Fault. No exception leaves: one would cancel the whole graph.
-    bool guarded(std::size_t n, std::optional<int> frame, const std::function<void()>& body) {
+    /// @param what  the profile's category
+    bool guarded(std::size_t n, std::optional<int> frame, const char* what, const std::function<void()>& body) {
+        const Profile::Span span(profile, what, n, frame);
         const auto fault = [&](const std::string& message, Failure::Kind kind) {
             report.failed({pipeline.nodes[n].name, pipeline.nodes[n].type->name, frame, message, kind});
             failed = true;
@@ -152,86 +176,165 @@ struct Flow::Self {
         }
     }
 
-    bool finish(std::size_t n) {
-        const auto start = hosts[n].finish_start = Clock::now();
-        const bool good = guarded(n, std::nullopt, [&] {
+    /// The frame that a place means to a node; none to one that runs once.
+    std::optional<int> frame_at(std::size_t n, std::size_t place) const {
+        return pipeline.nodes[n].rate == Rate::frame ? std::optional(frames[place]) : std::nullopt;
+    }
+
+    /// Keeps what a body made and said, if it is to be kept.
+    void keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
+        const bool stores = options.cache && (pipeline.nodes[n].kept || !said.empty());
+        const Profile::Span span(stores ? profile : nullptr, "keep", n, frame_at(n, place));
+        store.keep(n, place, outputs, said);
+    }
+
+    /// What a former run kept of a node's outputs. @param into  becomes them @return false if it is gone
+    bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
+        const Profile::Span span(profile, "load", n, frame_at(n, place));
+        if (auto outputs = store.result(n, place)) return into = std::move(*outputs), true;
+        lost = true;
+        return false;
+    }
+
+    void load_once(std::size_t n) {
+        if (load(n, 0, held[n])) report.holds(n, bytes(held[n]));
+    }
+
+    /// The end of a gatherer's work, in `ports`, from where a former run has come if its result grows.
+    void end_gathering(std::size_t n, void* ports, Context& where, Line& line) {
+        if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
+            line.grows = store.key(n, 0);
+            const auto part = [&] {
+                const Profile::Span span(profile, "load", n, std::nullopt);
+                return store.part(n);
+            }();
+            if (part) behaviours[n].resume(part->first, part->second);
+        }
+        behaviours[n].finish(ports, where);
+    }
+
+    void finish(std::size_t n) {
+        Line line(*this, n);
+        const bool delivers = pipeline.nodes[n].rate != Rate::frame;
+        const bool good = guarded(n, std::nullopt, "finish", [&] {
             auto ports = behaviours[n].make_ports();
             connect(n, ports.get(), nullptr);
-            auto where = context(n);
-            behaviours[n].finish(ports.get(), where);
-            if (pipeline.nodes[n].rate != Rate::frame) held[n] = collect(n, ports.get());
+            auto where = context(line);
+            end_gathering(n, ports.get(), where, line);
+            if (delivers) held[n] = collect(n, ports.get());
         });
-        report.ran(n, 0, since(start), bytes(held[n]));
-        progress.done(*steps[n].finish, since(start), std::nullopt);
+        report.finished(n, since(line.start), bytes(held[n]));
+        progress.done(*steps[n].finish, since(line.start), std::nullopt);
         if (!good) fatal = true;
-        return good;
+        else if (delivers) keep(n, 0, held[n], line.said);
     }
 
     void once(std::size_t n) {
         const auto& node = pipeline.nodes[n];
         const auto& behaviour = behaviours[n];
         const bool connected = std::any_of(node.inputs.begin(), node.inputs.end(), [](const auto& links) { return !links.empty(); });
-        const auto start = Clock::now();
-        const bool good = guarded(n, std::nullopt, [&] {
+        Line line(*this, n);
+        const bool good = guarded(n, std::nullopt, "run", [&] {
             auto ports = behaviour.make_ports();
             connect(n, ports.get(), nullptr);
-            auto where = context(n);
+            auto where = context(line);
             if (behaviour.add && connected) behaviour.add(ports.get(), where);
-            if (behaviour.finish) behaviour.finish(ports.get(), where);
+            if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports.get(), where), where);
+            if (behaviour.finish) end_gathering(n, ports.get(), where, line);
             if (behaviour.run) behaviour.run(ports.get(), where);
             held[n] = collect(n, ports.get());
         });
-        report.ran(n, 1, since(start), bytes(held[n]));
-        progress.done(*steps[n].run, since(start), std::nullopt);
+        report.finished(n, since(line.start), bytes(held[n]));
+        progress.done(*steps[n].run, since(line.start), std::nullopt);
         if (!good) fatal = true;
+        else keep(n, 0, held[n], line.said);
     }
 
     /// A per-frame node's work in one frame.
     void run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
-        const bool upstream_failed = std::any_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
-        if (frame.active[n] && (upstream_failed || cancelled())) {
+        if (frame.actions[n] == Action::load) {
+            frame.failed[n] = cancelled() || !load(n, frame.place, frame.outputs[n]);
+        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
             frame.failed[n] = true;
-        } else if (frame.active[n]) {
+        } else if (frame.actions[n] == Action::run) {
             const auto& node = pipeline.nodes[n];
             const auto wants = [&](std::string_view output) {
+                if (node.kept) return true;
                 for (const auto reader : wiring.readers[n]) {
-                    if (!frame.active[reader]) continue;
+                    if (frame.actions[reader] != Action::run) continue;
                     for (const auto& links : pipeline.nodes[reader].inputs)
                         for (const auto& link : links)
                             if (link.node == n && node.outputs[link.output].name == output) return true;
                 }
                 return target;
             };
-            const auto start = Clock::now();
-            frame.failed[n] = !guarded(n, frames[frame.place], [&] {
+            Line line(*this, n);
+            frame.failed[n] = !guarded(n, frames[frame.place], "run", [&] {
                 auto ports = behaviours[n].make_ports();
                 connect(n, ports.get(), &frame);
-                auto where = context(n);
+                auto where = context(line);
                 where.at(frame.place).wanting(wants);
                 behaviours[n].run(ports.get(), where);
                 frame.outputs[n] = collect(n, ports.get());
             });
-            report.ran(n, 1, since(start), bytes(frame.outputs[n]));
-            progress.done(*steps[n].run, since(start), frames[frame.place]);
+            report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
+            progress.done(*steps[n].run, since(line.start), frames[frame.place]);
+            if (!frame.failed[n]) keep(n, frame.place, frame.outputs[n], line.said);
         }
         release(n, frame, wiring);
     }
 
+    static bool upstream_failed(std::size_t n, const FrameRun& frame, const Wiring& wiring) {
+        return std::any_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
+    }
+
+    /// What a gatherer needs of a frame, found for many frames at once or as it was kept. Its one output here is the digest.
+    void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
+        if (!behaviours[n].digest) return;
+        if (frame.actions[n] == Action::load) {
+            const Profile::Span span(profile, "load", n, frames[frame.place]);
+            if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
+            else lost = true;
+            frame.failed[n] = frame.outputs[n].empty();
+        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
+            frame.failed[n] = true;
+        } else if (frame.actions[n] == Action::run) {
+            Line line(*this, n);
+            frame.failed[n] = !guarded(n, frames[frame.place], "digest", [&] {
+                auto ports = behaviours[n].make_ports();
+                connect(n, ports.get(), &frame);
+                auto where = context(line);
+                where.at(frame.place);
+                frame.outputs[n] = {behaviours[n].digest(ports.get(), where)};
+            });
+            report.took(n, since(line.start), bytes(frame.outputs[n]));
+            progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+            if (!frame.failed[n]) {
+                const bool stores = options.cache && pipeline.nodes[n].digests_kept;
+                const Profile::Span span(stores ? profile : nullptr, "keep", n, frames[frame.place]);
+                store.keep_digest(n, frame.place, frame.outputs[n].front(), line.said);
+            }
+        }
+    }
+
     /// A gatherer takes one frame; false if the frame had failed.
-    bool add(std::size_t n, FrameRun& frame, const Wiring& wiring) {
+    bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
         bool good = true;
-        if (frame.active[n]) {
-            good = !cancelled() && std::none_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
-            const auto start = Clock::now();
-            good = good && guarded(n, frames[frame.place], [&] {
+        if (frame.actions[n] != Action::none) {
+            good = !cancelled() && !frame.failed[n] && (frame.actions[n] == Action::load || !upstream_failed(n, frame, wiring));
+            Line line(*this, n);
+            good = good && (!all || guarded(n, frames[frame.place], "take", [&] {
+                       auto where = context(line);
+                       where.at(frame.place);
+                       if (behaviours[n].digest) return behaviours[n].take(frame.outputs[n].at(0), where);
                        auto ports = behaviours[n].make_ports();
                        connect(n, ports.get(), &frame);
-                       auto where = context(n);
-                       where.at(frame.place);
                        behaviours[n].add(ports.get(), where);
-                   });
-            report.ran(n, 1, since(start), 0);
-            progress.done(*steps[n].add, since(start), frames[frame.place]);
+                   }));
+            if (!behaviours[n].digest) {
+                report.took(n, since(line.start), 0);
+                progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+            }
         }
         release(n, frame, wiring);
         return good;
@@ -244,84 +347,76 @@ struct Flow::Self {
         if (wiring.readers[n].empty()) frame.outputs[n].clear();
     }
 
-    /// Which nodes work in a frame of a pass.
-    std::vector<char> active_in(const Pass& pass, std::size_t place, bool delivered) {
-        std::vector<char> out(pipeline.nodes.size(), 0);
-        const auto mark = [&](const std::vector<bool>& flags) {
-            for (std::size_t n = 0; n < out.size(); ++n) out[n] = out[n] || flags[n];
-        };
-        if (delivered) mark(pass.delivery_needs);
-        for (std::size_t g = 0; g < pass.gatherers.size(); ++g) {
-            const auto n = pass.gatherers[g];
-            auto where = context(n);
-            if (behaviours[n].wants && !behaviours[n].wants(where.at(place))) continue;
-            mark(pass.gatherer_needs[g]);
-            out[n] = true;
+    void run_once(const std::vector<std::size_t>& nodes, const Schedule& schedule) {
+        for (const auto n : nodes) {
+            if (stopped()) return;
+            if (schedule.once[n] == Action::run) once(n);
+            if (schedule.once[n] == Action::load) load_once(n);
         }
-        return out;
     }
 
-    std::vector<std::vector<char>> active_frames(const Pass& pass, const std::vector<bool>& delivered) {
-        std::vector<std::vector<char>> out;
-        for (std::size_t place = 0; place < frames.size(); ++place) out.push_back(active_in(pass, place, delivered[place]));
-        return out;
-    }
+    void announce(const Plan& plan, const Schedule& schedule);
+    void run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule);
 };
 
-Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Report& report, Progress& progress,
-           std::function<bool()> cancelled)
-    : self_(new Self{pipeline, registry, frames, options, report, progress, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
+Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
+           Progress& progress, Profile* profile, std::function<bool()> cancelled)
+    : self_(new Self{pipeline, registry, frames, options, store, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
     const auto count = pipeline.nodes.size();
-    self_->hosts.resize(count);
     self_->steps.resize(count);
     self_->held.resize(count);
-    for (std::size_t n = 0; n < count; ++n) {
-        self_->behaviours.push_back(pipeline.nodes[n].type->bind(pipeline.nodes[n].params));
-        self_->hosts[n].run = self_.get();
-        self_->hosts[n].node = n;
-    }
+    for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
 }
 
 Flow::~Flow() = default;
 
 bool Flow::stopped() const { return self_->stopped(); }
+bool Flow::lost() const { return self_->lost; }
 
-void Flow::announce(const Plan& plan, const std::vector<bool>& delivered) {
-    const auto& pipeline = self_->pipeline;
-    auto& progress = self_->progress;
-    auto& steps = self_->steps;
+/// Tells the progress of all that will run.
+void Flow::Self::announce(const Plan& plan, const Schedule& schedule) {
     std::vector<std::size_t> runs(pipeline.nodes.size(), 0);
-    for (const auto& pass : plan.passes) {
-        for (const auto n : pass.before) ++runs[n];
+    for (std::size_t p = 0; p < plan.passes.size(); ++p) {
+        const auto& pass = plan.passes[p];
         std::vector<std::size_t> adds(pipeline.nodes.size(), 0);
-        for (const auto& active : self_->active_frames(pass, delivered)) {
-            for (const auto n : pass.per_frame) runs[n] += active[n] ? 1 : 0;
-            for (const auto n : pass.gatherers) adds[n] += active[n] ? 1 : 0;
+        for (const auto& actions : schedule.frames[p]) {
+            for (const auto n : pass.per_frame) runs[n] += actions[n] == Action::run ? 1 : 0;
+            for (const auto n : pass.gatherers) adds[n] += actions[n] == Action::run || (actions[n] == Action::load && !behaviours[n].digest) ? 1 : 0;
         }
         for (const auto n : pass.gatherers) {
-            steps[n].add = progress.add({pipeline.nodes[n].name, adds[n]});
-            steps[n].finish = progress.add({pipeline.nodes[n].name, 1});
+            if (adds[n] > 0) steps[n].add = progress.add({pipeline.nodes[n].name, adds[n]});
+            if (schedule.gathers[n]) steps[n].finish = progress.add({pipeline.nodes[n].name, 1});
         }
     }
-    for (const auto n : plan.after) ++runs[n];
+    const auto count_once = [&](const std::vector<std::size_t>& nodes) {
+        for (const auto n : nodes) runs[n] += schedule.once[n] == Action::run ? 1 : 0;
+    };
+    for (const auto& pass : plan.passes) count_once(pass.before);
+    count_once(plan.after);
     for (std::size_t n = 0; n < runs.size(); ++n)
         if (runs[n] > 0) steps[n].run = progress.add({pipeline.nodes[n].name, runs[n]});
 }
 
-void Flow::run_once(const std::vector<std::size_t>& nodes) {
-    for (const auto n : nodes)
-        if (!stopped()) self_->once(n);
+void Flow::run(const Plan& plan, const Schedule& schedule) {
+    auto& self = *self_;
+    self.announce(plan, schedule);
+    for (std::size_t p = 0; p < plan.passes.size() && !self.stopped(); ++p) {
+        self.progress.begin_pass(p);
+        self.run_once(plan.passes[p].before, schedule);
+        if (!self.stopped()) self.run_pass(plan.passes[p], schedule.frames[p], plan, schedule);
+    }
+    if (!self.stopped()) self.run_once(plan.after, schedule);
 }
 
-void Flow::run_pass(const Pass& pass, const std::vector<bool>& delivered, const std::vector<bool>& targets) {
+/// Streams the frames through one pass.
+void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule) {
     namespace flow = tbb::flow;
-    auto& self = *self_;
+    auto& self = *this;
     const auto wiring = wire(self.pipeline, pass);
     const auto nodes = self.pipeline.nodes.size();
-    const auto active = self.active_frames(pass, delivered);
     std::vector<std::size_t> places;
-    for (std::size_t place = 0; place < active.size(); ++place)
-        if (std::find(active[place].begin(), active[place].end(), 1) != active[place].end()) places.push_back(place);
+    for (std::size_t place = 0; place < actions.size(); ++place)
+        if (std::any_of(actions[place].begin(), actions[place].end(), [](Action action) { return action != Action::none; })) places.push_back(place);
 
     flow::graph graph;
     std::size_t next = 0;
@@ -335,7 +430,7 @@ void Flow::run_pass(const Pass& pass, const std::vector<bool>& delivered, const 
     for (const auto unit : wiring.units) ends += wiring.readers[unit].empty() ? 1 : 0;
     flow::function_node<std::size_t, Token> admit(graph, flow::unlimited, [&](std::size_t order) {
         auto frame = std::make_shared<FrameRun>(places[order], order, nodes);
-        frame->active = active[places[order]];
+        frame->actions = actions[places[order]];
         frame->open = ends;
         for (const auto unit : wiring.units) {
             frame->waiting[unit] = static_cast<int>(std::max<std::size_t>(1, wiring.sources[unit].size()));
@@ -360,18 +455,18 @@ void Flow::run_pass(const Pass& pass, const std::vector<bool>& delivered, const 
     std::vector<Gather> gathers(nodes);
     for (const auto n : wiring.units) {
         const bool gathers_here = std::find(pass.gatherers.begin(), pass.gatherers.end(), n) != pass.gatherers.end();
-        units[n] =
-            std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &targets, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {
-                if (frame->waiting[n].fetch_sub(1) != 1) return;
-                if (!gathers_here) self.run(n, *frame, wiring, targets[n]);
-                std::get<0>(out).try_put(frame);
-            });
+        units[n] = std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &plan, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {
+            if (frame->waiting[n].fetch_sub(1) != 1) return;
+            if (gathers_here) self.digest(n, *frame, wiring);
+            else self.run(n, *frame, wiring, plan.targets[n]);
+            std::get<0>(out).try_put(frame);
+        });
         if (!gathers_here) continue;
         auto& gather = gathers[n];
         // Every admitted frame passes, failed ones too: a gap would stall the sequencer for good.
         gather.order = std::make_unique<flow::sequencer_node<Token>>(graph, [](const Token& frame) { return frame->order; });
-        gather.add = std::make_unique<flow::function_node<Token, Token>>(graph, flow::serial, [&self, &wiring, &gather, n](const Token& frame) {
-            if (!self.add(n, *frame, wiring)) gather.lost.push_back(self.frames[frame->place]);
+        gather.add = std::make_unique<flow::function_node<Token, Token>>(graph, flow::serial, [&self, &wiring, &gather, &schedule, n](const Token& frame) {
+            if (!self.add(n, *frame, wiring, schedule.gathers[n] != 0)) gather.lost.push_back(self.frames[frame->place]);
             return frame;
         });
         flow::make_edge(flow::output_port<0>(*units[n]), *gather.order);
@@ -388,6 +483,8 @@ void Flow::run_pass(const Pass& pass, const std::vector<bool>& delivered, const 
 
     for (const auto n : pass.gatherers) {
         if (self.stopped()) return;
+        if (schedule.once[n] == Action::load) self.load_once(n);
+        if (!schedule.gathers[n]) continue;
         if (gathers[n].lost.empty()) {
             self.finish(n);
             continue;

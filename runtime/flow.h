@@ -2,8 +2,10 @@
 
 #include "graph/pipeline.h"
 #include "runtime/plan.h"
+#include "runtime/profile.h"
 #include "runtime/progress.h"
 #include "runtime/report.h"
+#include "runtime/store.h"
 
 #include <atomic>
 #include <functional>
@@ -20,27 +22,29 @@ struct RunOptions {
     std::uint64_t memory = 0;  ///< bytes for what nodes hold for the whole sequence
     std::string work_folder = ".fluidcarve";
     bool keep_going = false;
+    bool cache = true;                                                  ///< results are kept in the work folder, and taken from there
+    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes that stay there after a run
 };
 
 /// Executes the parts of a plan: once-run nodes, and passes as TBB flow graphs. Holds what outlives a pass.
 class Flow {
 public:
     /// @param frames     the sequence, frames left out removed
+    /// @param store      what former runs kept, and where this one's results go
+    /// @param profile    null: none is made
     /// @param cancelled  asked often; true: stop
-    Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Report& report, Progress& progress,
-         std::function<bool()> cancelled);
+    Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
+         Progress& progress, Profile* profile, std::function<bool()> cancelled);
     ~Flow();
 
-    /// Tells the progress of all that the plan will run.
-    void announce(const Plan& plan, const std::vector<bool>& delivered);
-    /// Runs nodes that run once, in order. Stops at the first failure.
-    void run_once(const std::vector<std::size_t>& nodes);
-    /// Streams the frames. A failed frame stops the admission of new ones unless `keep_going`; those in flight end.
-    /// @param delivered  per place in the sequence
-    void run_pass(const Pass& pass, const std::vector<bool>& delivered, const std::vector<bool>& targets);
+    /// Runs what the schedule says, pass after pass. A failed frame stops the admission of new ones unless `keep_going`; those in
+    /// flight end.
+    void run(const Plan& plan, const Schedule& schedule);
 
-    /// No further part of the plan can run: a failure (not kept going), an interrupted run, a node without its frames.
+    /// Not all could run: a failure (not kept going), an interrupted run, a node without its frames.
     bool stopped() const;
+    /// A kept result that the schedule counted on was gone or damaged: another schedule is needed.
+    bool lost() const;
 
 private:
     struct Self;

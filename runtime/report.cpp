@@ -38,17 +38,67 @@ nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
 
 Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
 
-void Report::ran(std::size_t node, std::size_t frames, double seconds, std::uint64_t bytes) {
+void Report::expect(std::vector<Share> shares) {
     const std::lock_guard lock(mutex_);
-    stats_[node].frames += frames;
-    stats_[node].ran = true;
-    stats_[node].seconds += seconds;
+    if (shares_.empty()) shares_ = std::move(shares);
+}
+
+void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    stats.places.insert(place);
+    ++stats.runs;
+    stats.frame_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::took(std::size_t node, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    ++stats.taken;
+    stats.take_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::finished(std::size_t node, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    stats.finished = true;
+    stats.once_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::holds(std::size_t node, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
     stats_[node].most_bytes = std::max(stats_[node].most_bytes, bytes);
+}
+
+std::size_t Report::computed(std::size_t n) const {
+    const auto& stats = stats_[n];
+    if (!stats.places.empty()) return stats.places.size();
+    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return shares_[n].frames;
+    return shares_[n].only_takes ? stats.taken : 0;
+}
+
+Cost Report::cost(std::size_t n) const {
+    const std::lock_guard lock(mutex_);
+    const auto& stats = stats_[n];
+    const auto mean = [](double sum, std::size_t count) { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
+    return {mean(stats.frame_s, stats.runs), mean(stats.take_s, stats.taken), mean(stats.once_s, stats.finished ? 1 : 0), stats.most_bytes};
+}
+
+std::vector<std::size_t> Report::done() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::size_t> out;
+    for (std::size_t n = 0; n < shares_.size(); ++n) out.push_back(shares_[n].frames - shares_[n].runs + std::min(computed(n), shares_[n].runs));
+    return out;
 }
 
 void Report::failed(Fault fault) {
     const std::lock_guard lock(mutex_);
-    faults_.push_back(std::move(fault));
+    // A run that has to plan anew may meet the same frame again.
+    const auto same = [&](const Fault& known) { return known.node == fault.node && known.frame == fault.frame && known.message == fault.message; };
+    if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
 }
 
 void Report::warn(std::size_t node, const std::string& message) {
@@ -96,11 +146,18 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
              {"peak_rss_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
              {"nodes", json::object()},
              {"seams", json::object()}};
-    for (std::size_t n = 0; n < stats_.size(); ++n) {
+    for (std::size_t n = 0; n < shares_.size(); ++n) {
         const auto& stats = stats_[n];
-        if (stats.ran)
-            out["nodes"][pipeline_.nodes[n].name] = {
-                {"type", pipeline_.nodes[n].type->name}, {"frames", stats.frames}, {"cached", 0}, {"wall_s", stats.seconds}, {"bytes", stats.most_bytes}};
+        const auto& share = shares_[n];
+        const auto cached = share.frames - std::max(share.runs, std::min(computed(n), share.frames));
+        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken == 0)) continue;
+        auto& node = out["nodes"][pipeline_.nodes[n].name];
+        node = {{"type", pipeline_.nodes[n].type->name},
+                {"frames", cached + computed(n)},
+                {"cached", cached},
+                {"wall_s", stats.seconds()},
+                {"bytes", stats.most_bytes}};
+        if (stats.taken + share.taken_kept > 0) node["taken"] = {{"frames", stats.taken + share.taken_kept}, {"cached", share.taken_kept}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);

@@ -1,15 +1,21 @@
 #include "runtime/run.h"
 
 #include "graph/output_file.h"
+#include "runtime/history.h"
+#include "runtime/html_report.h"
+#include "runtime/preparation.h"
+#include "runtime/status.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <filesystem>
 #include <fstream>
-#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -17,79 +23,12 @@ namespace {
 /// fmt's own print throws where stderr is a file on a full disk.
 void tell(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 
-/// What the readers say of their files before anything runs.
-class SurveyOf : public Survey {
-public:
-    /// @param needed  nothing: all of them
-    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
-        : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
-    const std::vector<int>& frames() const override { return frames_; }
-    bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
-    bool wants(std::string_view output) const override { return wanted_.contains(output); }
-    void leave_out(int frame) override { left_out.insert(frame); }
-    void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
-    void warn(const std::string& message) override { warnings.push_back(message); }
-
-    std::set<int> left_out;
-    std::vector<std::pair<int, std::string>> lost;
-    std::vector<std::string> warnings;
-
-private:
-    const std::vector<int>& frames_;
-    const std::optional<FrameSet>& needed_;
-    const std::set<std::string, std::less<>> wanted_;
-};
-
-/// Names of a node's outputs that the nodes of a run read.
-std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node) {
-    std::set<std::string, std::less<>> out;
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links)
-                if (needed[n] && link.node == node) out.insert(pipeline.nodes[node].outputs[link.output].name);
-    return out;
-}
-
-struct Inputs {
-    std::vector<int> frames;  ///< the sequence without the frames that readers leave out
-    std::vector<Fault> missing;
-};
-
-/// @param needed       as flags: the nodes that run
-/// @param in_sequence  as flags: those that run for every frame of the sequence, not only for the delivered ones
-Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver,
-              Report& report) {
-    Inputs out;
-    std::set<int> left_out;
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        if (!needed[n] || !node.type->survey) continue;
-        const std::vector<int> once{pipeline.frames.frames().front()};
-        const std::optional<FrameSet> read = node.rate == Rate::fixed || in_sequence[n] ? std::nullopt : deliver;
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, needed, n));
-        node.type->survey(node.params.get(), of);
-        for (const auto& warning : of.warnings) report.warn(n, warning);
-        for (const auto& [frame, message] : of.lost)
-            if (of.needs(frame))
-                out.missing.push_back(
-                    {node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
-        std::vector<int> asked;
-        for (const auto frame : of.left_out)
-            if (deliver && deliver->contains(frame)) asked.push_back(frame);
-        if (!asked.empty()) report.warn(n, fmt::format("left out for want of a file, though -f names them: {}", FrameSet(asked).text()));
-        left_out.insert(of.left_out.begin(), of.left_out.end());
-    }
-    for (const auto frame : pipeline.frames.frames())
-        if (!left_out.contains(frame)) out.frames.push_back(frame);
-    return out;
-}
-
 /// Where a writer's first file can't be written, no other likely can: told before hours are spent.
-void try_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, int frame, Report& report) {
+void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame, Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         for (const auto& spec : node.type->params) {
-            if (!needed[n] || spec.shape.kind != Shape::Kind::output_path || spec.path(node.params.get()).text().empty()) continue;
+            if (shares[n].runs == 0 || spec.shape.kind != Shape::Kind::output_path || spec.path(node.params.get()).text().empty()) continue;
             try {
                 const OutputFile file(spec.path(node.params.get()).at(frame));
             } catch (const Failure& failure) {
@@ -125,86 +64,176 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
                              node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
-int write_report(const std::string& path, const nlohmann::ordered_json& report, int code) {
+/// @param what  the file is, for people @return the exit code, which a file that can't be written changes
+int write_file(const char* what, const std::string& path, const std::string& text, int code) {
     try {
         OutputFile file(path);
         std::ofstream out(file.aside(), std::ios::binary);
-        out << report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+        out << text;
         out.close();
         if (!out) throw Failure(fmt::format("cannot write {}: is the disk full?", path));
         file.commit();
         return code;
     } catch (const Failure& failure) {
-        tell(fmt::format("failed: report: {}", failure.what()));
+        tell(fmt::format("failed: {}: {}", what, failure.what()));
         return code == exit_code::done ? exit_code::node_failed : code;
     }
 }
 
-/// Runs the plan part by part. @return whether it was stopped before its end
-bool execute(Flow& flow, const Plan& plan, const std::vector<bool>& delivered, Progress& progress) {
-    flow.announce(plan, delivered);
-    for (std::size_t p = 0; p < plan.passes.size() && !flow.stopped(); ++p) {
-        progress.begin_pass(p);
-        flow.run_once(plan.passes[p].before);
-        if (!flow.stopped()) flow.run_pass(plan.passes[p], delivered, plan.targets);
+/// The report, the page and the profile, as far as they are asked for. @return the exit code
+int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const Profile& profile,
+              std::filesystem::file_time_type start, int code) {
+    if (!request.report_path.empty())
+        code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
+    if (!request.profile_path.empty()) code = write_file("profile", request.profile_path, profile.text(), code);
+    if (request.html_path.empty()) return code;
+    const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start);
+    const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
+    return write_file("page", request.html_path, to_html(pipeline, registry, request.origins, summary, files, when), code);
+}
+
+/// What `--only` needs of other nodes and is not there.
+std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const std::vector<Share>& shares) {
+    std::vector<Fault> out;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
+        out.push_back({node.name, node.type->name, std::nullopt,
+                       fmt::format("is not there for {} of {} frames, and --only computes nothing but its own node; run --to {} first", shares[n].runs,
+                                   shares[n].frames, node.name),
+                       Failure::Kind::input});
     }
-    if (!flow.stopped()) flow.run_once(plan.after);
-    return flow.stopped();
+    return out;
+}
+
+/// Runs, and plans anew where a kept result turns out to be gone. @return whether it was stopped before its end
+bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
+             Profile* profile, const std::function<bool()>& cancelled) {
+    constexpr int most_attempts = 5;
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
+    tbb::task_arena arena(request.options.threads);
+    for (int attempt = 1;; ++attempt) {
+        bool stopped = true, lost = false;
+        {
+            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
+            arena.execute([&] {
+                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), report, progress, profile, cancelled);
+                flow.run(prepared.plan(), schedule);
+                stopped = flow.stopped();
+                lost = flow.lost();
+            });
+        }
+        if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty())) return stopped;
+        if (attempt == most_attempts) {
+            const auto& node = pipeline.nodes.front();
+            report.failed(
+                {node.name, node.type->name, std::nullopt,
+                 fmt::format("kept results vanish from '{}' again and again; is it being cleaned? --no-cache runs without", request.options.work_folder),
+                 Failure::Kind::data});
+            return true;
+        }
+        schedule = prepared.careful_schedule();
+    }
+}
+
+std::uint64_t input_bytes(const Preparation& prepared) {
+    std::uint64_t out = 0;
+    for (const auto& [node, bytes] : prepared.input_bytes()) out = std::max(out, bytes);
+    return out;
+}
+
+/// So that a later plan can say what changed.
+void remember(const Pipeline& pipeline, Preparation& prepared, const std::vector<Share>& shares, History& history) {
+    for (std::size_t n = 0; n < shares.size(); ++n)
+        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.keys(), prepared.frames()));
+    history.save();
+}
+
+void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const Report& report, History& history) {
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s) history.set_cost(pipeline.nodes[n].name, cost, input_bytes(prepared));
+    history.save();
+}
+
+/// What the user should know of the work folder.
+void tell_of_cache(const Cache& cache) {
+    if (cache.damaged() > 0)
+        tell(fmt::format("warning: {} damaged {} of the work folder {} computed anew", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
+                         cache.damaged() == 1 ? "was" : "were"));
+    if (!cache.fault().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
 }  // namespace
 
+int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
+    Report report(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    for (const auto& fault : prepared.missing()) report.failed(fault);
+    for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
+    if (!prepared.missing().empty() || prepared.frames().empty()) return exit_code::input;
+    const auto schedule = prepared.schedule();
+    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+    const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
+    const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
+    std::fputs(json ? (to_json(outlook).dump(2) + "\n").c_str() : to_text(outlook).c_str(), stdout);
+    return exit_code::done;
+}
+
 int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled) {
-    try {
-        if (!request.report_path.empty()) const OutputFile file(request.report_path);
-    } catch (const Failure& failure) {
-        return tell(fmt::format("failed: report: {}", failure.what())), exit_code::node_failed;
+    const auto start = std::filesystem::file_time_type::clock::now();
+    for (const auto& [what, path] :
+         {std::pair("report", request.report_path), std::pair("page", request.html_path), std::pair("profile", request.profile_path)}) {
+        try {
+            if (!path.empty()) const OutputFile file(path);
+        } catch (const Failure& failure) {
+            return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
+        }
     }
     Report report(pipeline);
-    const auto plan = make_plan(pipeline, request.to);
-    std::vector<std::size_t> targets;
-    for (std::size_t n = 0; n < plan.targets.size(); ++n)
-        if (plan.targets[n]) targets.push_back(n);
-    std::vector<bool> in_sequence(pipeline.nodes.size(), false);
-    for (const auto& pass : plan.passes)
-        for (const auto& needs : pass.gatherer_needs)
-            for (std::size_t n = 0; n < needs.size(); ++n) in_sequence[n] = in_sequence[n] || needs[n];
-    auto inputs = survey(pipeline, pipeline.upstream_of(targets), in_sequence, request.deliver, report);
+    Profile profile(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     const auto told = report.warnings();
     // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
-        for (auto& fault : inputs.missing) report.failed(std::move(fault));
-    if (inputs.frames.empty())
-        report.failed({pipeline.nodes[targets.front()].name, pipeline.nodes[targets.front()].type->name, std::nullopt,
-                       "no frame is left: of each, some reader that leaves out missing frames has no file", Failure::Kind::input});
-
-    std::vector<bool> delivered;
-    std::vector<int> delivered_frames;
-    for (const auto frame : inputs.frames) {
-        delivered.push_back(!request.deliver || request.deliver->contains(frame));
-        if (delivered.back()) delivered_frames.push_back(frame);
+        for (const auto& fault : prepared.missing()) report.failed(fault);
+    if (prepared.frames().empty()) {
+        const auto& targets = prepared.plan().targets;
+        const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
+        const auto& node = pipeline.nodes[first];
+        report.failed({node.name, node.type->name, std::nullopt, "no frame is left: of each, some reader that leaves out missing frames has no file",
+                       Failure::Kind::input});
     }
-    if (request.verbose) std::fputs(to_text(plan, pipeline, delivered_frames.size()).c_str(), stderr);
 
-    if (report.faults().empty() && !request.options.keep_going)
-        try_outputs(pipeline, pipeline.upstream_of(targets), (delivered_frames.empty() ? inputs.frames : delivered_frames).front(), report);
-
+    const auto delivered = prepared.delivered_frames();
     bool stopped = true;
     if (report.faults().empty()) {
-        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
-        tbb::task_arena arena(request.options.threads);
-        Progress progress(request.progress, std::max<std::size_t>(1, plan.passes.size()));
-        arena.execute([&] {
-            Flow flow(pipeline, registry, inputs.frames, request.options, report, progress, cancelled);
-            stopped = execute(flow, plan, delivered, progress);
-        });
+        const auto schedule = prepared.schedule();
+        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+        if (request.wish.only)
+            for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
+        History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
+        const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
+        if (request.verbose) std::fputs(to_text(outlook).c_str(), stderr);
+        if (report.faults().empty() && !request.options.keep_going)
+            try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
+        report.expect(to_do);
+        prepared.repeat_said(schedule, report);
+        if (report.faults().empty()) {
+            remember(pipeline, prepared, to_do, history);
+            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), outlook, report);
+            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
+            status.end(exit_of(report, cancelled(), stopped));
+            remember_cost(pipeline, prepared, report, history);
+            prepared.cache().trim(request.options.cache_size);
+        }
     }
     const int code = exit_of(report, cancelled(), stopped);
-    const auto summary = report.to_json(delivered_frames, code);
+    const auto summary = report.to_json(delivered, code);
+    if (!request.quiet) tell_of_cache(prepared.cache());
     tell_outcome(report, request, summary, told);
-    return request.report_path.empty() ? code : write_report(request.report_path, summary, code);
+    return write_all(pipeline, registry, request, summary, profile, start, code);
 }
 
 }  // namespace fluidcarve

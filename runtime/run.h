@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/origins.h"
 #include "graph/pipeline.h"
 #include "runtime/flow.h"
 
@@ -22,12 +23,19 @@ constexpr int interrupted = 130;
 struct RunRequest {
     RunOptions options;
     std::optional<FrameSet> deliver;  ///< `-f`: what per-frame nodes deliver; nothing: all
-    std::string to;                   ///< `--to`; empty: all leaves
+    Wish wish;                        ///< which part of the pipeline
     std::string report_path;          ///< empty: none is written
+    std::string html_path;            ///< the same for the page
+    std::string profile_path;         ///< and for the trace
+    Origins origins;                  ///< of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
     bool quiet = false;    ///< only failures are told
     bool verbose = false;  ///< the plan before, the time of each node after
 };
+
+/// Says on stdout what a run would do, and why; opens no data beyond the heads of files, and what is in them.
+/// @return an exit code
+int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json);
 
 /// Runs a checked pipeline to its end: looks at the inputs, plans, streams, reports. Everything is told on stderr.
 /// @param cancelled  asked often; true: stop soon

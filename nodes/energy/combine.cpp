@@ -42,7 +42,9 @@ struct Combine {
         params.range.check(terms, check);
     }
 
-    void add(const Params& params, const Ports& io, Context&) { gathered.add(params.range, io.terms); }
+    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) { return ranges_of(params.range, io.terms); }
+
+    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
 
     void finish(const Params&, Ports&, Context&) {}
 
@@ -110,7 +112,8 @@ NodeType energy_combine() {
         .param("range", &Combine::Params::range,
                "What is remapped to [0, 1], values beyond are clamped: the smallest and largest active value of the sequence, found in a pass of its own; "
                "or an interval for all terms; or a list with one of these per term. A term that is constant counts as 0.")
-        .output("energy", &Combine::Ports::energy, "From 0 to the sum of the weights, on the voxels that are active in any term.");
+        .output("energy", &Combine::Ports::energy, "From 0 to the sum of the weights, on the voxels that are active in any term.")
+        .digests({"terms", "range"});
 }
 
 }  // namespace fluidcarve

@@ -32,7 +32,8 @@ NodeType energy_curvature() {
         .input("surface", &Curvature::Ports::surface, "A level set, or any field whose level surfaces are meant.")
         .param("gain", &Curvature::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
         .output("energy", &Curvature::Ports::energy,
-                "|sum of the principal curvatures|, 1 per world unit, on the active voxels of `surface`; as field.curvature.");
+                "|sum of the principal curvatures|, 1 per world unit, on the active voxels of `surface`; as field.curvature.")
+        .kept();
 }
 
 }  // namespace fluidcarve

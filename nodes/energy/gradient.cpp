@@ -30,7 +30,8 @@ NodeType energy_gradient() {
     return Declare<Gradient>("energy.gradient", "High where a field changes, so that seams avoid its edges and details.")
         .input("field", &Gradient::Ports::field, "Density, temperature or any other field.")
         .param("gain", &Gradient::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
-        .output("energy", &Gradient::Ports::energy, "|grad field|, units of `field` per world unit, on its active voxels.");
+        .output("energy", &Gradient::Ports::energy, "|grad field|, units of `field` per world unit, on its active voxels.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -99,7 +99,8 @@ NodeType energy_image() {
         .param("channels", &ImageEnergy::Params::channels,
                "Grids whose mean is the intensity. Auto is 0.2126 R + 0.7152 G + 0.0722 B; of pictures without these channels, the mean of all but opacity "
                "(A, alpha).")
-        .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.");
+        .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #include "nodes/energy/remap.h"
 
+#include "nodes/energy/term_ranges.h"
 #include "nodes/field/active_range.h"
 #include "nodes/field/stencil.h"
 
@@ -25,7 +26,11 @@ struct EnergyRemap {
         if (!params.clamp && params.gamma != 1) check.fault("gamma", "'gamma' bends only what is clamped: leave it at 1, or 'clamp' at true");
     }
 
-    void add(const Params&, const Ports& io, Context&) { gathered = joined(gathered, active_range(*io.energy)); }
+    static std::shared_ptr<FrameRanges> digest(const Params&, const Ports& io, Context&) {
+        return std::make_shared<FrameRanges>(FrameRanges{{active_range(*io.energy)}});
+    }
+
+    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered = joined(gathered, frame->each.at(0)); }
 
     void finish(const Params&, Ports&, Context&) {}
 
@@ -58,7 +63,8 @@ NodeType energy_remap() {
                "Exponent between the ends: below 1 lifts low values, above 1 lowers them. Only with `clamp`.")
         .param("clamp", &RemapCurve::clamp, "Values beyond `range` go to the ends of `to`; false: beyond them, in a straight line.")
         .param("invert", &RemapCurve::invert, "The low end of `range` goes to the high end of `to`: empty space gets the most.")
-        .output("energy", &EnergyRemap::Ports::remapped, "On the active voxels of `energy`; everywhere else its background, remapped too.");
+        .output("energy", &EnergyRemap::Ports::remapped, "On the active voxels of `energy`; everywhere else its background, remapped too.")
+        .digests({"energy"});
 }
 
 }  // namespace fluidcarve

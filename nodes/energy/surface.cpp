@@ -27,11 +27,13 @@ struct SurfaceEnergy {
         params.range.check(1 + velocities, check);
     }
 
-    void add(const Params& params, const Ports& io, Context&) {
+    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) {
         std::vector<Ref<FloatGrid>> energies;
         for (const auto& term : surface_terms(*io.surface, io.velocity, params)) energies.push_back(term.energy);
-        gathered.add(params.range, energies);
+        return ranges_of(params.range, energies);
     }
+
+    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
 
     void finish(const Params&, Ports&, Context&) {}
 
@@ -62,7 +64,9 @@ NodeType energy_surface() {
             "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
             "found in a pass of its own; or an interval for both terms; or a list with one of these for the curvature and one for the kinetic energy. A term "
             "that is constant counts as 0.")
-        .output("energy", &SurfaceEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in either input.");
+        .output("energy", &SurfaceEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in either input.")
+        .digests({"surface", "velocity", "range"})
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -38,10 +38,15 @@ void TermRanges::check(std::size_t terms, NodeCheck& check) const {
     if (!shared && each.size() != terms) check.fault("range", fmt::format("states {} ranges for {} terms; state one per term", each.size(), terms));
 }
 
-void GatheredRanges::add(const TermRanges& stated, const std::vector<Ref<FloatGrid>>& terms) {
-    found_.resize(terms.size(), empty_range);
-    for (std::size_t n = 0; n < terms.size(); ++n)
-        if (!stated.of(n)) found_[n] = joined(found_[n], active_range(*terms[n]));
+std::shared_ptr<FrameRanges> ranges_of(const TermRanges& stated, const std::vector<Ref<FloatGrid>>& terms) {
+    auto out = std::make_shared<FrameRanges>();
+    for (std::size_t n = 0; n < terms.size(); ++n) out->each.push_back(stated.of(n) ? empty_range : active_range(*terms[n]));
+    return out;
+}
+
+void GatheredRanges::add(const FrameRanges& frame) {
+    found_.resize(frame.each.size(), empty_range);
+    for (std::size_t n = 0; n < frame.each.size(); ++n) found_[n] = joined(found_[n], frame.each[n]);
 }
 
 Interval GatheredRanges::of(const TermRanges& stated, std::size_t term) const {

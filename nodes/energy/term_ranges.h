@@ -28,12 +28,19 @@ struct ParamTraits<TermRanges> {
     static std::string text(const TermRanges& ranges);
 };
 
+/// What each of several grids ranges over in one frame: smallest and largest active value, low > high where there is none.
+struct FrameRanges {
+    std::vector<Interval> each;
+};
+
+/// The ranges of one frame's energies, as far as they are `auto`; of the others those of no values.
+/// @throws Failure as active_range
+std::shared_ptr<FrameRanges> ranges_of(const TermRanges& stated, const std::vector<Ref<FloatGrid>>& terms);
+
 /// What the terms that are `auto` range over in a sequence.
 class GatheredRanges {
 public:
-    /// @param terms  one frame's energies
-    /// @throws Failure as active_range
-    void add(const TermRanges& stated, const std::vector<Ref<FloatGrid>>& terms);
+    void add(const FrameRanges& frame);
     /// The range of a term, stated or gathered.
     Interval of(const TermRanges& stated, std::size_t term) const;
 

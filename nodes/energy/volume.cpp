@@ -35,11 +35,13 @@ struct VolumeEnergy {
         params.range.check(2 * velocities + fields, check);
     }
 
-    void add(const Params& params, const Ports& io, Context&) {
+    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) {
         std::vector<Ref<FloatGrid>> energies;
         for (const auto& term : volume_terms(io.velocity, io.fields, params)) energies.push_back(term.energy);
-        gathered.add(params.range, energies);
+        return ranges_of(params.range, energies);
     }
+
+    void add(const Params&, const Ref<FrameRanges>& frame, Context&) { gathered.add(*frame); }
 
     void finish(const Params&, Ports&, Context&) {}
 
@@ -75,7 +77,9 @@ NodeType energy_volume() {
             "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
             "found in a pass of its own; or an interval for all terms; or a list with one of these per term: vorticity, kinetic, then the gradient of each "
             "field. A term that is constant counts as 0.")
-        .output("energy", &VolumeEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in any input.");
+        .output("energy", &VolumeEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in any input.")
+        .digests({"velocity", "fields", "range"})
+        .kept();
 }
 
 }  // namespace fluidcarve

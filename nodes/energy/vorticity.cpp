@@ -32,7 +32,8 @@ NodeType energy_vorticity() {
     return Declare<Vorticity>("energy.vorticity", "High where the flow spins, so that seams avoid vortices.")
         .input("velocity", &Vorticity::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
         .param("gain", &Vorticity::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
-        .output("energy", &Vorticity::Ports::energy, "|curl velocity|, 1/s, on the active voxels of `velocity`.");
+        .output("energy", &Vorticity::Ports::energy, "|curl velocity|, 1/s, on the active voxels of `velocity`.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -29,7 +29,8 @@ VectorGrid::Ptr curl_field(const Ref<VectorGrid>& velocity) {
 NodeType field_curl() {
     return Declare<FieldCurl>("field.curl", "The axis and rate of a flow's spin.")
         .input("velocity", &FieldCurl::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
-        .output("curl", &FieldCurl::Ports::curl, "curl velocity, 1/s, on the active voxels of `velocity`.");
+        .output("curl", &FieldCurl::Ports::curl, "curl velocity, 1/s, on the active voxels of `velocity`.")
+        .kept();
 }
 
 }  // namespace fluidcarve

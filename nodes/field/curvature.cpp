@@ -62,7 +62,8 @@ NodeType field_curvature() {
         .input("field", &FieldCurvature::Ports::field, "A level set, or any field whose level surfaces are meant.")
         .output("curvature", &FieldCurvature::Ports::curvature,
                 "1 per world unit on the field's active voxels, 2 / radius on a ball; above 0 where a level set bulges outward. 0 where a neighbour is not "
-                "active, and never beyond that of a ball of one voxel's radius.");
+                "active, and never beyond that of a ball of one voxel's radius.")
+        .kept();
 }
 
 }  // namespace fluidcarve

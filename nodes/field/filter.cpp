@@ -90,7 +90,8 @@ NodeType field_filter() {
                "mean of a cube of voxels; median of it, which removes specks and keeps edges; gaussian, as four means in a row, within 5 % of the true one.")
         .param("width", &FieldFilter::Params::width, Unit::voxels, between(1, 64), "From the middle of the cube to its sides: 1 is 3 x 3 x 3 voxels.")
         .param("iterations", &FieldFilter::Params::iterations, Unit::none, between(1, 100), "How often the filter is applied.")
-        .output("filtered", &FieldFilter::Ports::filtered, "In the unit of `field`, on its active voxels; beyond them its values count as they are.");
+        .output("filtered", &FieldFilter::Ports::filtered, "In the unit of `field`, on its active voxels; beyond them its values count as they are.")
+        .kept();
 }
 
 }  // namespace fluidcarve

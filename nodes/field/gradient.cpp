@@ -29,7 +29,8 @@ VectorGrid::Ptr gradient_field(const FloatGrid& field) {
 NodeType field_gradient() {
     return Declare<FieldGradient>("field.gradient", "Where and how steeply a field rises.")
         .input("field", &FieldGradient::Ports::field, "Density, temperature or any other field.")
-        .output("gradient", &FieldGradient::Ports::gradient, "grad field, units of `field` per world unit, on its active voxels.");
+        .output("gradient", &FieldGradient::Ports::gradient, "grad field, units of `field` per world unit, on its active voxels.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -31,13 +31,13 @@ void require_same_transform(const std::string& what, const openvdb::GridBase& fi
                               place_text(first.transform()), second.getName(), place_text(second.transform())));
 }
 
-void OneTransform::require(const std::string& what, const openvdb::GridBase& grid, int frame) {
+void OneTransform::require(const std::string& what, const openvdb::math::Transform& transform, int frame) {
     if (!transform_) {
-        transform_ = grid.transform().copy();
+        transform_ = transform.copy();
         frame_ = frame;
-    } else if (*transform_ != grid.transform()) {
+    } else if (*transform_ != transform) {
         throw Failure(fmt::format("{} has {} in frame {}, but {} in frame {}: no lattice fits both; bake the sequence with a fixed domain, or resample it",
-                                  what, place_text(*transform_), frame_, place_text(grid.transform()), frame));
+                                  what, place_text(*transform_), frame_, place_text(transform), frame));
     }
 }
 

@@ -22,7 +22,7 @@ class OneTransform {
 public:
     /// @param what  the grid, as the message calls it: "the energy"
     /// @throws Failure naming both frames and places, if the transform is not that of the first frame
-    void require(const std::string& what, const openvdb::GridBase& grid, int frame);
+    void require(const std::string& what, const openvdb::math::Transform& transform, int frame);
     /// That of the first frame; null before it.
     const openvdb::math::Transform::ConstPtr& transform() const { return transform_; }
 

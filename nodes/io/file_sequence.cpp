@@ -64,7 +64,9 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey, const 
             survey.leave_out(frame);
         } else if (missing == Missing::error) {
             survey.missing(frame, fmt::format("{} does not exist", path.at(frame)));
-        } else if (survey.needs(frame) && stood_in != file) {
+        } else {
+            survey.stands_in(frame, file);
+            if (!survey.needs(frame) || stood_in == file) continue;
             look_at(frame, file);
             stood_in = file;
         }

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/problem.h"
+#include "nodes/io/openvdb_types.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"
 
@@ -12,14 +13,12 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
-#include <openvdb/points/AttributeArray.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 #include <sstream>
 
 namespace fluidcarve {
@@ -29,16 +28,6 @@ using openvdb::io::GridDescriptor;
 
 [[noreturn]] void refuse(const std::string& message) { throw Failure(message, Failure::Kind::input); }
 
-void initialize() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-        openvdb::initialize();
-        // Blender's liquid caches in half precision hold it, and the library leaves it out.
-        using HalfInt = openvdb::points::TypedAttributeArray<std::int32_t, openvdb::points::TruncateCodec>;
-        if (!HalfInt::isRegistered()) HalfInt::registerType();
-    });
-}
-
 std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
 
 /// An open file whose header was walked. The walk is our own: the library's allocates what a length in the file
@@ -46,7 +35,7 @@ std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS
 class OpenVdb : private openvdb::io::Archive {
 public:
     explicit OpenVdb(const std::string& path) : path_(path) {
-        initialize();
+        register_openvdb_types();
         open();
         try {
             walk();
@@ -313,7 +302,7 @@ openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string&
 }
 
 void write_vdb(const std::string& path, const Volume& volume, Codec codec, const Placement* placement) {
-    initialize();
+    register_openvdb_types();
     std::vector<openvdb::GridBase::ConstPtr> grids;
     for (const auto& grid : volume.grids)
         for (const auto& part : split(grid)) grids.push_back(unplaced(part, placement));

@@ -195,6 +195,15 @@ private:
     bool told_ = false;
 };
 
+/// What the grids will take in memory: writers say so.
+std::uint64_t memory_of(const VdbHeader& header, const std::set<std::size_t>& places) {
+    std::uint64_t out = 0;
+    for (const auto place : places)
+        if (const auto bytes = header.grids[place].metadata.getMetadata<openvdb::Int64Metadata>("file_mem_bytes"); bytes && bytes->value() > 0)
+            out += static_cast<std::uint64_t>(bytes->value());
+    return out;
+}
+
 struct VdbRead {
     struct Params {
         InputPath path;
@@ -227,6 +236,7 @@ struct VdbRead {
             if (survey.wants("volume"))
                 for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
             steadiness.look(contents.header(), places, frame, survey);
+            survey.expect(frame, memory_of(contents.header(), places));
         });
     }
 

@@ -1,6 +1,7 @@
 #include "nodes/lattice/box.h"
 
 #include "nodes/field/same_transform.h"
+#include "nodes/lattice/active_box.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/payloads.h"
 
@@ -68,23 +69,21 @@ struct Box {
         }
     }
 
-    void add(const Params&, const Ports& io, Context& context) { gather(*io.fit->grid, context.frame()); }
-
-    void gather(const openvdb::GridBase& grid, int frame) {
-        const auto box = grid.evalActiveVoxelBoundingBox();
-        if (box.empty()) return;
-        const bool first = !transform_.transform();
-        transform_.require(fmt::format("grid '{}'", grid.getName()), grid, frame);
-        if (first) require_uniform(grid, frame);
-        name_ = grid.getName();
-        box_.expand(box);
+    static std::shared_ptr<ActiveBox> digest(const Params&, const Ports& io, Context&) {
+        const auto& grid = *io.fit->grid;
+        return std::make_shared<ActiveBox>(ActiveBox{grid.getName(), grid.transform().copy(), grid.evalActiveVoxelBoundingBox()});
     }
 
-    static void require_uniform(const openvdb::GridBase& grid, int frame) {
-        if (!cubes_along_axes(grid.transform()))
+    void add(const Params&, const Ref<ActiveBox>& in, Context& context) {
+        if (in->voxels.empty()) return;
+        const bool first = !transform_.transform();
+        transform_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
+        if (first && !cubes_along_axes(*in->transform))
             throw Failure(fmt::format(
                 "grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
-                grid.getName(), frame));
+                in->name, context.frame()));
+        name_ = in->name;
+        box_.expand(in->voxels);
     }
 
     void finish(const Params& params, Ports& io, Context&) {
@@ -129,7 +128,9 @@ NodeType lattice_box() {
         .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex; a whole number of spacings from `min`, which may be 0.")
         .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance of neighbouring vertices; above 0.")
         .param("axes", &Box::Params::axes, "Which world axes are u, v and w.")
-        .output("lattice", &Box::Ports::lattice, "The lattice.");
+        .output("lattice", &Box::Ports::lattice, "The lattice.")
+        .digests({"fit"})
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -218,7 +218,8 @@ NodeType lattice_build() {
         .param("mapping", &Params::mapping,
                "How positions are located: by the true inverse; or by the paper's closed form and its plane directions, which blur where planes turn, for "
                "comparison.")
-        .output("lattice", &LatticeBuild::Ports::lattice, "The lattice.");
+        .output("lattice", &LatticeBuild::Ports::lattice, "The lattice.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -153,7 +153,8 @@ NodeType mask_below_surface() {
         .param("depth", &Params::depth, Unit::world, at_least(0), "How far below the uppermost surface the mask begins, to the nearest voxel.")
         .output("mask", &BelowSurface::Ports::mask,
                 "All that lies below the uppermost of them, also beneath overhangs, down to where the lowest is known. Weigh it with 0 in mask.weight, "
-                "`mode: multiply`.");
+                "`mode: multiply`.")
+        .kept();
 }
 
 }  // namespace fluidcarve

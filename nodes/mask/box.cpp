@@ -37,7 +37,8 @@ NodeType mask_box() {
         .input("like", &MaskBox::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
         .required("min", &MaskBox::Params::min, Unit::world, any_number(), "The low corner.")
         .required("max", &MaskBox::Params::max, Unit::world, any_number(), "The high corner; `min` and `max` lie in the box.")
-        .output("mask", &MaskBox::Ports::mask, "The voxels whose centres lie in the box.");
+        .output("mask", &MaskBox::Ports::mask, "The voxels whose centres lie in the box.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -46,7 +46,8 @@ NodeType mask_combine() {
     return Declare<MaskCombine>("mask.combine", "One mask of several: what any, all or only the first of them holds.")
         .input("masks", &MaskCombine::Ports::masks, "Masks of one transform.")
         .param("mode", &MaskCombine::Params::mode, "union: in any of the masks; intersection: in all of them; difference: in the first and in no other.")
-        .output("mask", &MaskCombine::Ports::mask, "Those voxels.");
+        .output("mask", &MaskCombine::Ports::mask, "Those voxels.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -40,7 +40,8 @@ NodeType mask_dilate() {
         .input("mask", &MaskDilate::Ports::mask, "A mask.")
         .required("voxels", &MaskDilate::Params::voxels, Unit::voxels, between(-256, 256),
                   "How far along each axis and diagonal; above 0 the mask grows, below 0 it shrinks.")
-        .output("mask", &MaskDilate::Ports::dilated, "The mask, grown or shrunk.");
+        .output("mask", &MaskDilate::Ports::dilated, "The mask, grown or shrunk.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -77,7 +77,8 @@ NodeType mask_mesh() {
         .input("like", &MaskMesh::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
         .param("where", &Params::where, "inside: the voxels whose centres the mesh encloses; near: those at most `distance` from a face, on either side.")
         .param("distance", &Params::distance, Unit::world, at_least(0), "For `where: near`.")
-        .output("mask", &MaskMesh::Ports::mask, "Those voxels.");
+        .output("mask", &MaskMesh::Ports::mask, "Those voxels.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -37,7 +37,8 @@ NodeType mask_sphere() {
         .input("like", &MaskSphere::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
         .required("center", &MaskSphere::Params::center, Unit::world, any_number(), "Middle of the sphere.")
         .required("radius", &MaskSphere::Params::radius, Unit::world, at_least(0), "From the middle to the border, which lies in the sphere.")
-        .output("mask", &MaskSphere::Ports::mask, "The voxels whose centres lie in the sphere.");
+        .output("mask", &MaskSphere::Ports::mask, "The voxels whose centres lie in the sphere.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -54,7 +54,8 @@ NodeType mask_threshold() {
         .input("field", &Threshold::Ports::field, "Density, temperature, flame; only its active voxels can be in the mask.")
         .param("above", &Threshold::Params::above, Unit::none, any_number(), "Least value that counts, in the field's unit; auto is no bound.")
         .param("below", &Threshold::Params::below, Unit::none, any_number(), "Greatest value that counts, in the field's unit; auto is no bound.")
-        .output("mask", &Threshold::Ports::mask, "Those voxels.");
+        .output("mask", &Threshold::Ports::mask, "Those voxels.")
+        .kept();
 }
 
 }  // namespace fluidcarve

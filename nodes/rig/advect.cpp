@@ -166,7 +166,8 @@ NodeType rig_advect() {
                "roughly tenths of a voxel per frame: a tenth of the voxel size. More makes the rig longer where the frames are few.")
         .param("apart", &Params::apart, Unit::world, at_least(0), "Middles nearer than this to the one before are left out; auto is a voxel.")
         .param("up", &Params::up, Unit::none, any_number(), "Where the lattice's `v` points at the start, made orthogonal to the path.")
-        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames: the points as they stand in the last frame, the latest first.");
+        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames: the points as they stand in the last frame, the latest first.")
+        .kept();
 }
 
 }  // namespace fluidcarve

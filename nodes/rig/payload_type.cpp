@@ -1,11 +1,34 @@
 #include "nodes/rig/payload_type.h"
 
+#include "nodes/io/binary.h"
 #include "nodes/rig/rig.h"
 
 namespace fluidcarve {
+namespace {
+
+void write(const Rig& rig, std::ostream& to) {
+    BinaryWriter out(to);
+    out.list(rig.points);
+    out.value(rig.closed);
+    out.value(rig.up);
+    out.optional(rig.oval);
+}
+
+Ref<Rig> read(std::istream& from) {
+    BinaryReader in(from);
+    const auto out = std::make_shared<Rig>();
+    out->points = in.list<openvdb::Vec3d>();
+    out->closed = in.value<bool>();
+    out->up = in.value<openvdb::Vec3d>();
+    out->oval = in.optional<Rig::Oval>();
+    return out;
+}
+
+}  // namespace
 
 void add_rig_payload(Registry& registry) {
-    registry.add(payload_type<Rig>("rig", "The path that a lattice follows.", [](const Rig& rig) { return rig.points.size() * sizeof(openvdb::Vec3d); }));
+    registry.add(payload_type<Rig>("rig", "The path that a lattice follows.", [](const Rig& rig) { return rig.points.size() * sizeof(openvdb::Vec3d); },
+                                   {1, &write, &read}));
 }
 
 }  // namespace fluidcarve

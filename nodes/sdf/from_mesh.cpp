@@ -181,7 +181,8 @@ NodeType sdf_from_mesh() {
         .param("band", &Params::band, Unit::voxels, between(2, 1000), "How far from the faces distances are known, on each side.")
         .param("thickness", &Params::thickness, Unit::world, at_least(1e-6),
                "Makes a shell of this thickness around the faces, which is closed whatever the mesh. Auto: none.")
-        .output("surface", &Ports::surface, "Distances, world units, named `surface`.");
+        .output("surface", &Ports::surface, "Distances, world units, named `surface`.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -91,7 +91,8 @@ NodeType sdf_from_points() {
                "Of the balls. Where particles stand about half a voxel apart, as in most liquids, 1 to 2 make a closed surface.")
         .param("smoothing", &FromPoints::Params::smoothing, Unit::none, between(0, 100), "How often the surface is averaged over 3 x 3 x 3 voxels.")
         .param("half_width", &FromPoints::Params::half_width, Unit::voxels, between(2, 100), "Distances are known this far from the surface, to both sides.")
-        .output("surface", &FromPoints::Ports::surface, "Distance to the surface, world units, negative inside.");
+        .output("surface", &FromPoints::Ports::surface, "Distance to the surface, world units, negative inside.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -58,7 +58,8 @@ NodeType sdf_to_mesh() {
         .param("isovalue", &Params::isovalue, Unit::none, any_number(), "Where the surface lies, in the grid's unit: 0 in level sets.")
         .param("adaptivity", &Params::adaptivity, Unit::none, between(0, 1),
                "0: a quad per voxel, evenly; up to 1: fewer and larger faces, triangles among them, where the surface is flat.")
-        .output("mesh", &SdfToMesh::Ports::mesh, "Faces turned outwards, without UVs.");
+        .output("mesh", &SdfToMesh::Ports::mesh, "Faces turned outwards, without UVs.")
+        .kept();
 }
 
 }  // namespace fluidcarve

@@ -29,11 +29,23 @@ using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;          ///< per seam
-    std::vector<double> zero_share;      ///< per seam, how much of its columns has no energy, 0 to 1
-    std::vector<std::size_t> attracted;  ///< per seam, how many attracted vertices it takes
-    std::vector<std::size_t> blocked;    ///< per seam, how many protected vertices it passes
-    std::size_t attracted_left = 0;      ///< attracted vertices that none takes
+    std::vector<double> wall_s;               ///< per seam; 0 of those that were found before
+    std::vector<double> zero_share;           ///< per seam, how much of its columns has no energy, 0 to 1
+    std::vector<std::size_t> attracted;       ///< per seam, how many attracted vertices it takes
+    std::vector<std::size_t> blocked;         ///< per seam, how many protected vertices it passes
+    std::vector<std::size_t> attracted_left;  ///< per seam, how many it and those before leave
+};
+
+/// A search that goes on where another ended, and tells how far it has come.
+struct Continued {
+    std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
+    /// Told of the last of them, for solvers that start from it: its entries in the space in which it was found, of one frame if still.
+    std::function<void(std::span<const std::uint16_t> last)> start_from;
+    /// Told of all seams that are there, after each that is found.
+    std::function<void(const FoundSeams& found)> found;
+    /// Bytes that the search may hold beside energies and seams before it moves to files in the folder.
+    std::uint64_t memory_budget = ~std::uint64_t{0};
+    std::string folder;
 };
 
 /// Protected vertices leave no way for the next seam.
@@ -56,12 +68,13 @@ struct NoSeam : Failure {
 void require_room(Seams::Kind kind, int count, Window window, int width);
 
 /// The loop around a solver (METHOD 4 and 8): finds a seam, deletes it from the energy, and so on. Insertions are found
-/// as removals and returned as original entries.
+/// as removals and returned as original entries. What is found is the same at once or continued.
 /// @param volume  used up
+/// @param count   of all seams, those found before included
 /// @param window  original entries
 /// @param still   each seam is the same in all frames; found in their sum, and the volume stays as it is
 /// @throws Failure as require_room; NoSeam
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,
-                      bool still = false);
+                      bool still = false, const Continued& continued = {});
 
 }  // namespace fluidcarve

@@ -17,10 +17,10 @@ struct Greedy : SeamNode {
         int starts = 16;
         Guide guide = Guide::cone;
     };
-    void add(const Params& params, const Ports& io, Context& context) {
-        if (params.guide == Guide::gaussian && !io.lattice->closed)
+    void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
+        if (params.guide == Guide::gaussian && !frame->lattice->closed)
             throw Failure("guide 'gaussian' leads seams through a closed lattice back to where they began, but this lattice is open; leave `guide` out");
-        SeamNode::add(params, io, context);
+        SeamNode::add(params, frame, context);
     }
     void finish(const Params& params, Ports& io, Context& context) {
         solve(params, io, context, [&](const EnergyVolume& energy, Window window, int number, const Tick& tick) {

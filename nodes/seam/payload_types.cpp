@@ -1,15 +1,97 @@
 #include "nodes/seam/payload_types.h"
 
+#include "nodes/io/binary.h"
+#include "nodes/lattice/active_box.h"
+#include "nodes/seam/frame_energy.h"
 #include "nodes/seam/seams.h"
 
 namespace fluidcarve {
+namespace {
+
+void write_lattice(const Lattice& lattice, std::ostream& to) {
+    BinaryWriter out(to);
+    out.value(lattice.shape);
+    out.value(lattice.spacing);
+    out.value(lattice.closed);
+    out.value(lattice.closed_form);
+    out.list(lattice.planes);
+    out.text(lattice.description);
+    out.text(lattice.hash);
+}
+
+Ref<Lattice> read_lattice(std::istream& from) {
+    BinaryReader in(from);
+    const auto out = std::make_shared<Lattice>();
+    out->shape = in.value<std::array<int, 3>>();
+    out->spacing = in.value<double>();
+    out->closed = in.value<bool>();
+    out->closed_form = in.value<bool>();
+    out->planes = in.list<Lattice::Plane>();
+    out->description = in.text();
+    out->hash = in.text();
+    return out;
+}
+
+void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
+    out.value(std::uint64_t{seams.size()});
+    for (const auto& seam : seams) {
+        out.list(seam.at.all());
+        out.value(seam.energy);
+        out.optional(seam.lower_bound);
+    }
+}
+
+std::vector<Seams::Seam> read_list(BinaryReader& in) {
+    std::vector<Seams::Seam> out;
+    for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+        auto& seam = out.emplace_back();
+        seam.at = in.list<std::uint16_t>();
+        seam.energy = in.value<double>();
+        seam.lower_bound = in.optional<double>();
+    }
+    return out;
+}
+
+void write_all(const Seams& seams, std::ostream& to) {
+    BinaryWriter out(to);
+    out.value(seams.axis);
+    out.value(seams.kind);
+    out.value(seams.closed);
+    out.value(seams.shape);
+    out.list(seams.frames);
+    out.text(seams.lattice);
+    out.text(seams.lattice_hash);
+    write_list(seams.seams, out);
+    write_list(seams.pairs, out);
+}
+
+Ref<Seams> read_all(std::istream& from) {
+    BinaryReader in(from);
+    const auto out = std::make_shared<Seams>();
+    out->axis = in.value_up_to(Axis::v);
+    out->kind = in.value_up_to(Seams::Kind::insert);
+    out->closed = in.value<bool>();
+    out->shape = in.value<std::array<int, 3>>();
+    out->frames = in.list<int>();
+    out->lattice = in.text();
+    out->lattice_hash = in.text();
+    out->seams = read_list(in);
+    out->pairs = read_list(in);
+    return out;
+}
+
+}  // namespace
 
 void add_lattice_payloads(Registry& registry) {
     registry.add(payload_type<Lattice>("lattice", "Vertices along a rig: the space that is carved.",
-                                       [](const Lattice& lattice) { return lattice.planes.size() * sizeof(Lattice::Plane); }));
-    registry.add(payload_type<Seams>("seams", "Seams through a lattice over all frames, in order.", [](const Seams& seams) {
-        return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t);
-    }));
+                                       [](const Lattice& lattice) { return lattice.planes.size() * sizeof(Lattice::Plane); },
+                                       {1, &write_lattice, &read_lattice}));
+    registry.add(payload_type<Seams>(
+        "seams", "Seams through a lattice over all frames, in order.",
+        [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
+        {1, &write_all, &read_all}));
+    registry.add(frame_energy_type(registry.payload(typeid(Lattice))));
+    registry.add(active_box_type());
 }
 
 }  // namespace fluidcarve

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// Registers the payload types `lattice` and `seams`.
+/// Registers `lattice` and `seams`, and what is kept of frames for them: `frame_energy`, `active_box`.
 void add_lattice_payloads(Registry& registry);
 
 }  // namespace fluidcarve

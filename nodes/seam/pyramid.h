@@ -3,6 +3,7 @@
 #include "nodes/seam/find_seams.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace fluidcarve {
@@ -19,6 +20,8 @@ public:
 
     /// A FindSeam. Seams of one set are to be asked for in their order: each starts from the last.
     Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick);
+    /// The last seam, where others were found before (Continued).
+    void start_from(std::span<const std::uint16_t> last) { last_.assign(last.begin(), last.end()); }
 
 private:
     std::vector<std::uint16_t> coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const;

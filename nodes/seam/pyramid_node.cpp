@@ -17,7 +17,10 @@ struct PyramidNode : SeamNode {
         Quality quality = Quality::normal;
         int starts = 16;
     };
-    void finish(const Params& params, Ports& io, Context& context) { solve(params, io, context, Pyramid(params.quality, params.starts)); }
+    void finish(const Params& params, Ports& io, Context& context) {
+        Pyramid pyramid(params.quality, params.starts);
+        solve(params, io, context, std::ref(pyramid), [&](std::span<const std::uint16_t> last) { pyramid.start_from(last); });
+    }
 };
 
 }  // namespace

@@ -7,12 +7,9 @@
 #include "nodes/seam/strip.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 
 namespace fluidcarve {
 
@@ -48,13 +45,22 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
     return at;
 }
 
-void warn_of_zeros(const std::vector<double>& zero_share, const Context& context) {
-    const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0);
-    if (idle > 0)
-        context.warn(
-            fmt::format("{} of {} seams meet{} no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an energy of "
-                        "its own, and `window: [first, last]` holds seams where the content is",
-                        idle, zero_share.size(), idle == 1 ? "s" : ""));
+nlohmann::ordered_json empty_report(const Seams& seams) {
+    return {{"axis", to_text(seams.axis)},
+            {"kind", to_text(seams.kind)},
+            {"shape", {seams.shape[0], seams.shape[1], seams.shape[2], seams.frames.size()}},
+            {"energy", nlohmann::json::array()},
+            {"zero_share", nlohmann::json::array()},
+            {"wall_s", nlohmann::json::array()}};
+}
+
+/// What of the budget goes to the energies; the field and the energies without its edges take as much each.
+std::uint64_t energy_budget(const SeamNode::Params& params, const Context& context) { return context.memory_budget() / (params.cost == Cost::forward ? 3 : 1); }
+
+/// Keeps the first of the seams that a report lists.
+void cut_lists(nlohmann::ordered_json& report, std::size_t count) {
+    for (auto& [name, list] : report.items())
+        if (name != "shape" && list.is_array() && list.size() > count) list.erase(list.begin() + static_cast<std::ptrdiff_t>(count), list.end());
 }
 
 }  // namespace
@@ -97,60 +103,134 @@ SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const La
     return out;
 }
 
-void SeamNode::add(const Params& params, const Ports& io, Context& context) {
+std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io, Context&) {
     const auto& lattice = *io.lattice;
-    lattices_.push_back(io.lattice);
-    if (const auto& first = *lattices_.front(); lattice.shape != first.shape)
+    auto out = std::make_shared<FrameEnergy>();
+    out->lattice = io.lattice;
+    out->energy.resize(vertices(lattice.shape));
+    sample_energy(*io.energy, lattice, params.axis, out->energy, params.measure);
+    if (io.attract) out->attract = mark_vertices(*io.attract->grid, lattice, params.axis, attracted_code, out->energy);
+    if (io.protect) out->protect = mark_vertices(*io.protect->grid, lattice, params.axis, protected_code, out->energy);
+    out->transform = io.energy->transform().copy();
+    if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {
+        out->active = io.energy->transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
+        out->met = meets_active_voxels(*io.energy, lattice);
+    }
+    if (io.field) {
+        out->field.resize(out->energy.size());
+        sample_field(*io.field, lattice, params.axis, out->field);
+        out->field_transform = io.field->transform().copy();
+        out->field_met = meets_active_voxels(*io.field, lattice);
+    }
+    return out;
+}
+
+void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
+    // Frames mostly share one.
+    const bool same = !lattices_.empty() && lattices_.back()->hash == frame->lattice->hash;
+    lattices_.push_back(same ? lattices_.back() : frame->lattice);
+    const auto &lattice = *lattices_.back(), &first = *lattices_.front();
+    if (lattice.shape != first.shape)
         throw Failure(
             fmt::format("the lattice has {} vertices here, but {} in the first frame", fmt::join(lattice.shape, " x "), fmt::join(first.shape, " x ")));
-    // What does not fit is better told before the frames are read than after.
-    const CarveMap before(lattice, io.after, context.frame(), std::nullopt);
-    const auto task = task_of(params, io, lattice);
-    if (!task.pair_window) {
-        const int grown = task.shape[static_cast<std::size_t>(params.axis)] + (task.kind == Seams::Kind::insert ? task.count : -task.count);
-        extension_.add(lattice, params.axis, std::max(0, grown - lattice.shape[static_cast<std::size_t>(params.axis)]), context.frame());
-    }
-    transform_.require("the energy", *io.energy, context.frame());
-    if (io.field) {
-        field_transform_.require("the field", *io.field, context.frame());
-        field_met_ = field_met_ || meets_active_voxels(*io.field, lattice);
-    }
-    if (task.count == 0) return;
-    if (!energy_) {
-        const bool forward = params.cost == Cost::forward;
-        energy_.emplace(task.shape, params.axis, context.frames().size(), context.memory_budget() / (forward ? 3 : 1), context.work_folder(), lattice.closed);
-        energy_->set_rigidity({params.rigidity, params.rigidity_time});
-        if (forward) energy_->add_field(params.field_weight, context.memory_budget() / 3, context.work_folder());
-    }
-    if (const auto box = io.energy->evalActiveVoxelBoundingBox(); !box.empty()) {
+    transform_.require("the energy", *frame->transform, context.frame());
+    if (frame->field_transform) field_transform_.require("the field", *frame->field_transform, context.frame());
+    if (params.count.value == 0) return;
+    any_met_ = any_met_ || frame->met;
+    field_met_ = field_met_ || frame->field_met;
+    if (frame->active) {
         any_active_ = true;
-        any_met_ = any_met_ || meets_active_voxels(*io.energy, lattice);
-        active_box_.expand(io.energy->transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d())));
+        active_box_.expand(*frame->active);
     }
+    if (frame->attract) attracted_ = attracted_.value_or(0) + *frame->attract;
+    if (frame->protect) protected_ = protected_.value_or(0) + *frame->protect;
+    if (!energy_) make_room(lattice.shape, params, context, energy_budget(params, context));
+    std::ranges::copy(frame->energy, energy_->slab(context.place()).begin());
+    if (energy_->has_field()) std::ranges::copy(frame->field, energy_->field(context.place()).begin());
+}
+
+void SeamNode::make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget) {
+    energy_.emplace(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
+    energy_->set_rigidity({params.rigidity, params.rigidity_time});
+    if (params.cost == Cost::forward) energy_->add_field(params.field_weight, budget, context.work_folder());
+}
+
+void SeamNode::fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context) {
+    const auto& frames = context.frames();
+    // An energy that is the same for all frames comes once.
+    const auto place_of = [&](std::size_t t) { return std::min(t, lattices_.size() - 1); };
     if (io.after.empty()) {
-        sample(params, io, lattice, energy_->slab(context.place()));
-        if (io.field) sample_field(*io.field, lattice, params.axis, energy_->field(context.place()));
-    } else {
-        sampled_.resize(vertices(lattice.shape));
-        sample(params, io, lattice, sampled_);
-        if (io.field) {
-            sampled_field_.resize(sampled_.size());
-            sample_field(*io.field, lattice, params.axis, sampled_field_);
+        for (auto t = lattices_.size(); t < frames.size(); ++t) {
+            std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
+            if (energy_->has_field()) std::ranges::copy(energy_->field(0), energy_->field(t).begin());
         }
-        fill_slabs(before.steps(), params.axis, context.place());
+        return;
+    }
+    auto whole = std::move(*energy_);
+    const auto& shape = lattices_.front()->shape;
+    const auto held = vertices(shape) * frames.size() * sizeof(std::uint16_t), budget = energy_budget(params, context);
+    make_room(task.shape, params, context, held > budget ? budget : budget - held);
+    for (std::size_t t = 0; t < frames.size(); ++t) {
+        const auto place = place_of(t);
+        const CarveMap before(*lattices_[place], io.after, frames[t], std::nullopt);
+        const auto copy = [](std::span<const std::uint16_t> slab) { return std::vector<std::uint16_t>(slab.begin(), slab.end()); };
+        std::ranges::copy(carve_energy(copy(whole.slab(place)), shape, params.axis, before.steps()), energy_->slab(t).begin());
+        if (whole.has_field()) std::ranges::copy(carve_field(copy(whole.field(place)), shape, params.axis, before.steps()), energy_->field(t).begin());
     }
 }
 
-void SeamNode::sample(const Params& params, const Ports& io, const Lattice& lattice, std::span<std::uint16_t> slab) {
-    sample_energy(*io.energy, lattice, params.axis, slab, params.measure);
-    if (io.attract) attracted_ = attracted_.value_or(0) + mark_vertices(*io.attract->grid, lattice, params.axis, attracted_code, slab);
-    if (io.protect) protected_ = protected_.value_or(0) + mark_vertices(*io.protect->grid, lattice, params.axis, protected_code, slab);
+std::string SeamNode::extension_fault(const Params& params, const Task& task, const Context& context) const {
+    if (task.pair_window) return {};
+    const auto axis = static_cast<std::size_t>(params.axis);
+    const int grown = task.shape[axis] + (task.kind == Seams::Kind::insert ? task.count : -task.count);
+    Extension extension;
+    for (std::size_t t = 0; t < lattices_.size(); ++t)
+        extension.add(*lattices_[t], params.axis, std::max(0, grown - lattices_[t]->shape[axis]), context.frames()[t]);
+    return extension.fault();
 }
 
-void SeamNode::fill_slabs(std::span<const CarveStep> before, Axis axis, std::size_t t) {
-    const auto& shape = lattices_.front()->shape;
-    std::ranges::copy(carve_energy(sampled_, shape, axis, before), energy_->slab(t).begin());
-    if (energy_->has_field()) std::ranges::copy(carve_field(sampled_field_, shape, axis, before), energy_->field(t).begin());
+void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
+    before_ = result.as<Seams>();
+    reported_ = entry;
+}
+
+Extent SeamNode::extent(const Payload& result) {
+    const auto seams = result.as<Seams>();
+    return {seams->seams.size(), static_cast<std::size_t>(seams->carved())};
+}
+
+std::size_t SeamNode::wanted(const Params& params, std::size_t vertices) {
+    return static_cast<std::size_t>(std::abs(params.count.of(static_cast<int>(vertices))));
+}
+
+Payload SeamNode::first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry) {
+    auto out = std::make_shared<Seams>(*result.as<Seams>());
+    for (auto* const seams : {&out->seams, &out->pairs})
+        if (seams->size() > count) seams->erase(seams->begin() + static_cast<std::ptrdiff_t>(count), seams->end());
+    cut_lists(entry, count);
+    if (count == 0) {
+        out->kind = Seams::Kind::remove;
+        entry = empty_report(*out);
+    }
+    return Payload(std::move(out));
+}
+
+std::vector<std::string> SeamNode::warnings(const nlohmann::ordered_json& entry) {
+    std::vector<std::string> out;
+    const auto& zero_share = entry.at("zero_share");
+    if (const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0); idle > 0)
+        out.push_back(
+            fmt::format("{} of {} seams meet{} no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an energy of "
+                        "its own, and `window: [first, last]` holds seams where the content is",
+                        idle, zero_share.size(), idle == 1 ? "s" : ""));
+    if (!entry.contains("attracted")) return out;
+    const auto& attracted = entry.at("attracted");
+    if (const auto idle = std::count(attracted.begin(), attracted.end(), 0); idle > 0 && entry.at("kind") == "remove" && entry.at("attracted_left").back() > 0)
+        out.push_back(
+            fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it is out of their window, or the way there too long; "
+                        "seam.greedy sees only what is beside its way, other solvers all",
+                        idle, attracted.size()));
+    return out;
 }
 
 Seams SeamNode::empty_seams(const Params& params, const Task& task, const Context& context) const {
@@ -197,26 +277,73 @@ std::string SeamNode::why_no_more(const NoSeam& none, const Params& params, cons
                                                        none.at.vertices, column, none.at.free, none.at.free == 1 ? "is" : "are"));
 }
 
-void SeamNode::warn_of_masks(Seams::Kind kind, const FoundSeams& found, const Context& context) const {
-    for (const auto& [name, vertices] : {std::pair("protect", protected_), std::pair("attract", attracted_)})
-        if (vertices == std::size_t{0}) context.warn(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed", name, name));
-    const auto idle = std::ranges::count(found.attracted, std::size_t{0});
-    if (kind == Seams::Kind::remove && idle > 0 && found.attracted_left > 0)
-        context.warn(
-            fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it is out of their window, or the way there too long; "
-                        "seam.greedy sees only what is beside its way, other solvers all",
-                        idle, found.attracted.size()));
+void SeamNode::describe(const FoundSeams& found, const std::string& prefix, nlohmann::ordered_json& report) const {
+    auto energy = nlohmann::ordered_json::array(), bound = energy, gap = energy;
+    for (const auto& seam : found.seams) {
+        const auto& least = seam.lower_bound;
+        energy.push_back(seam.energy);
+        bound.push_back(least ? nlohmann::ordered_json(*least) : nullptr);
+        gap.push_back(least && *least > 0 ? nlohmann::ordered_json(std::max(seam.energy / *least - 1, 0.0)) : nullptr);
+    }
+    report[prefix + "energy"] = std::move(energy);
+    report[prefix + "lower_bound"] = std::move(bound);
+    if (prefix.empty()) {
+        report["gap"] = std::move(gap);
+        report["zero_share"] = found.zero_share;
+    }
+    if (attracted_) {
+        report[prefix + "attracted"] = found.attracted;
+        if (prefix.empty()) report["attracted_left"] = found.attracted_left;
+    }
+    if (protected_) report[prefix + "protected"] = found.blocked;
 }
 
-void SeamNode::find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, Seams& out,
-                        nlohmann::ordered_json& report) {
+std::vector<double> SeamNode::wall_s(const FoundSeams& pairs, const FoundSeams& found) const {
+    std::vector<double> out;
+    if (before_ && reported_.contains("wall_s")) reported_.at("wall_s").get_to(out);
+    for (const auto* const list : {&pairs.wall_s, &found.wall_s}) {
+        out.resize(std::max(out.size(), list->size()));
+        for (std::size_t n = 0; n < list->size(); ++n) out[n] += (*list)[n];
+    }
+    return out;
+}
+
+void SeamNode::find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, const StartFrom& start_from,
+                        Seams& out, nlohmann::ordered_json& report) {
     // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
     const auto columns = out.columns_per_frame() * out.frames.size();
     const auto seam_bytes = static_cast<std::uint64_t>(task.count) * (task.pair_window ? 2 : 1) * columns * sizeof(std::uint16_t);
     const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t) * (energy_->has_field() ? 3 : 1);
+    const auto taken = energy_bytes + seam_bytes;
     KeepSeam keep;
-    if (energy_bytes + seam_bytes > context.memory_budget())
-        keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
+    if (taken > context.memory_budget()) keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context.work_folder()); };
+
+    FoundSeams pairs, found;
+    auto held = std::chrono::steady_clock::now();
+    // What is there already as a whole set; pairs come first, so that there may be more of them.
+    const auto hold = [&](const FoundSeams& now, bool in_pair_window) {
+        if (std::chrono::steady_clock::now() - held < hold_after_) return;
+        auto part = out;
+        auto said = report;
+        if (in_pair_window) {
+            if (before_) {
+                part.seams = before_->seams;
+                said = reported_;
+            }
+            part.pairs = now.seams;
+            describe(now, "pair_", said);
+            said["wall_s"] = wall_s(now, {});
+        } else {
+            part.seams = now.seams;
+            part.pairs = pairs.seams;
+            describe(now, "", said);
+            if (task.pair_window) describe(pairs, "pair_", said);
+            said["wall_s"] = wall_s(pairs, now);
+        }
+        context.report("seams", said);
+        context.hold(Payload(std::make_shared<Seams>(std::move(part))));
+        held = std::chrono::steady_clock::now();
+    };
     double done = 0;
     const auto search = [&](Seams::Kind kind, bool in_pair_window) {
         const double share = task.pair_window ? 0.5 : 1;
@@ -231,91 +358,59 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
                 seam.lower_bound = energy_bound(energy, seam.at, lower_bound(energy, now, params.bound_passes.value_or(0), tell));
             return seam;
         };
+        Continued continued;
+        if (before_) continued.before = in_pair_window ? before_->pairs : before_->seams;
+        continued.start_from = start_from;
+        continued.found = [&](const FoundSeams& now) {
+            // The last is followed by the whole.
+            if (in_pair_window || now.seams.size() < static_cast<std::size_t>(task.count)) hold(now, in_pair_window);
+        };
+        continued.memory_budget = taken > context.memory_budget() ? 0 : context.memory_budget() - taken;
+        continued.folder = context.work_folder();
         try {
-            auto found = find_seams(*energy_, kind, task.count, in_pair_window ? *task.pair_window : task.window, find_bounded, tick, keep,
-                                    in_pair_window ? params.pair_still : params.still);
+            auto seams = find_seams(*energy_, kind, task.count, in_pair_window ? *task.pair_window : task.window, find_bounded, tick, keep,
+                                    in_pair_window ? params.pair_still : params.still, continued);
             done += share;
-            return found;
+            return seams;
         } catch (const NoSeam& none) {
             throw Failure(why_no_more(none, params, task, io, context, in_pair_window));
         }
     };
-    const auto energies = [](const std::vector<Seams::Seam>& seams) {
-        auto list = nlohmann::ordered_json::array();
-        for (const auto& seam : seams) list.push_back(seam.energy);
-        return list;
-    };
-
-    const auto bounds = [](const std::vector<Seams::Seam>& seams) {
-        auto list = nlohmann::ordered_json::array();
-        for (const auto& seam : seams) list.push_back(seam.lower_bound ? nlohmann::ordered_json(*seam.lower_bound) : nullptr);
-        return list;
-    };
-    const auto gaps = [](const std::vector<Seams::Seam>& seams) {
-        auto list = nlohmann::ordered_json::array();
-        for (const auto& seam : seams) {
-            const bool known = seam.lower_bound && *seam.lower_bound > 0;
-            list.push_back(known ? nlohmann::ordered_json(std::max(seam.energy / *seam.lower_bound - 1, 0.0)) : nullptr);
-        }
-        return list;
-    };
 
     // The pair window first: what is taken there moves nothing in the window below.
-    FoundSeams pairs;
     if (task.pair_window) pairs = search(opposite(task.kind), true);
-    auto found = search(task.kind, false);
-    for (std::size_t n = 0; n < pairs.wall_s.size(); ++n) found.wall_s[n] += pairs.wall_s[n];
+    found = search(task.kind, false);
+    describe(found, "", report);
+    if (task.pair_window) describe(pairs, "pair_", report);
+    report["wall_s"] = wall_s(pairs, found);
     out.seams = std::move(found.seams);
     out.pairs = std::move(pairs.seams);
-    report["energy"] = energies(out.seams);
-    report["lower_bound"] = bounds(out.seams);
-    report["gap"] = gaps(out.seams);
-    if (task.pair_window) {
-        report["pair_energy"] = energies(out.pairs);
-        report["pair_lower_bound"] = bounds(out.pairs);
-    }
-    for (const auto& [name, mask, member] :
-         {std::tuple("attracted", attracted_, &FoundSeams::attracted), std::tuple("protected", protected_, &FoundSeams::blocked)})
-        if (mask) {
-            report[name] = found.*member;
-            if (task.pair_window) report[fmt::format("pair_{}", name)] = pairs.*member;
-        }
-    report["zero_share"] = found.zero_share;
-    report["wall_s"] = found.wall_s;
-    warn_of_zeros(found.zero_share, context);
-    warn_of_masks(task.kind, found, context);
 }
 
-void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find) {
-    const auto task = task_of(params, io, *lattices_.front());
+void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from) {
+    const auto& lattice = *lattices_.front();
+    // Whether the sets fit together is told before what they leave is asked for.
+    const CarveMap before(lattice, io.after, context.frames().front(), std::nullopt);
+    const auto task = task_of(params, io, lattice);
     auto out = std::make_shared<Seams>(empty_seams(params, task, context));
-    nlohmann::ordered_json report{{"axis", to_text(out->axis)},
-                                  {"kind", to_text(out->kind)},
-                                  {"shape", {task.shape[0], task.shape[1], task.shape[2], out->frames.size()}},
-                                  {"energy", nlohmann::json::array()},
-                                  {"zero_share", nlohmann::json::array()},
-                                  {"wall_s", nlohmann::json::array()}};
-    if (energy_) {
+    auto report = empty_report(*out);
+    if (task.count > 0) {
         if (any_active_ && !any_met_)
-            throw Failure(
-                fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattices_.front()->description, text(active_box_)));
-        // An energy that is the same for all frames comes once.
-        for (auto t = lattices_.size(); t < out->frames.size(); ++t) {
-            if (!io.after.empty()) {
-                fill_slabs(CarveMap(*lattices_.front(), io.after, out->frames[t], std::nullopt).steps(), params.axis, t);
-                continue;
-            }
-            std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
-            if (energy_->has_field()) std::ranges::copy(energy_->field(0), energy_->field(t).begin());
-        }
+            throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice.description, text(active_box_)));
+        fill_frames(params, task, io, context);
         if (energy_->has_field() && !field_met_)
             context.warn("the lattice misses the active voxels of `field` in all frames: without edges there, forward costs are those of the energy alone");
         if (energy_->has_field()) energy_->count_edges(context.memory_budget() / 3, context.work_folder());
         if (protected_ || attracted_) energy_->find_marks();
-        find_all(params, task, io, context, find, *out, report);
+        // Of a larger set that was not finished there may be more pairs.
+        if (before_) before_ = first(Payload(before_), static_cast<std::size_t>(task.count), reported_).as<Seams>();
+        find_all(params, task, io, context, find, start_from, *out, report);
         energy_.reset();
+        for (const auto& [name, marked] : {std::pair("protect", protected_), std::pair("attract", attracted_)})
+            if (marked == std::size_t{0}) context.warn(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed", name, name));
+        for (const auto& warning : warnings(report)) context.warn(warning);
     }
-    if (const auto fault = extension_.fault(); !fault.empty()) context.warn(fault);
+    if (const auto fault = extension_fault(params, task, context); !fault.empty()) context.warn(fault);
     context.report("seams", report);
     io.seams = std::move(out);
 }

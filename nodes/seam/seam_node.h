@@ -7,9 +7,11 @@
 #include "nodes/remap/carve_map.h"
 #include "nodes/seam/energy_slab.h"
 #include "nodes/seam/find_seams.h"
+#include "nodes/seam/frame_energy.h"
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
@@ -76,14 +78,29 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check);
-    /// Takes one frame's energy at the lattice's vertices, and its field.
-    void add(const Params& params, const Ports& io, Context& context);
+    /// One frame's energy at the lattice's vertices, and its field.
+    static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io, Context& context);
+    void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context);
+    /// Takes seams that were found before, of the same energy and parameters but for `count`, and their report.
+    void resume(const Payload& result, const nlohmann::ordered_json& entry);
+
+    /// Seams as a result that grows (Growth): the first are the same however many are asked for.
+    static std::string rest(const Params& params) { return to_text(params.count.value > 0 ? Seams::Kind::insert : Seams::Kind::remove); }
+    static Extent extent(const Payload& result);
+    static std::size_t wanted(const Params& params, std::size_t vertices);
+    static Payload first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry);
+    /// What the report of a set makes worth a warning.
+    static std::vector<std::string> warnings(const nlohmann::ordered_json& entry);
 
 protected:
+    using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
     /// Finds the seams, reports them under `seams`: axis, kind, shape, and per seam energy, lower_bound, gap, wall_s and
     /// zero_share, and pair_energy and pair_lower_bound for pairs; where there are masks, how many vertices of them seams pass:
-    /// attracted, protected (none), pair_attracted, pair_protected.
-    void solve(const Params& params, Ports& io, Context& context, const FindSeam& find);
+    /// attracted, protected (none), pair_attracted, pair_protected; and how many attracted ones each seam leaves, attracted_left.
+    /// @param start_from  for solvers that start from the seam before: Continued::start_from
+    void solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from = nullptr);
+
+    std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< least time from one Context::hold to the next
 
 private:
     /// What is known before the energy is.
@@ -96,25 +113,31 @@ private:
     };
     static Task task_of(const Params& params, const Ports& io, const Lattice& lattice);
     Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
-    void sample(const Params& params, const Ports& io, const Lattice& lattice, std::span<std::uint16_t> slab);
-    /// Energies and field of a frame, carved by the seams of `after`.
-    void fill_slabs(std::span<const CarveStep> before, Axis axis, std::size_t t);
-    /// Moves the seams found into `out`, and says in the report what each is like.
-    void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, Seams& out,
-                  nlohmann::ordered_json& report);
+    /// @param budget  bytes of energies, and as many of the field, that may be held in memory
+    void make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget);
+    /// Brings energies and fields of all frames to where seams are found: into the space that the seams of `after` leave.
+    void fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context);
+    /// What goes wrong where insertions extend the lattices, in words, or empty.
+    std::string extension_fault(const Params& params, const Task& task, const Context& context) const;
+    /// Puts the seams found into `out`, and says in the report what each is like.
+    void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, const StartFrom& start_from,
+                  Seams& out, nlohmann::ordered_json& report);
+    /// Says of the seams of a window what they are like. @param prefix  of the names: none, or `pair_`
+    void describe(const FoundSeams& found, const std::string& prefix, nlohmann::ordered_json& report) const;
+    /// Of each seam with its pair, as far as they were found.
+    std::vector<double> wall_s(const FoundSeams& pairs, const FoundSeams& found) const;
     /// How many seams are possible, and where no other finds a way.
     std::string why_no_more(const NoSeam& none, const Params& params, const Task& task, const Ports& io, const Context& context, bool in_pair_window) const;
-    void warn_of_masks(Seams::Kind kind, const FoundSeams& found, const Context& context) const;
 
     std::vector<Ref<Lattice>> lattices_;  ///< of each frame that was added
-    std::optional<EnergyVolume> energy_;
-    std::vector<std::uint16_t> sampled_, sampled_field_;  ///< one frame's in the whole lattice, before `after`
+    std::optional<EnergyVolume> energy_;  ///< in the whole lattice, until fill_frames
     OneTransform transform_, field_transform_;
-    Extension extension_;                               ///< of the lattice, where insertions reach beyond it
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
     bool any_active_ = false;
     bool any_met_ = false, field_met_ = false;
-    openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
+    openvdb::BBoxd active_box_;        ///< world box of all frames' active voxels
+    Ref<Seams> before_;                ///< found by an earlier run, or null
+    nlohmann::ordered_json reported_;  ///< of those
 };
 
 /// The common inputs, parameters and output of a solver node.
@@ -122,6 +145,7 @@ template <class Node>
 Declare<Node>& declare_solver(Declare<Node>& node) {
     using Params = SeamNode::Params;
     using Ports = SeamNode::Ports;
+    const auto params_of = [](const void* params) -> const Params& { return *static_cast<const typename Declare<Node>::Params*>(params); };
     return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
         .input("field", &Ports::field, "What is looked at for `cost: forward`: the density, or whatever is seen; sampled at the vertices.")
@@ -158,7 +182,12 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
                "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")
-        .output("seams", &Ports::seams, "The seams, in the order in which they were found.");
+        .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
+        .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})
+        .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,
+                [params_of](const void* params, std::size_t vertices) { return SeamNode::wanted(params_of(params), vertices); }, &SeamNode::first,
+                &SeamNode::warnings})
+        .kept();
 }
 
 }  // namespace fluidcarve

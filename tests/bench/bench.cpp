@@ -15,6 +15,7 @@
 #include "nodes/seam/energy_slab.h"
 #include "nodes/seam/greedy.h"
 #include "runtime/run.h"
+#include "tests/bench/cache.h"
 #include "tests/bench/cut.h"
 #include "tests/bench/lqr.h"
 #include "tests/bench/measure.h"
@@ -169,7 +170,8 @@ void bench_pipeline() {
     request.options.threads = 2;
     request.options.in_flight = 3;
     request.options.memory = std::uint64_t{1} << 32;
-    request.to = "out";
+    request.wish.to = "out";
+    request.options.cache = false;
     request.report_path = scratch / "report.json";
     request.quiet = true;
     const double run = seconds(3, [&] { run_pipeline(pipeline, registry, request, [] { return false; }); });
@@ -222,6 +224,7 @@ int main(int argc, char** argv) {
     fmt::print("{:<64} {:>8}\n", "", "ratio");
     bench_pipeline();
     bench_memory();
+    bench_cache();
     bench_energy("plume", SOURCE_ROOT "/tests/data/plume/plume.0056.vdb");
     const auto plume = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(SOURCE_ROOT "/tests/data/plume/plume.0056.vdb", "density"));
     bench_remap("plume density", plume, lattice_around(*plume));

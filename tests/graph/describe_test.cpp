@@ -197,7 +197,7 @@ TEST_CASE("the schema knows each node type's fields, forms and defaults") {
     const auto& definitions = all["definitions"];
     const auto& mix = definitions["water.mix"];
     CHECK(mix["additionalProperties"] == false);
-    CHECK(mix["properties"].size() == 10);
+    CHECK(mix["properties"].size() == 12);
     CHECK(mix["properties"]["gain"]["default"] == 1.5);
     CHECK(mix["properties"]["gain"]["description"] == "Multiplier on the result. Unit: 1/world unit. Default: 1.5.");
     CHECK(mix["properties"]["gain"]["anyOf"][0]["anyOf"][0] == Json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 4.0})"));

@@ -1,10 +1,11 @@
 #include "graph/drawing.h"
 #include "graph/layout.h"
+#include "tests/support/well_formed.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <string_view>
+#include <string>
 
 using namespace fluidcarve;
 
@@ -51,30 +52,6 @@ std::size_t count(const std::string& text, const std::string& what) {
     return out;
 }
 
-/// Whether all elements are closed in order, all attributes are quoted and no stray < or & is left.
-bool well_formed(std::string_view xml) {
-    std::vector<std::string_view> open;
-    for (auto at = xml.find_first_of("<&"); at != xml.npos; at = xml.find_first_of("<&", at + 1)) {
-        const auto rest = xml.substr(at + 1);
-        if (xml[at] == '&') {
-            const auto names = {"lt;", "gt;", "amp;", "quot;"};
-            if (std::none_of(names.begin(), names.end(), [&](const char* name) { return rest.starts_with(name); })) return false;
-            continue;
-        }
-        const auto end = rest.find_first_of("<>");
-        if (end == rest.npos || rest[end] == '<') return false;
-        const auto tag = rest.substr(0, end);
-        if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return false;
-        if (tag.starts_with('/')) {
-            if (open.empty() || open.back() != tag.substr(1)) return false;
-            open.pop_back();
-        } else if (!tag.ends_with('/')) {
-            open.push_back(tag.substr(0, tag.find(' ')));
-        }
-    }
-    return open.empty();
-}
-
 }  // namespace
 
 TEST_CASE("the picture is well-formed and has every node and connection") {
@@ -99,6 +76,16 @@ TEST_CASE("the legend explains only what the picture shows") {
     const auto svg = to_svg(chain(type, 1, {}), toys());
     CHECK_THAT(svg, Catch::Contains("static: once"));
     CHECK_THAT(svg, !Catch::Contains("sequence:") && !Catch::Contains("gathers"));
+}
+
+TEST_CASE("for a page each box has a class and a note of its own, and there is no legend") {
+    const auto type = toy_type("water.mix");
+    const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), toys(), {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
+    CHECK(well_formed(svg));
+    for (const auto* part :
+         {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">", ">2 s<", ">a &lt; b<", ">n2<", "min-width:"})
+        CHECK_THAT(svg, Catch::Contains(part));
+    CHECK_THAT(svg, !Catch::Contains("for every frame") && !Catch::Contains("gathers all frames"));
 }
 
 TEST_CASE("Graphviz text has every node and connection") {

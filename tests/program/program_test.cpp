@@ -14,8 +14,8 @@ namespace {
 
 std::vector<std::string> shipped_pipelines() {
     std::vector<std::string> out;
-    for (const auto& entry : fs::directory_iterator(SOURCE_ROOT "/pipelines"))
-        if (entry.path().extension() == ".yaml") out.push_back("pipelines/" + entry.path().filename().string());
+    for (const auto& entry : fs::recursive_directory_iterator(SOURCE_ROOT "/pipelines"))
+        if (entry.path().extension() == ".yaml") out.push_back(fs::relative(entry.path(), SOURCE_ROOT).string());
     std::sort(out.begin(), out.end());
     return out;
 }
@@ -55,23 +55,70 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs") {
     for (const auto& pipeline : shipped_pipelines()) {
         INFO(pipeline);
         const auto text = Scratch::read(SOURCE_ROOT "/" + pipeline);
-        CHECK_THAT(text, Catch::StartsWith("# yaml-language-server: $schema=schema.json\n# "));
+        const bool shot = fs::path(pipeline).parent_path() == "pipelines/shots";
+        CHECK_THAT(text, Catch::StartsWith(std::string("# yaml-language-server: $schema=") + (shot ? "../" : "") + "schema.json\n# "));
         const auto checked = fluidcarve_program("check " + pipeline);
         CHECK(checked.err == "");
         CHECK(checked.code == 0);
         const Scratch scratch;
-        const auto ran = fluidcarve_program("run -q " + pipeline + into(scratch, text.find("image.write") == std::string::npos ? "out.####.vdb" : "out.png") +
-                                            others_into(scratch, text) + "--report " + (scratch / "report.json"));
+        const auto own_params = [&] {
+            return into(scratch, text.find("image.write") == std::string::npos ? "out.####.vdb" : "out.png") + others_into(scratch, text);
+        };
+        const auto ran = fluidcarve_program("run -q " + pipeline + (shot ? " --progress none --set CACHES=" + scratch.path() + " " : own_params()) +
+                                            "--report " + (scratch / "report.json"));
         CHECK(ran.err == "");
         CHECK(ran.code == 0);
         const auto report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
         const auto frames = report["frames"].size();
         const auto files = files_in(scratch);
-        CHECK(std::count_if(files.begin(), files.end(), [](const std::string& file) { return file.starts_with("out."); }) == static_cast<long>(frames));
+        const auto is_result = [&](const std::string& file) { return file.starts_with(shot ? "smoke." : "out."); };
+        CHECK(std::count_if(files.begin(), files.end(), is_result) == static_cast<long>(frames));
         CHECK(std::find(files.begin(), files.end(), "sheet.png") != files.end());
         CHECK(std::find(files.begin(), files.end(), "seams.vdb") != files.end());
         for (const auto& energy : report["seams"]["seams"]["energy"]) CHECK(energy.get<double>() > 0);
     }
+}
+
+TEST_CASE("check tells where each value of a shot comes from: its own file, the one that it extends, the environment, the command line") {
+    const auto plain = fluidcarve_program("check pipelines/shots/sh010.yaml");
+    const auto told = call_shell("CACHES=/show/caches " FLUIDCARVE_PROGRAM " check -v pipelines/shots/sh010.yaml --set empty=0.4");
+    CHECK(told.err == "");
+    REQUIRE(told.code == 0);
+    CHECK(plain.out == "pipelines/shots/sh010.yaml: good; 13 nodes, 6 frames\n");
+    CHECK_THAT(told.out, Catch::StartsWith(plain.out + "\nframes = 51-56, from pipelines/shots/sh010.yaml:10\n\nparams:\n"
+                                                       "  shot = sh010, from pipelines/shots/sh010.yaml:7\n"));
+    for (const std::string line : {
+             "  empty = 0.4, from --set",
+             "  CACHES = /show/caches, from environment variable CACHES",
+             "    count = -18, from pipelines/shots/sh010.yaml:8",
+             "    protect = jet, from pipelines/shots/sh010.yaml:15",
+             "    outside = 0.4, from --set",
+             "    missing = error, default",
+         })
+        CHECK_THAT(told.out, Catch::Contains("\n" + line + "\n"));
+    CHECK_THAT(told.out,
+               Catch::Contains("\n    path = /show/caches/sh010/smoke.####.vdb, from pipelines/shots/smoke.yaml:") && Catch::Contains(" with CACHES, shot\n"));
+
+    // The README shows a part of it.
+    const auto readme = Scratch::read(SOURCE_ROOT "/README.md");
+    const auto begin = readme.find("      seams:\n        type = ");
+    REQUIRE(begin != std::string::npos);
+    const auto part = std::regex_replace(readme.substr(begin, readme.find("\n\n", begin) + 1 - begin), std::regex("(^|\n)    "), "$1");
+    CHECK_THAT(fluidcarve_program("check -v pipelines/shots/sh010.yaml").out, Catch::Contains("\n" + part));
+
+    // From its own folder, places are as they are typed there.
+    CHECK_THAT(
+        call_shell("cd pipelines/shots && " FLUIDCARVE_PROGRAM " check --verbose sh010.yaml").out,
+        Catch::Contains("\n    count = -18, from sh010.yaml:8\n") && Catch::Contains("\n  sim = ../../tests/data/plume/plume.####.vdb, from smoke.yaml:"));
+
+    const auto json = nlohmann::json::parse(fluidcarve_program("check -v --json pipelines/shots/sh010.yaml").out);
+    CHECK(json["params"]["count"] == nlohmann::json{{"value", "-18"}, {"from", "pipelines/shots/sh010.yaml:8"}});
+    CHECK(json["nodes"]["seams"]["count"] == json["params"]["count"]);
+    CHECK(json["nodes"]["sheet"]["path"]["with"] == nlohmann::json{"CACHES", "shot"});
+    CHECK(fluidcarve_program("check --json pipelines/shots/sh010.yaml").out == "[]\n");
+    const auto bad = fluidcarve_program("check -v --json pipelines/shots/sh010.yaml --set count=many");
+    CHECK(bad.code == 2);
+    CHECK(nlohmann::json::parse(bad.out)[0]["file"] == "--set");
 }
 
 TEST_CASE("the same files whatever the threads and the frames in flight, in one run or in chunks") {
@@ -206,7 +253,7 @@ TEST_CASE("with a tenth of the memory energies and seams go to files, and the gr
     const Scratch scarce;
     REQUIRE(fluidcarve_program("run pipelines/plume.yaml" + into(plenty)).code == 0);
     // 42 x 42 x 86 vertices, 6 frames, 2 bytes an energy: 1.8 MB.
-    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --memory 180K --work " + (scarce / "work") + into(scarce)).code == 0);
+    REQUIRE(fluidcarve_program("run pipelines/plume.yaml --memory 180K --no-cache --work " + (scarce / "work") + into(scarce)).code == 0);
     CHECK(fs::exists(scarce / "work"));
     CHECK(fs::is_empty(scarce / "work"));
     for (int frame = 51; frame <= 56; ++frame) CHECK(same_but_identifier(plenty, scarce, "out.00" + std::to_string(frame) + ".vdb"));

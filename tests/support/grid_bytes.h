@@ -4,6 +4,7 @@
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
 
+#include <cstdint>
 #include <map>
 #include <sstream>
 #include <string>
@@ -18,7 +19,15 @@ inline std::string bytes(const openvdb::TreeBase& tree) {
     openvdb::io::setStreamMetadataPtr(out, tags, false);
     openvdb::io::setDataCompression(out, openvdb::io::COMPRESS_NONE);
     tree.writeTopology(out, false);
+    // Points are written in several passes, of which the first only counts them; other trees are whole after that one.
+    tags->setCountingPasses(true);
     tree.writeBuffers(out, false);
+    tags->setCountingPasses(false);
+    const auto passes = tags->pass();
+    for (std::uint32_t pass = 0; pass < passes; ++pass) {
+        tags->setPass(passes << 16 | pass);
+        tree.writeBuffers(out, false);
+    }
     return out.str();
 }
 

@@ -41,9 +41,19 @@ public:
     /// What a user would be told of the parameters, a line each.
     const std::string& faults() const { return faults_; }
     bool gathers() const { return type_.gathers(params_.get()); }
+    const NodeType& type() const { return type_; }
+    const void* params() const { return params_.get(); }
 
     using Inputs = std::map<std::string, std::vector<Payload>>;
-    void add(const Inputs& inputs, Context context = {}) { behaviour_.add(ports(inputs).get(), context); }
+    /// What a node that digests makes of a frame.
+    Payload digest(const Inputs& inputs, Context context = {}) const { return behaviour_.digest(ports(inputs).get(), context); }
+    void take(const Payload& digest, Context context = {}) { behaviour_.take(digest, context); }
+    /// By way of the digest if there is one.
+    void add(const Inputs& inputs, Context context = {}) {
+        if (behaviour_.digest) take(digest(inputs, context), context);
+        else behaviour_.add(ports(inputs).get(), context);
+    }
+    void resume(const Payload& result, const nlohmann::ordered_json& entry) { behaviour_.resume(result, entry); }
     void finish(Context context = {}) { behaviour_.finish(ports({}).get(), context); }
     /// `finish` of a node whose outputs come once. @return as run
     std::map<std::string, Payload> gathered(const Inputs& inputs, Context context = {}) {
@@ -61,10 +71,13 @@ public:
     struct Surveyed : Survey {
         std::vector<int> all;
         std::set<int> left_out;
+        std::map<int, int> stood_in;  ///< frame -> the frame whose file serves it
         std::map<int, std::string> absent;
         std::vector<std::string> warnings;
         const std::vector<int>& frames() const override { return all; }
+        void stands_in(int frame, int file) override { stood_in[frame] = file; }
         void leave_out(int frame) override { left_out.insert(frame); }
+        void expect(int, std::uint64_t) override {}
         void missing(int frame, const std::string& message) override { absent[frame] = message; }
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }

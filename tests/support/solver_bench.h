@@ -32,8 +32,10 @@ inline MaskGrid::Ptr mask_grid(const std::vector<openvdb::Coord>& voxels) {
 struct Listener : Context::Host {
     nlohmann::ordered_json entry;
     std::vector<std::string> warnings;
+    std::vector<std::pair<Ref<Seams>, nlohmann::ordered_json>> held;  ///< with what was reported of each
     void warn(const std::string& message) override { warnings.push_back(message); }
     void report(const std::string&, const nlohmann::ordered_json& json) override { entry = json; }
+    void hold(const Payload& result) override { held.emplace_back(result.as<Seams>(), entry); }
 };
 
 struct Solved {
@@ -44,9 +46,18 @@ struct Solved {
 /// By input: masks, or the field.
 using Grids = std::map<std::string, std::vector<openvdb::GridBase::ConstPtr>>;
 
+/// Another way to run a solver.
+struct Otherwise {
+    Ref<Seams> before;  ///< found by another run, with what was reported of them
+    nlohmann::ordered_json reported;
+    std::uint64_t memory_budget = ~std::uint64_t{0};
+    std::string work_folder;
+    std::function<Payload(const Payload&)> digest;  ///< what becomes of each digest before it is taken
+};
+
 /// Runs a solver over frames 5, 6 ...; one energy for all frames or one for each, lattices and other grids likewise.
 inline Solved solve(NodeType type, const std::string& yaml, const std::vector<FloatGrid::Ptr>& energy, const std::vector<Lattice>& lattices, const Grids& grids,
-                    std::size_t frame_count, const std::vector<Ref<Seams>>& after = {}) {
+                    std::size_t frame_count, const std::vector<Ref<Seams>>& after = {}, const Otherwise& otherwise = {}) {
     std::vector<int> frames;
     for (std::size_t t = 0; t < frame_count; ++t) frames.push_back(5 + static_cast<int>(t));
     Solved out;
@@ -66,10 +77,14 @@ inline Solved solve(NodeType type, const std::string& yaml, const std::vector<Fl
             if (name == "field") inputs[name] = {Payload(openvdb::gridConstPtrCast<FloatGrid>(grid))};
             else inputs[name] = {Payload(std::make_shared<AnyGrid>(AnyGrid{grid}))};
         }
-        Context context(out.listener, frames);
-        bench.add(inputs, adds == 1 ? context : context.at(t));
+        auto context = Context(out.listener, frames).limits(otherwise.memory_budget, otherwise.work_folder);
+        if (adds > 1) context.at(t);
+        const auto digest = bench.digest(inputs, context);
+        bench.take(otherwise.digest ? otherwise.digest(digest) : digest, context);
     }
-    out.seams = bench.gathered(still, Context(out.listener, frames)).at("seams").as<Seams>();
+    if (otherwise.before) bench.resume(Payload(otherwise.before), otherwise.reported);
+    const auto context = Context(out.listener, frames).limits(otherwise.memory_budget, otherwise.work_folder);
+    out.seams = bench.gathered(still, context).at("seams").as<Seams>();
     return out;
 }
 

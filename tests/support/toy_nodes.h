@@ -1,14 +1,20 @@
 #pragma once
 
+#include "graph/output_file.h"
+#include "graph/problem.h"
 #include "graph/registry.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <mutex>
+#include <sstream>
 #include <thread>
 
 /// Node types without volumes, to test what a pipeline is and how it runs.
@@ -154,10 +160,150 @@ struct Print {
     }
 };
 
+/// Reads each frame's number from a file.
+struct Load {
+    struct Params {
+        InputPath path;
+    };
+    struct Ports {
+        Ref<Number> number;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        std::ifstream in(params.path.at(context.frame()));
+        double value = 0;
+        if (!(in >> value)) throw Failure("the file holds no number", Failure::Kind::input);
+        io.number = std::make_shared<Number>(value);
+        log.add(fmt::format("load {}", context.frame()));
+    }
+};
+
+/// Worth keeping; warns of large numbers, and reports each.
+struct Square {
+    struct Params {
+        double times = 1;
+        int slow_ms = 0;
+    };
+    struct Ports {
+        Ref<Number> number, square;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        if (params.slow_ms > 0) std::this_thread::sleep_for(std::chrono::milliseconds(params.slow_ms));
+        io.square = std::make_shared<Number>(params.times * io.number->value * io.number->value);
+        if (io.square->value > 50) context.warn("a large number");
+        context.report("squares", {{std::to_string(context.frame()), io.square->value}});
+        log.add(fmt::format("square {}", context.frame()));
+    }
+};
+
+/// So many of the numbers of all frames, the largest first: takes each frame as a digest, and finds more if it has some.
+struct Top {
+    struct Params {
+        int count = 1;
+        double offset = 0;  ///< changes no digest
+    };
+    struct Ports {
+        Ref<Number> number;
+        Ref<Text> top;
+    };
+    static std::shared_ptr<Number> digest(const Params&, const Ports& io, Context& context) {
+        log.add(fmt::format("digest {}", context.frame()));
+        if (io.number->value < 2) context.warn("a small number");
+        return std::make_shared<Number>(io.number->value);
+    }
+    void add(const Params&, const Ref<Number>& number, Context&) { numbers.push_back(number->value); }
+    void resume(const Payload& result, const nlohmann::ordered_json& entry) {
+        found = result.as<Text>()->value;
+        known = entry.at("steps").size();
+    }
+    void finish(const Params& params, Ports& io, Context& context) {
+        std::sort(numbers.rbegin(), numbers.rend());
+        for (auto n = known; n < static_cast<std::size_t>(params.count); ++n) {
+            log.add(fmt::format("step {}", n + 1));
+            found += fmt::format("{} ", numbers.at(n) + params.offset);
+            io.top = std::make_shared<Text>(found);
+            context.report("tops", {{"steps", steps(*io.top)}});
+            context.hold(Payload(std::make_shared<Text>(found)));
+        }
+        if (!io.top) io.top = std::make_shared<Text>(found);
+        context.report("tops", {{"steps", steps(*io.top)}});
+    }
+    static std::vector<std::string> steps(const Text& text) {
+        std::istringstream in(text.value);
+        return {std::istream_iterator<std::string>(in), {}};
+    }
+    static Growth growth() {
+        return {"count", [](const void*) { return std::string("largest"); },
+                [](const Payload& result) {
+                    return Extent{steps(*result.as<Text>()).size(), 0};
+                },
+                [](const void* params, std::size_t) { return static_cast<std::size_t>(static_cast<const Params*>(params)->count); },
+                [](const Payload& result, std::size_t count, nlohmann::ordered_json& entry) {
+                    auto all = steps(*result.as<Text>());
+                    all.resize(count);
+                    entry["steps"] = all;
+                    return Payload(std::make_shared<Text>(fmt::format("{} ", fmt::join(all, " "))));
+                }};
+    }
+    std::vector<double> numbers;
+    std::string found;
+    std::size_t known = 0;
+};
+
+/// Writes a file, which begins with its place in time as writers' files do: no two are the same to the byte.
+struct Save {
+    struct Params {
+        OutputPath path;
+    };
+    struct Ports {
+        Ref<Number> number;
+        Optional<Text> text;
+    };
+    static void run(const Params& params, Ports& io, Context& context) {
+        static std::atomic<int> serial{0};
+        OutputFile file(params.path.at(context.frame()));
+        std::ofstream(file.aside()) << serial++ << ": " << io.number->value << " " << (io.text ? io.text->value : "");
+        file.commit();
+        log.add(fmt::format("save {}", context.frame()));
+    }
+};
+
 inline Registry registry() {
     Registry out;
-    out.add(payload_type<Number>("number", "A number.", [](const Number&) { return std::uint64_t{8}; }));
-    out.add(payload_type<Text>("text", "A text.", [](const Text& text) { return std::uint64_t{text.value.size()}; }));
+    const Filed<Number> filed{1, [](const Number& number, std::ostream& to) { to << number.value; },
+                              [](std::istream& from) {
+                                  double value = 0;
+                                  from >> value;
+                                  return std::make_shared<Number>(value);
+                              }};
+    const Filed<Text> filed_text{1, [](const Text& text, std::ostream& to) { to << text.value; },
+                                 [](std::istream& from) {
+                                     return std::make_shared<Text>(Text{{std::istreambuf_iterator<char>(from), {}}});
+                                 }};
+    out.add(payload_type<Number>(
+        "number", "A number.", [](const Number&) { return std::uint64_t{8}; }, filed));
+    out.add(payload_type<Text>(
+        "text", "A text.", [](const Text& text) { return std::uint64_t{text.value.size()}; }, filed_text));
+    out.add(NodeType(Declare<Load>("toy.load", "Reads numbers.")
+                         .required("path", &Load::Params::path, "A file per frame.")
+                         .output("number", &Load::Ports::number, "The number.")));
+    out.add(NodeType(Declare<Square>("toy.square", "Squares numbers.")
+                         .input("number", &Square::Ports::number, "The number.")
+                         .param("times", &Square::Params::times, Unit::none, any_number(), "Multiplies it.")
+                         .param("slow_ms", &Square::Params::slow_ms, Unit::none, at_least(0), "Takes so long.")
+                         .output("square", &Square::Ports::square, "The square.")
+                         .kept()));
+    out.add(NodeType(Declare<Top>("toy.top", "The largest numbers of all frames.")
+                         .input("number", &Top::Ports::number, "The numbers.")
+                         .param("count", &Top::Params::count, Unit::none, between(0, 100), "How many.")
+                         .param("offset", &Top::Params::offset, Unit::none, any_number(), "Added to each.")
+                         .output("top", &Top::Ports::top, "The largest first.")
+                         .digests({"number"})
+                         .grows(Top::growth())
+                         .kept()));
+    out.add(NodeType(Declare<Save>("toy.save", "Writes numbers.")
+                         .input("number", &Save::Ports::number, "The number.")
+                         .input("text", &Save::Ports::text, "Written behind it.")
+                         .required("path", &Save::Params::path, "A file per frame.")));
     out.add(NodeType(Declare<Count>("toy.count", "The frame's number.")
                          .required("path", &Count::Params::path, "Looks like input; nothing is opened.")
                          .param("fail_at", &Count::Params::fail_at, Unit::frames, any_number(), "Fails at this frame.")

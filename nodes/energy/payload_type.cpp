@@ -1,0 +1,17 @@
+#include "nodes/energy/payload_type.h"
+
+#include "graph/registry.h"
+#include "nodes/energy/term_ranges.h"
+#include "nodes/io/binary.h"
+
+namespace fluidcarve {
+
+void add_energy_payload(Registry& registry) {
+    registry.add(
+        payload_type<FrameRanges>("ranges", "What energies range over in a frame: what is kept of it for `range: auto`.",
+                                  [](const FrameRanges& ranges) { return ranges.each.size() * sizeof(Interval); },
+                                  {1, [](const FrameRanges& ranges, std::ostream& to) { BinaryWriter(to).list(ranges.each); },
+                                   [](std::istream& from) { return std::make_shared<FrameRanges>(FrameRanges{BinaryReader(from).list<Interval>()}); }}));
+}
+
+}  // namespace fluidcarve

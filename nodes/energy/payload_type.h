@@ -1,0 +1,10 @@
+#pragma once
+
+namespace fluidcarve {
+
+class Registry;
+
+/// Registers `ranges`.
+void add_energy_payload(Registry& registry);
+
+}  // namespace fluidcarve

@@ -1,0 +1,20 @@
+#include "nodes/io/openvdb_types.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/points/AttributeArray.h>
+
+#include <mutex>
+
+namespace fluidcarve {
+
+void register_openvdb_types() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        openvdb::initialize();
+        // Blender's liquid caches in half precision hold it, and the library leaves it out.
+        using HalfInt = openvdb::points::TypedAttributeArray<std::int32_t, openvdb::points::TruncateCodec>;
+        if (!HalfInt::isRegistered()) HalfInt::registerType();
+    });
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,57 @@
+#include "nodes/io/transform_bytes.h"
+
+#include "nodes/io/openvdb_types.h"
+
+#include <openvdb/io/io.h>
+#include <openvdb/math/Maps.h>
+
+#include <cstdint>
+#include <cstring>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+namespace fluidcarve {
+namespace {
+
+/// Looks at the names of maps, whose lengths the library takes on trust.
+void require_names_fit(std::string_view bytes) {
+    const auto name_at = [&](std::size_t at) {
+        std::uint32_t length = 0;
+        BinaryReader::require(bytes.size() >= at + sizeof length);
+        std::memcpy(&length, bytes.data() + at, sizeof length);
+        BinaryReader::require(length <= bytes.size() - at - sizeof length);
+        return bytes.substr(at + sizeof length, length);
+    };
+    const auto frustum = openvdb::math::NonlinearFrustumMap::mapType();
+    constexpr auto taper_and_depth = 2 * sizeof(double);
+    if (const auto name = name_at(0); name == frustum)
+        BinaryReader::require(name_at(sizeof(std::uint32_t) + name.size() + sizeof(openvdb::BBoxd) + taper_and_depth) != frustum);
+}
+
+}  // namespace
+
+void write_transform(const openvdb::math::Transform& transform, BinaryWriter& to) {
+    std::ostringstream bytes;
+    transform.write(bytes);
+    to.text(bytes.str());
+}
+
+openvdb::math::Transform::Ptr read_transform(BinaryReader& from) {
+    register_openvdb_types();
+    const auto text = from.text();
+    require_names_fit(text);
+    std::istringstream bytes(text);
+    bytes.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
+    // What is written has no header, in which OpenVDB would look for its version.
+    openvdb::io::setCurrentVersion(bytes);
+    const auto out = std::make_shared<openvdb::math::Transform>();
+    try {
+        out->read(bytes);
+    } catch (const std::exception&) {
+        BinaryReader::require(false);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

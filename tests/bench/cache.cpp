@@ -1,0 +1,68 @@
+#include "tests/bench/cache.h"
+
+#include "nodes/catalogue.h"
+#include "runtime/file_hashes.h"
+#include "runtime/run.h"
+#include "tests/bench/measure.h"
+#include "tests/support/scratch.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+using namespace fluidcarve;
+
+namespace {
+
+void bench_runs(const std::string& name) {
+    const Scratch scratch;
+    const auto registry = builtin_registry();
+    Problems problems;
+    const auto document =
+        read_document(SOURCE_ROOT "/pipelines/" + name + ".yaml",
+                      {"out=" + (scratch / "out.####.vdb"), "seams=" + (scratch / "seams.vdb"), "sheet=" + (scratch / "sheet.png")}, problems);
+    const auto pipeline = build_pipeline(document, registry, problems);
+    if (!problems.empty()) throw std::runtime_error(to_text(problems));
+    RunRequest request;
+    request.options.threads = 2;
+    request.options.in_flight = 3;
+    request.options.memory = std::uint64_t{1} << 32;
+    request.options.work_folder = scratch / "work";
+    request.quiet = true;
+    const auto run = [&](bool cache, bool fresh) {
+        request.options.cache = cache;
+        if (fresh) std::filesystem::remove_all(request.options.work_folder);
+        if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done) throw std::runtime_error(name + " failed");
+    };
+    // By turns, so that whatever else the machine does meets both.
+    std::vector<double> with, without;
+    for (int n = 0; n < 7; ++n) {
+        without.push_back(seconds(1, [&] { run(false, false); }));
+        with.push_back(seconds(1, [&] {
+            std::filesystem::remove_all(scratch / "out");
+            run(true, true);
+        }));
+    }
+    const double again = seconds(3, [&] { run(true, false); });
+    std::sort(with.begin(), with.end());
+    std::sort(without.begin(), without.end());
+    line(name + ".yaml: first run with cache / without", with[3] / without[3], fmt::format("{:.2f} s, {:.2f} s", with[3], without[3]));
+    line(name + ".yaml: first run / second run", with[3] / again, fmt::format("{:.3f} s", again));
+}
+
+void bench_hashing() {
+    const Scratch scratch;
+    constexpr std::size_t bytes = std::size_t{1} << 28;
+    const auto file = scratch.write("data", std::string(bytes, 'x'));
+    FileHashes files("");
+    const double hash = seconds(5, [&] { files.anew(file); });
+    const double read = seconds(5, [&] { Scratch::read(file); });
+    line("read a file / read and hash it", read / hash, fmt::format("{:.2f} GB/s", bytes / hash * 1e-9));
+}
+
+}  // namespace
+
+void bench_cache() {
+    for (const auto* const name : {"plume", "vortex", "bonfire"}) bench_runs(name);
+    bench_hashing();
+}

@@ -1,0 +1,86 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+
+#include <sstream>
+#include <vector>
+
+namespace {
+
+/// The verbs, as `--help` lists them.
+std::vector<std::string> verbs() {
+    std::istringstream help(fluidcarve_program("--help").out);
+    std::vector<std::string> out;
+    bool listed = false;
+    for (std::string line; std::getline(help, line);) {
+        if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ') out.push_back(line.substr(2, line.find(' ', 2) - 2));
+        listed = listed || line == "Subcommands:";
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("every verb explains itself, with an example, in its help and in the manual page") {
+    const auto all = verbs();
+    REQUIRE(all.size() >= 11);
+    const auto man = fluidcarve_program("man");
+    CHECK(man.code == 0);
+    CHECK(man.out.starts_with(".TH FLUIDCARVE 1"));
+    for (const auto& verb : all) {
+        INFO(verb);
+        const auto help = fluidcarve_program(verb + " --help");
+        CHECK(help.code == 0);
+        CHECK_THAT(help.out, Catch::Contains("Examples:\n") && Catch::Contains("fluidcarve " + verb + " "));
+        CHECK_THAT(man.out, Catch::Contains(".SS " + (verb == "new-node" ? "new\\-node" : verb) + "\n"));
+    }
+    for (const auto* const text : {"\\-f, \\-\\-frames FRAMES", "FLUIDCARVE_WORK", "(dot svg)", "130 interrupted"}) CHECK_THAT(man.out, Catch::Contains(text));
+}
+
+TEST_CASE("a verb that is none is answered with the nearest one") {
+    const auto called = fluidcarve_program("rnu pipelines/plume.yaml");
+    CHECK(called.code == 2);
+    CHECK(called.err == "there is no verb 'rnu'; did you mean 'run'?\n");
+    const auto nothing = fluidcarve_program("");
+    CHECK(nothing.code == 2);
+    CHECK_THAT(nothing.err, Catch::StartsWith("fluidcarve wants a verb: run, check, plan,"));
+    CHECK_THAT(fluidcarve_program("carve").err, Catch::StartsWith("there is no verb 'carve'; known: run, check, "));
+}
+
+TEST_CASE("bash completes verbs, options, choices and node types") {
+    const auto complete = [](const std::string& words, int at) {
+        return call_shell("PATH=$(dirname " FLUIDCARVE_PROGRAM "):$PATH bash -c 'source <(fluidcarve completion bash); COMP_WORDS=(" + words +
+                          "); COMP_CWORD=" + std::to_string(at) + "; _fluidcarve; echo ${COMPREPLY[@]}'")
+            .out;
+    };
+    CHECK(complete("fluidcarve st", 1) == "status\n");
+    CHECK(complete("fluidcarve run --to", 2) == "--to\n");
+    CHECK(complete("fluidcarve graph --format s", 3) == "svg\n");
+    CHECK(complete("fluidcarve nodes seam.p", 2) == "seam.pyramid\n");
+    CHECK(complete("fluidcarve run pipelines/bonf", 2) == "pipelines/bonfire.yaml\n");
+    CHECK(fluidcarve_program("completion zsh").out.starts_with("#compdef fluidcarve\n"));
+    CHECK(fluidcarve_program("completion fish").code == 2);
+}
+
+TEST_CASE("the environment stands for options, and the command line overrules it") {
+    const Scratch scratch;
+    const auto status = [&](const std::string& arguments) {
+        return call_shell("FLUIDCARVE_WORK=" + (scratch / "a") + " " FLUIDCARVE_PROGRAM " status" + arguments).out;
+    };
+    CHECK(status("") == "no run has left a trace in '" + (scratch / "a") + "'\n");
+    CHECK(status(" --work " + (scratch / "b")) == "no run has left a trace in '" + (scratch / "b") + "'\n");
+}
+
+TEST_CASE("a work folder tells of its runs, and is cleaned") {
+    const Scratch scratch;
+    const auto work = " --work " + (scratch / "work");
+    const auto run = "run -q pipelines/plume.yaml --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --to energy" + work;
+    REQUIRE(fluidcarve_program(run).code == 0);
+    const auto status = fluidcarve_program("status" + work);
+    CHECK_THAT(status.out, Catch::StartsWith("pipelines/plume.yaml: done, "));
+    CHECK_THAT(status.out, Catch::Contains("node    type              frames  cached  done  why it runs\n"));
+    CHECK_THAT(status.out, Catch::Contains("spin    energy.vorticity       6       0     6  never run\n"));
+    CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": clean\n");
+    CHECK_FALSE(std::filesystem::exists(scratch / "work"));
+    CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": nothing to clean\n");
+}

@@ -1,0 +1,77 @@
+#include "runtime/file_hashes.h"
+#include "tests/support/scratch.h"
+
+#include <catch2/catch.hpp>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+using namespace fluidcarve;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// As if it had not been touched for an hour, but for the time at which that was said.
+void age(const std::string& file) {
+    const auto past = std::time(nullptr) - 3600;
+    const timespec times[2] = {{past, 0}, {past, 0}};
+    utimensat(AT_FDCWD, file.c_str(), times, 0);
+}
+
+Key key_of(const std::string& file, const std::string& folder = {}) {
+    FileHashes files(folder);
+    const auto content = files.of(file);
+    return content ? content->key : Key{};
+}
+
+std::size_t remembered(const std::string& folder) {
+    std::size_t out = 0;
+    if (fs::exists(folder))
+        for (const auto& each : fs::directory_iterator(folder)) out += each.is_regular_file() ? 1 : 0;
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("files of the same content have the same key, whatever their names and times") {
+    const Scratch scratch;
+    const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"), c = scratch.write("c", "another");
+    age(b);
+    CHECK(key_of(a));
+    CHECK(key_of(a) == key_of(b));
+    CHECK(key_of(a) != key_of(c));
+    CHECK(key_of(scratch.write("empty", "")));
+    CHECK_FALSE(key_of(scratch / "none"));
+    CHECK_FALSE(key_of(scratch.path()));
+}
+
+TEST_CASE("a file that changed a moment ago is not remembered by its times, since it may change again unseen") {
+    const Scratch scratch;
+    const auto file = scratch.write("a", "one"), folder = scratch / "files";
+    const auto first = key_of(file, folder);
+    CHECK(remembered(folder) == 0);
+    age(file);  // its state was changed just now, whatever its times say
+    CHECK(key_of(file, folder) == first);
+    CHECK(remembered(folder) == 0);
+}
+
+TEST_CASE("a run knows a file as it first read it, until it asks anew") {
+    const Scratch scratch;
+    const auto file = scratch.write("a", "one");
+    FileHashes files("");
+    const auto first = files.of(file)->key;
+    scratch.write("a", "two");
+    CHECK(files.of(file)->key == first);
+    CHECK(files.anew(file)->key != first);
+    CHECK(files.of(file)->key != first);
+    CHECK(files.of(file)->size == 3);
+}
+
+TEST_CASE("keys are written as 32 digits and read back; anything else is a key of nothing") {
+    const auto key = ContentHash().text("a").digest();
+    CHECK(key.text().size() == 32);
+    CHECK(Key::parse(key.text()) == key);
+    for (const auto* const text : {"", "0", "zz", "0123456789abcdef0123456789abcdeg", "0123456789abcdef0123456789abcdef0"}) CHECK_FALSE(Key::parse(text));
+    CHECK(ContentHash().text("ab").text("c").digest() != ContentHash().text("a").text("bc").digest());
+    CHECK_FALSE(ContentHash().text("a").key(Key{}).digest());
+}

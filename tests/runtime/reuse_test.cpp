@@ -1,0 +1,319 @@
+#include "runtime/forecast.h"
+#include "runtime/run.h"
+#include "tests/support/scratch.h"
+#include "tests/support/toy_nodes.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace fluidcarve;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string pipeline_text = R"(fluidcarve: 1
+frames: 1-5
+nodes:
+  load: {type: toy.load, path: in.##}
+  square: {type: toy.square, number: load}
+  top: {type: toy.top, number: square, count: 2}
+  save: {type: toy.save, number: square, text: top, path: OUT/out.##}
+)";
+
+/// A folder with five numbers, a pipeline over them and a work folder.
+struct Shot {
+    Scratch scratch;
+    std::string folder = scratch / "shot";
+    std::string yaml = pipeline_text;
+    RunRequest request;
+    int code = 0;
+    nlohmann::json report, plan;
+
+    Shot() {
+        fs::create_directories(folder);
+        for (int frame = 1; frame <= 5; ++frame) set(frame, frame);
+        request.quiet = true;
+        request.options.threads = 4;
+        request.options.in_flight = 5;
+    }
+    void set(int frame, double value) const { std::ofstream(fmt::format("{}/in.{:02}", folder, frame)) << value; }
+    void replace(const std::string& from, const std::string& to) {
+        const auto at = yaml.find(from);
+        REQUIRE(at != std::string::npos);
+        yaml.replace(at, from.size(), to);
+    }
+    std::string text(int frame) const {
+        const auto all = Scratch::read(fmt::format("{}/out/out.{:02}", folder, frame));
+        return all.substr(std::min(all.size(), all.find(": ") + 2));
+    }
+
+    /// What ran, sorted; a plan made before says the same of each node as the report does after.
+    std::vector<std::string> run(const std::function<bool()>& cancelled = [] { return false; }) {
+        static const Registry registry = toy::registry();
+        toy::log.reset();
+        auto text = yaml;
+        for (auto at = text.find("OUT"); at != std::string::npos; at = text.find("OUT")) text.replace(at, 3, folder + "/out");
+        std::ofstream(folder + "/p.yaml") << text;
+        Problems problems;
+        const auto pipeline = build_pipeline(read_document(folder + "/p.yaml", {}, problems), registry, problems);
+        REQUIRE(to_text(problems) == "");
+        request.options.work_folder = folder + "/work";
+        request.report_path = folder + "/report.json";
+        plan = planned(pipeline, registry);
+        code = run_pipeline(pipeline, registry, request, cancelled);
+        report = nlohmann::json::parse(Scratch::read(request.report_path));
+        if (code == exit_code::done)
+            for (const auto& [name, node] : plan["nodes"].items()) {
+                INFO(name);
+                CHECK(report["nodes"][name]["frames"] == node["frames"]);
+                CHECK(report["nodes"][name]["cached"] == node["cached"]);
+            }
+        return toy::log.sorted();
+    }
+
+    nlohmann::json planned(const Pipeline& pipeline, const Registry& registry) const {
+        Report unused(pipeline);
+        Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, unused);
+        const auto schedule = prepared.schedule();
+        const History history(request.options.cache ? request.options.work_folder : "", pipeline.name);
+        return to_json(forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule()), history, prepared.keys(),
+                                request.options));
+    }
+    std::string why(const std::string& node) const { return plan["nodes"][node].value("why", ""); }
+};
+
+using Lines = std::vector<std::string>;
+
+const Lines everything{"digest 1", "digest 2", "digest 3", "digest 4", "digest 5", "load 1",   "load 2",   "load 3",   "load 4",   "load 5", "save 1",
+                       "save 2",   "save 3",   "save 4",   "save 5",   "square 1", "square 2", "square 3", "square 4", "square 5", "step 1", "step 2"};
+const Lines saves{"save 1", "save 2", "save 3", "save 4", "save 5"};
+
+Lines operator+(Lines a, const Lines& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    std::sort(a.begin(), a.end());
+    return a;
+}
+
+}  // namespace
+
+TEST_CASE("the first run computes each thing once, and says of all that it was never run") {
+    Shot shot;
+    CHECK(shot.run() == everything);
+    CHECK(shot.code == exit_code::done);
+    CHECK(shot.why("square") == "never run");
+    CHECK(shot.text(3) == "9 25 16 ");
+    CHECK(shot.report["nodes"]["square"]["frames"] == 5);
+    CHECK(shot.report["nodes"]["square"]["cached"] == 0);
+}
+
+TEST_CASE("the second run computes nothing, and tells what the first one told") {
+    Shot shot;
+    shot.replace("count: 2", "count: 2, doc: two of them");
+    shot.set(4, 8);
+    shot.run();
+    const auto first = shot.report;
+    CHECK(shot.run() == Lines{});
+    CHECK(shot.code == exit_code::done);
+    for (const auto& [name, node] : shot.report["nodes"].items()) CHECK(node["cached"] == node["frames"]);
+    CHECK(shot.report["nodes"].size() == 4);
+    CHECK(shot.report["warnings"] == first["warnings"]);
+    CHECK(shot.report["warnings"].size() == 2);
+    CHECK(shot.report["squares"] == first["squares"]);
+    CHECK(shot.report["tops"] == first["tops"]);
+}
+
+TEST_CASE("comments, descriptions, names of nodes and the place of the folder change nothing") {
+    Shot shot;
+    shot.run();
+    shot.replace("nodes:", "# a comment\nnodes:");
+    shot.replace("count: 2", "count: 2, doc: the two largest");
+    CHECK(shot.run() == Lines{});
+    shot.replace("square: {", "squared: {");
+    shot.replace("top: {type: toy.top, number: square", "top: {type: toy.top, number: squared");
+    shot.replace("number: square, text", "number: squared, text");
+    CHECK(shot.run() == Lines{});
+    fs::rename(shot.folder, shot.scratch / "moved");
+    shot.folder = shot.scratch / "moved";
+    CHECK(shot.run() == Lines{});
+    CHECK(shot.code == exit_code::done);
+}
+
+TEST_CASE("a changed parameter reruns its node and what follows, and the plan says from what to what") {
+    Shot shot;
+    shot.run();
+    shot.replace("count: 2", "count: 2, offset: 1");
+    CHECK(shot.run() == saves + Lines{"step 1", "step 2"});
+    CHECK(shot.why("top") == "offset changed from 0 to 1");
+    CHECK(shot.why("save") == "changed: top");
+}
+
+TEST_CASE("a replaced frame reruns its own work and the gathering nodes") {
+    Shot shot;
+    shot.run();
+    shot.set(4, 7);
+    CHECK(shot.run() == Lines{"digest 4", "load 4", "square 4"} + saves + Lines{"step 1", "step 2"});
+    CHECK(shot.why("load") == "input frame 4 changed");
+    CHECK(shot.why("square") == "changed: load");
+    CHECK(shot.text(3) == "9 49 25 ");
+    shot.set(4, 4);
+    CHECK(shot.run() == saves);
+    CHECK(shot.text(3) == "9 25 16 ");
+}
+
+TEST_CASE("a file that only looks new is known by its content") {
+    Shot shot;
+    shot.run();
+    shot.set(4, 4);
+    CHECK(shot.run() == Lines{});
+}
+
+TEST_CASE("a growing result answers smaller counts, and larger ones continue it") {
+    Shot shot;
+    shot.replace("count: 2", "count: 3");
+    shot.run();
+    CHECK(shot.report["tops"]["top"]["steps"].size() == 3);
+    shot.replace("count: 3", "count: 1");
+    CHECK(shot.run() == saves);
+    CHECK(shot.text(2) == "4 25 ");
+    CHECK(shot.report["tops"]["top"]["steps"] == nlohmann::json({"25"}));
+    CHECK(shot.run() == Lines{});
+    CHECK(shot.report["tops"]["top"]["steps"] == nlohmann::json({"25"}));
+    shot.replace("count: 1", "count: 5");
+    CHECK(shot.run() == saves + Lines{"step 4", "step 5"});
+    CHECK(shot.text(2) == "4 25 16 9 4 1 ");
+    CHECK(shot.why("top") == "count changed from 1 to 5");
+    shot.replace("count: 5", "count: 2");
+    CHECK(shot.run() == saves);
+}
+
+TEST_CASE("an output that is missing, or was changed, is written again; the others stay as they are") {
+    Shot shot;
+    shot.run();
+    const auto stays = fs::last_write_time(shot.folder + "/out/out.01");
+    fs::remove(shot.folder + "/out/out.02");
+    std::ofstream(shot.folder + "/out/out.05") << "by hand";
+    CHECK(shot.run() == Lines{"save 2", "save 5"});
+    CHECK(shot.why("save") == "its files are missing, or not as it wrote them");
+    CHECK(shot.text(5) == "25 25 16 ");
+    CHECK(fs::last_write_time(shot.folder + "/out/out.01") == stays);
+    shot.replace("OUT", "OUT/more");
+    CHECK(shot.run() == saves);
+    CHECK(shot.run() == Lines{});
+    shot.replace("OUT/more", "OUT");
+    CHECK(shot.run() == Lines{});
+}
+
+TEST_CASE("a pipeline says itself what is kept") {
+    Shot shot;
+    shot.replace("number: load}", "number: load, cache: false}");
+    shot.replace("path: OUT/out.##}", "path: OUT/out.##, cache: false}");
+    shot.replace("in.##}", "in.##, cache: true}");
+    shot.run();
+    CHECK(shot.run() == saves + Lines{"square 1", "square 2", "square 3", "square 4", "square 5"});
+    CHECK(shot.why("square") == "for save");
+    CHECK(shot.why("save") == "its results are not kept");
+}
+
+TEST_CASE("without the cache everything runs, and nothing is left") {
+    Shot shot;
+    shot.request.options.cache = false;
+    const auto twice = shot.run();
+    CHECK(std::count(twice.begin(), twice.end(), "square 3") == 2);
+    CHECK(shot.run() == twice);
+    CHECK_FALSE(fs::exists(shot.folder + "/work"));
+}
+
+TEST_CASE("damaged results are computed again, and everything comes out the same") {
+    Shot shot;
+    shot.run();
+    for (const auto& each : fs::recursive_directory_iterator(shot.folder + "/work/cache"))
+        if (each.is_regular_file()) {
+            auto bytes = Scratch::read(each.path());
+            bytes[bytes.size() - 20] = static_cast<char>(bytes[bytes.size() - 20] ^ 4);
+            std::ofstream(each.path(), std::ios::binary) << bytes;
+        }
+    shot.replace("count: 2", "count: 4");
+    shot.run();
+    CHECK(shot.code == exit_code::done);
+    CHECK(shot.text(3) == "9 25 16 9 4 ");
+    CHECK(shot.run() == Lines{});
+}
+
+TEST_CASE("a stopped run, run again, repeats nothing that was done") {
+    Shot shot;
+    shot.replace("number: load}", "number: load, slow_ms: 5}");
+    shot.request.options.threads = 1;
+    shot.request.options.in_flight = 1;
+    int asked = 0;
+    const auto first = shot.run([&] { return ++asked > 12; });
+    REQUIRE(shot.code == exit_code::interrupted);
+    REQUIRE(first.size() < everything.size());
+    auto second = shot.run();
+    CHECK(shot.code == exit_code::done);
+    for (const auto& line : first)
+        if (!line.starts_with("load")) CHECK(std::count(second.begin(), second.end(), line) == 0);
+    CHECK(shot.why("square") == "was not finished, or is no longer kept");
+    CHECK(shot.text(3) == "9 25 16 ");
+}
+
+TEST_CASE("parts of a run add up: chunks of what a solver takes, the solver, chunks of what is delivered") {
+    Shot shot;
+    std::string fault;
+    shot.request.wish.to = "top.number";
+    shot.request.deliver = FrameSet::parse("1-2", fault);
+    CHECK(shot.run() == Lines{"digest 1", "digest 2", "load 1", "load 2", "square 1", "square 2"});
+    CHECK(shot.report["nodes"]["top"]["frames"] == 2);
+    shot.request.deliver = FrameSet::parse("3-5", fault);
+    CHECK(shot.run() == Lines{"digest 3", "digest 4", "digest 5", "load 3", "load 4", "load 5", "square 3", "square 4", "square 5"});
+    shot.request.deliver.reset();
+    shot.request.wish = {"top", "", true};
+    CHECK(shot.run() == Lines{"step 1", "step 2"});
+    shot.request.wish = {"save", "", true};
+    shot.request.deliver = FrameSet::parse("2", fault);
+    CHECK(shot.run() == Lines{"save 2"});
+    shot.request.wish = {};
+    shot.request.deliver.reset();
+    CHECK(shot.run() == Lines{"save 1", "save 3", "save 4", "save 5"});
+    CHECK(shot.text(3) == "9 25 16 ");
+}
+
+TEST_CASE("with --only nothing else is computed: what is not there is told") {
+    Shot shot;
+    shot.request.wish = {"top", "", true};
+    CHECK(shot.run() == Lines{});
+    CHECK(shot.code == exit_code::input);
+    CHECK(shot.report["failures"].size() == 1);
+    CHECK(shot.report["failures"][0]["message"] == "is not there for 5 of 5 frames, and --only computes nothing but its own node; run --to square first");
+}
+
+TEST_CASE("with --from only what a node leads to is delivered") {
+    Shot shot;
+    shot.yaml += "  raw: {type: toy.save, number: load, path: OUT/raw.##}\n";
+    shot.request.wish.from = "top";
+    CHECK(shot.run() == everything);
+    CHECK_FALSE(fs::exists(shot.folder + "/out/raw.01"));
+    shot.request.wish.from = "raw";
+    CHECK(shot.run() == Lines{"load 1", "load 2", "load 3", "load 4", "load 5"} + saves);
+}
+
+TEST_CASE("a longer sequence reruns the new frames and what gathers them") {
+    Shot shot;
+    shot.run();
+    shot.set(6, 6);
+    shot.replace("1-5", "1-6");
+    CHECK(shot.run() == Lines{"digest 6", "load 6", "save 6", "square 6"} + saves + Lines{"step 1", "step 2"});
+    CHECK(shot.why("load") == "input frame 6 is new");
+}
+
+TEST_CASE("estimates come from earlier runs") {
+    Shot shot;
+    shot.replace("number: load}", "number: load, slow_ms: 20}");
+    shot.request.options.threads = 1;
+    shot.run();
+    CHECK(shot.plan["unmeasured"].size() == 4);
+    CHECK(shot.plan["seconds"] == 0);
+    shot.replace("slow_ms: 20", "slow_ms: 21");
+    shot.run();
+    CHECK(shot.plan["unmeasured"].empty());
+    CHECK(shot.plan["seconds"].get<double>() > 0.09);
+}
