@@ -1,0 +1,68 @@
+#include "nodes/expression/ax_node.h"
+
+#include "graph/module.h"
+#include "graph/placed_check.h"
+#include "nodes/expression/evaluate.h"
+
+#include <fmt/format.h>
+
+namespace fluidcarve {
+namespace {
+
+const ExpressionModule& expressions() { return load_module<ExpressionModule>("expressions"); }
+
+Expression expression_of(const AxParams& params, std::vector<std::string> inputs, const std::string& output) {
+    return {params.code.text, std::move(inputs), params.params, output};
+}
+
+std::string text_of(const Mark& mark) { return fmt::format("{}:{}:{}", mark.source ? mark.source->name : std::string("code"), mark.line, mark.column); }
+
+}  // namespace
+
+const char* const ax_inputs_doc =
+    "Grids by name, of one transform: `{d: sim.density, vel: sim.velocity}`. The program reads a float grid or a mask (1 and 0) as `@d`, a vector grid as "
+    "`v@vel`; staggered vectors are collocated first.";
+const char* const ax_params_doc = "Constants by name, numbers or [x, y, z]: `{gain: 2}`. The program reads `$gain`, a vector as `v$name`.";
+
+std::string ax_code_doc(const std::string& output) {
+    return fmt::format(
+        "A program in OpenVDB AX, run for each voxel: `float speed = length(v@vel); {0} = $gain * speed + abs(@d);`. Until it is written, {0} is 0. Variables "
+        "are "
+        "float, vec3f, int, bool, double, vec3d, vec3i or int64. `vec3d p = getvoxelpws(); {0} = max(p.z, 0.0);` goes by the voxel's place in the world, "
+        "getcoordx(), getcoordy(), getcoordz() by its index. It sees no neighbours: take field.gradient or field.curl as inputs. Loops must count to a stated "
+        "end, rand(seed) needs its seed, whole numbers are divided by what can't be 0 only.",
+        output);
+}
+
+void check_ax(const AxParams& params, const std::string& output, NodeCheck& check) {
+    if (check.stated("inputs") && check.connections("inputs") == 0) return check.fault("inputs", "'inputs' names no grid; name at least one");
+    const ExpressionModule* module = nullptr;
+    try {
+        module = &expressions();
+    } catch (const Failure&) {
+        return;
+    }
+    auto& placed = dynamic_cast<PlacedCheck&>(check);
+    std::vector<ExpressionFault> faults;
+    module->compile(expression_of(params, placed.names("inputs"), output), faults);
+    for (const auto& fault : faults) {
+        const auto message = fmt::format("'{}' {}", fault.field, fault.message);
+        if (fault.line > 0) placed.fault(params.code.place(fault.line, fault.column), fmt::format("'{}': {}", fault.field, fault.message));
+        else placed.fault(fault.field, message);
+    }
+}
+
+Ref<FloatGrid> AxProgram::run(const AxParams& params, const std::string& output, float least, const Named<AnyGrid>& inputs, const Context& context) const {
+    const auto& module = expressions();
+    const auto place = [&](int line, int column) { return text_of(params.code.place(line, column)); };
+    std::call_once(once_, [&] {
+        std::vector<std::string> names;
+        for (const auto& [name, grid] : inputs) names.push_back(name);
+        std::vector<ExpressionFault> faults;
+        compiled_ = module.compile(expression_of(params, std::move(names), output), faults);
+        if (!compiled_) throw Failure(fmt::format("{}: {}", place(faults.at(0).line, faults[0].column), faults[0].message));
+    });
+    return evaluated(module, *compiled_, inputs, output, least, context.memory_budget(), place);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,99 @@
+#include "nodes/expression/evaluate.h"
+
+#include "graph/problem.h"
+#include "nodes/field/collocate.h"
+#include "nodes/field/same_transform.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::FloatTree;
+
+/// As a program reads it.
+openvdb::GridBase::ConstPtr readable(const std::string& name, const openvdb::GridBase::ConstPtr& grid) {
+    if (grid->isType<FloatGrid>()) return grid;
+    if (grid->isType<VectorGrid>()) return collocated(openvdb::gridConstPtrCast<VectorGrid>(grid));
+    if (!grid->isType<MaskGrid>())
+        throw Failure(fmt::format("input '{}' is the grid '{}' of type {}; programs read numbers (float), vectors (vec3s) and masks", name, grid->getName(),
+                                  grid->valueType()));
+    const auto out = FloatGrid::create(std::make_shared<FloatTree>(openvdb::gridConstPtrCast<MaskGrid>(grid)->tree(), 0.0f, 1.0f, openvdb::TopologyCopy()));
+    out->setName(grid->getName());
+    out->setTransform(grid->transform().copy());
+    return out;
+}
+
+/// What is active, or a voxel, in any of the grids.
+FloatTree::Ptr united_topology(const std::vector<NamedGrid>& grids) {
+    FloatTree::Ptr out;
+    const auto add = [&](const auto& tree) {
+        if (out) out->topologyUnion(tree);
+        else out = std::make_shared<FloatTree>(tree, 0.0f, openvdb::TopologyCopy());
+    };
+    for (const auto& [name, grid] : grids) {
+        if (grid->isType<FloatGrid>()) add(static_cast<const FloatGrid&>(*grid).tree());
+        else add(static_cast<const VectorGrid&>(*grid).tree());
+    }
+    return out;
+}
+
+struct Wrong {
+    openvdb::Coord at;
+    float value;
+};
+
+/// The lowest active voxel, or corner of a tile, whose value is not finite or below `least`.
+std::optional<Wrong> lowest_wrong(const FloatGrid& grid, float least) {
+    std::mutex mutex;
+    std::optional<Wrong> out;
+    const auto look = [&](auto value) {
+        for (; value; ++value) {
+            if (std::isfinite(*value) && *value >= least) continue;
+            const std::lock_guard lock(mutex);
+            if (!out || value.getCoord() < out->at) out = Wrong{value.getCoord(), *value};
+        }
+    };
+    openvdb::tree::LeafManager<const FloatTree>(grid.tree()).foreach ([&](const FloatTree::LeafNodeType& leaf, std::size_t) { look(leaf.cbeginValueOn()); });
+    auto tiles = grid.cbeginValueOn();
+    tiles.setMaxDepth(decltype(tiles)::LEAF_DEPTH - 1);
+    look(tiles);
+    return out;
+}
+
+}  // namespace
+
+FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpression& program, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                         const std::string& output, float least, std::uint64_t budget, const std::function<std::string(int line, int column)>& place) {
+    std::vector<NamedGrid> grids;
+    for (const auto& [name, any] : inputs) {
+        const auto grid = readable(name, any->grid);
+        const auto read = std::find_if(program.reads.begin(), program.reads.end(), [&, &name = name](const auto& each) { return each.input == name; });
+        if (read != program.reads.end() && read->vector != grid->isType<VectorGrid>())
+            throw Failure(fmt::format("input '{0}' holds {1}, but {2} reads it as {3}@{0}; write {4}@{0}", name, read->vector ? "numbers" : "vectors",
+                                      place(read->line, read->column), read->vector ? "v" : "", read->vector ? "" : "v"));
+        if (!grids.empty()) require_same_transform(fmt::format("inputs '{}' and '{}'", grids.front().first, name), *grids.front().second, *grid);
+        grids.emplace_back(name, grid);
+    }
+    const auto out = FloatGrid::create(united_topology(grids));
+    out->setTransform(grids.front().second->transform().copy());
+    out->setName(output);
+    if (const auto bytes = out->activeVoxelCount() * sizeof(float); program.asks_where && bytes > budget)
+        throw Failure(
+            fmt::format("the program asks where it is, so that all {} voxels, also those of tiles, need values of their own: {:.1f} GiB, of which "
+                        "--memory allows {:.1f}",
+                        out->activeVoxelCount(), static_cast<double>(bytes) / 0x1p30, static_cast<double>(budget) / 0x1p30));
+    module.run(program, grids, *out);
+    if (const auto wrong = lowest_wrong(*out, least))
+        throw Failure(fmt::format("@{} is {} at voxel [{}, {}, {}]; {}", output, wrong->value, wrong->at.x(), wrong->at.y(), wrong->at.z(),
+                                  std::isfinite(wrong->value) ? fmt::format("it must be at least {}: use max(..., {}) or abs(...)", least, least)
+                                                              : "guard divisions, roots and logarithms against what their inputs may hold there"));
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,38 @@
+#include "nodes/expression/field_ax.h"
+
+#include "nodes/expression/ax_node.h"
+
+#include <limits>
+namespace fluidcarve {
+namespace {
+
+constexpr auto output = "out";
+
+struct FieldAx {
+    using Params = AxParams;
+    struct Ports {
+        Named<AnyGrid> inputs;
+        Ref<FloatGrid> out;
+    };
+
+    AxProgram program;
+
+    static void check(const Params& params, NodeCheck& check) { check_ax(params, output, check); }
+
+    void run(const Params& params, Ports& io, Context& context) const {
+        io.out = program.run(params, output, -std::numeric_limits<float>::infinity(), io.inputs, context);
+    }
+};
+
+}  // namespace
+
+NodeType field_ax() {
+    return Declare<FieldAx>("field.ax", "A field by a program of your own, in OpenVDB AX: to mix, scale or cut fields before others use them.")
+        .input("inputs", &FieldAx::Ports::inputs, ax_inputs_doc)
+        .param("params", &AxParams::params, ax_params_doc)
+        .required("code", &AxParams::code, ax_code_doc("@out"))
+        .output("out", &FieldAx::Ports::out, "What the program writes, finite, on the voxels that are active in any input; elsewhere 0.")
+        .kept();
+}
+
+}  // namespace fluidcarve

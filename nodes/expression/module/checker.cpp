@@ -1,0 +1,402 @@
+#include "nodes/expression/module/checker.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+namespace ast = openvdb::ax::ast;
+namespace tokens = openvdb::ax::ast::tokens;
+using tokens::CoreType;
+
+constexpr int deepest = 200;            ///< levels of a syntax tree, which AX walks by recursion
+constexpr double most_rounds = 10'000;  ///< of a program's loops, per voxel
+constexpr double furthest = 1e9;        ///< a counter, so that it never overflows
+
+/// What a function gives.
+enum class Gives {
+    fraction,
+    as_given,  ///< a fraction if any argument is
+    whole,
+};
+
+/// The functions that neither look outside nor keep anything from call to call.
+const std::map<std::string, Gives>& functions() {
+    static const std::map<std::string, Gives> all{
+        {"abs", Gives::as_given},         {"acos", Gives::fraction},      {"asin", Gives::fraction},         {"atan", Gives::fraction},
+        {"atan2", Gives::fraction},       {"cbrt", Gives::fraction},      {"ceil", Gives::fraction},         {"clamp", Gives::as_given},
+        {"cos", Gives::fraction},         {"cosh", Gives::fraction},      {"cross", Gives::as_given},        {"curlsimplexnoise", Gives::fraction},
+        {"degrees", Gives::fraction},     {"dot", Gives::as_given},       {"euclideanmod", Gives::as_given}, {"exp", Gives::fraction},
+        {"exp2", Gives::fraction},        {"fit", Gives::as_given},       {"floor", Gives::fraction},        {"floormod", Gives::as_given},
+        {"getcoord", Gives::whole},       {"getcoordx", Gives::whole},    {"getcoordy", Gives::whole},       {"getcoordz", Gives::whole},
+        {"getvoxelpws", Gives::fraction}, {"hsvtorgb", Gives::fraction},  {"isfinite", Gives::whole},        {"isinf", Gives::whole},
+        {"isnan", Gives::whole},          {"length", Gives::fraction},    {"lengthsq", Gives::as_given},     {"lerp", Gives::as_given},
+        {"log", Gives::fraction},         {"log10", Gives::fraction},     {"log2", Gives::fraction},         {"max", Gives::as_given},
+        {"min", Gives::as_given},         {"normalize", Gives::fraction}, {"pow", Gives::as_given},          {"radians", Gives::fraction},
+        {"rand", Gives::fraction},        {"rand32", Gives::fraction},    {"rgbtohsv", Gives::fraction},     {"round", Gives::fraction},
+        {"sign", Gives::whole},           {"signbit", Gives::whole},      {"simplexnoise", Gives::fraction}, {"sin", Gives::fraction},
+        {"sinh", Gives::fraction},        {"sqrt", Gives::fraction},      {"tan", Gives::fraction},          {"tanh", Gives::fraction},
+        {"truncatemod", Gives::as_given},
+    };
+    return all;
+}
+
+bool is_fraction(CoreType type) { return type == tokens::FLOAT || type == tokens::DOUBLE || type == tokens::VEC3F || type == tokens::VEC3D; }
+
+CoreType component_of(CoreType type) {
+    switch (type) {
+        case tokens::VEC3F: return tokens::FLOAT;
+        case tokens::VEC3D: return tokens::DOUBLE;
+        case tokens::VEC3I: return tokens::INT32;
+        default: return tokens::UNKNOWN;
+    }
+}
+
+template <class T>
+const T& as(const ast::Node& node) {
+    return static_cast<const T&>(node);
+}
+
+std::optional<std::uint64_t> whole_literal(const ast::Node* node) {
+    if (!node) return std::nullopt;
+    switch (node->nodetype()) {
+        case ast::Node::ValueInt16Node: return as<ast::Value<std::int16_t>>(*node).asContainerType();
+        case ast::Node::ValueInt32Node: return as<ast::Value<std::int32_t>>(*node).asContainerType();
+        case ast::Node::ValueInt64Node: return as<ast::Value<std::int64_t>>(*node).asContainerType();
+        default: return std::nullopt;
+    }
+}
+
+bool is_local(const ast::Node* node, const std::string& name) {
+    return node && node->nodetype() == ast::Node::LocalNode && as<ast::Local>(*node).name() == name;
+}
+
+struct TooDeep {};
+
+}  // namespace
+
+void ExpressionChecker::check() {
+    try {
+        visit(&source_.tree());
+    } catch (const TooDeep&) {
+        return;
+    }
+    check_names();
+}
+
+void ExpressionChecker::fault(const Node& node, const std::string& message) {
+    const auto [line, column] = source_.place(node);
+    faults_.push_back({"code", line, column, message});
+}
+
+/// What is stated and not used is a slip too.
+void ExpressionChecker::check_names() {
+    const auto whole = [&](const char* field, const std::string& message) { faults_.push_back({field, 0, 0, message}); };
+    if (!writes_) whole("code", fmt::format("never writes @{}", expression_.output));
+    for (const auto& input : expression_.inputs) {
+        if (input == expression_.output) whole("inputs", fmt::format("can't have the name '{}', which is the output's", input));
+        else if (std::none_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == input; }))
+            whole("inputs", fmt::format("has '{}', which the program never reads", input));
+    }
+    for (const auto& [name, value] : expression_.constants)
+        if (!constants_read_.contains(name)) whole("params", fmt::format("has '{}', which the program never reads", name));
+}
+
+ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
+
+/// Of an operation on two values.
+ExpressionChecker::Known ExpressionChecker::joined(const Known& a, const Known& b) {
+    const bool scalars = a.type <= tokens::DOUBLE && b.type <= tokens::DOUBLE && a.type >= tokens::INT32 && b.type >= tokens::INT32;
+    if (scalars || (a.type == b.type && component_of(a.type) != tokens::UNKNOWN)) return known(std::max(a.type, b.type));
+    return {Type::UNKNOWN, a.fraction || b.fraction};
+}
+
+void ExpressionChecker::require_offered(const Node& node, Type type) {
+    constexpr std::array offered{tokens::BOOL, tokens::INT32, tokens::INT64, tokens::FLOAT, tokens::DOUBLE, tokens::VEC3I, tokens::VEC3F, tokens::VEC3D};
+    if (std::find(offered.begin(), offered.end(), type) == offered.end())
+        fault(node, fmt::format("'{}' is not offered; use float, vec3f, int, bool, double, vec3d, vec3i or int64", tokens::typeStringFromToken(type)));
+}
+
+void ExpressionChecker::require_divisor(const Node& divisor, const Known& divided, const Known& by) {
+    if (divided.fraction || by.fraction || whole_literal(&divisor).value_or(0) > 0) return;
+    fault(divisor, "a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f * a / b");
+}
+
+void ExpressionChecker::require_writable(const Node& target) {
+    const Node* node = &target;
+    if (node->nodetype() == Node::ArrayUnpackNode) node = as<ast::ArrayUnpack>(*node).expression();
+    if (node->nodetype() == Node::AttributeNode) {
+        const auto& attribute = as<ast::Attribute>(*node);
+        if (attribute.name() != expression_.output) fault(target, fmt::format("'@{}' can't be written; write @{}", attribute.name(), expression_.output));
+        writes_ = true;
+    } else if (node->nodetype() == Node::LocalNode && counters_.contains(as<ast::Local>(*node).name())) {
+        fault(target, fmt::format("'{}' counts a loop and can't be written in it", as<ast::Local>(*node).name()));
+    }
+}
+
+ExpressionChecker::Known ExpressionChecker::visit(const Node* node) {
+    if (!node) return {};
+    if (++depth_ > deepest) {
+        fault(*node, fmt::format("nested more than {} levels deep", deepest));
+        throw TooDeep{};
+    }
+    Known out;
+    switch (node->nodetype()) {
+        case Node::AttributeNode: out = attribute(as<ast::Attribute>(*node)); break;
+        case Node::ExternalVariableNode: out = external(as<ast::ExternalVariable>(*node)); break;
+        case Node::LocalNode: out = local(as<ast::Local>(*node)); break;
+        case Node::CastNode: out = cast(as<ast::Cast>(*node)); break;
+        case Node::UnaryOperatorNode: out = unary(as<ast::UnaryOperator>(*node)); break;
+        case Node::BinaryOperatorNode: out = binary(as<ast::BinaryOperator>(*node)); break;
+        case Node::AssignExpressionNode: out = assign(as<ast::AssignExpression>(*node)); break;
+        case Node::CrementNode: out = crement(as<ast::Crement>(*node)); break;
+        case Node::TernaryOperatorNode: out = ternary(as<ast::TernaryOperator>(*node)); break;
+        case Node::ArrayPackNode: out = pack(as<ast::ArrayPack>(*node)); break;
+        case Node::ArrayUnpackNode: out = unpack(as<ast::ArrayUnpack>(*node)); break;
+        case Node::FunctionCallNode: out = call(as<ast::FunctionCall>(*node)); break;
+        case Node::DeclareLocalNode: out = declare(as<ast::DeclareLocal>(*node)); break;
+        case Node::LoopNode: out = loop(as<ast::Loop>(*node)); break;
+        case Node::BlockNode:
+            scopes_.emplace_back();
+            visit_children(*node);
+            scopes_.pop_back();
+            break;
+        case Node::ValueBoolNode: out = known(tokens::BOOL); break;
+        case Node::ValueInt16Node: out = known(tokens::INT16); break;
+        case Node::ValueInt32Node: out = known(tokens::INT32); break;
+        case Node::ValueInt64Node: out = known(tokens::INT64); break;
+        case Node::ValueFloatNode: out = known(tokens::FLOAT); break;
+        case Node::ValueDoubleNode: out = known(tokens::DOUBLE); break;
+        case Node::ValueStrNode: fault(*node, "texts are not offered"); break;
+        default: out = visit_children(*node); break;
+    }
+    --depth_;
+    return out;
+}
+
+/// @return what is known of the last
+ExpressionChecker::Known ExpressionChecker::visit_children(const Node& node) {
+    Known out;
+    for (std::size_t n = 0; n < node.children(); ++n) out = visit(node.child(n));
+    return out;
+}
+
+ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node) {
+    const auto type = node.type();
+    const auto written = node.tokenname();
+    if (node.name() == expression_.output) {
+        if (type != tokens::FLOAT) fault(node, fmt::format("@{} is a number, not '{}'", node.name(), written));
+        return known(tokens::FLOAT);
+    }
+    const auto& inputs = expression_.inputs;
+    if (std::find(inputs.begin(), inputs.end(), node.name()) == inputs.end()) {
+        fault(node, fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
+        return {type, true};
+    }
+    if (type != tokens::FLOAT && type != tokens::VEC3F)
+        fault(node, fmt::format("'{}' can't be read; inputs are @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
+    const bool vector = type == tokens::VEC3F;
+    const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == node.name(); });
+    if (found == reads_.end()) {
+        const auto [line, column] = source_.place(node);
+        reads_.push_back({node.name(), vector, line, column});
+    } else if (found->vector != vector) {
+        fault(node, fmt::format("'{}' is read as @{} and as v@{}; it can't be both", node.name(), node.name(), node.name()));
+    }
+    return known(type);
+}
+
+ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable& node) {
+    const auto found = expression_.constants.find(node.name());
+    if (found == expression_.constants.end()) {
+        std::vector<std::string> names;
+        for (const auto& [name, value] : expression_.constants) names.push_back(name);
+        fault(node, fmt::format("'${}' is not among the params{}", node.name(), did_you_mean(node.name(), names)));
+        return {node.type(), true};
+    }
+    constants_read_.insert(node.name());
+    const bool vector = std::holds_alternative<Vec3>(found->second);
+    if (node.type() != (vector ? tokens::VEC3F : tokens::FLOAT))
+        fault(node, fmt::format("'{0}' is a {1}: write {2}${0}", node.name(), vector ? "vector" : "number", vector ? "v" : ""));
+    return known(node.type());
+}
+
+ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) const {
+    for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+        if (const auto found = scope->find(node.name()); found != scope->end()) return known(found->second);
+    return {Type::UNKNOWN, true};  // the compiler says that it is none
+}
+
+ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
+    const auto value = visit(node.expression());
+    require_offered(node, node.type());
+    if (value.type == node.type()) fault(node, fmt::format("the cast is redundant: the value is {} already; leave it out", node.typestr()));
+    return known(node.type());
+}
+
+ExpressionChecker::Known ExpressionChecker::unary(const ast::UnaryOperator& node) {
+    const auto value = visit(node.expression());
+    if (node.operation() == tokens::NOT) return known(tokens::BOOL);
+    // Of a bool it is none.
+    return value.type == tokens::BOOL ? Known{} : value;
+}
+
+ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& node) {
+    const auto left = visit(node.lhs()), right = visit(node.rhs());
+    const auto operation = node.operation();
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not offered");
+    if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
+    const auto kind = tokens::operatorType(operation);
+    if (kind == tokens::LOGICAL || kind == tokens::RELATIONAL) return known(tokens::BOOL);
+    return joined(left, right);
+}
+
+ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& node) {
+    const auto right = visit(node.rhs());
+    require_writable(*node.lhs());
+    // The place that is written to is none that is read; what is wrong with an attribute there has been said.
+    const auto* const target = node.lhs();
+    const auto left = target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
+                      : target->nodetype() == Node::ArrayUnpackNode && as<ast::ArrayUnpack>(*target).expression()->nodetype() == Node::AttributeNode
+                          ? known(tokens::FLOAT)
+                          : visit(target);
+    if (target->nodetype() == Node::AttributeNode && as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
+        fault(node, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
+    const auto operation = node.operation();
+    if (operation == tokens::SHIFTLEFTEQUALS || operation == tokens::SHIFTRIGHTEQUALS) fault(node, "bit shifts are not offered");
+    if (operation == tokens::DIVIDEEQUALS || operation == tokens::MODULOEQUALS) require_divisor(*node.rhs(), left, right);
+    return left;
+}
+
+ExpressionChecker::Known ExpressionChecker::crement(const ast::Crement& node) {
+    require_writable(*node.expression());
+    const auto* const target = node.expression();
+    return target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type()) : visit(target);
+}
+
+ExpressionChecker::Known ExpressionChecker::ternary(const ast::TernaryOperator& node) {
+    const auto condition = visit(node.condition());
+    const auto yes = node.hasTrue() ? visit(node.trueBranch()) : condition, no = visit(node.falseBranch());
+    return yes.type == no.type ? Known{yes.type, yes.fraction && no.fraction} : joined(yes, no);
+}
+
+ExpressionChecker::Known ExpressionChecker::pack(const ast::ArrayPack& node) {
+    if (node.size() != 3) fault(node, fmt::format("vectors have 3 components, not {}", node.size()));
+    Known out;
+    for (std::size_t n = 0; n < node.size(); ++n) {
+        const auto each = visit(node.child(n));
+        out.fraction = out.fraction || each.fraction;
+    }
+    return out;
+}
+
+ExpressionChecker::Known ExpressionChecker::unpack(const ast::ArrayUnpack& node) {
+    const auto value = visit(node.expression());
+    const auto index = whole_literal(node.component0());
+    if (node.isMatrixIndex()) fault(node, "matrices are not offered");
+    else if (!index || *index > 2) fault(node, "a component is .x, .y, .z or [0], [1], [2]; other indices are not offered");
+    return {component_of(value.type), value.fraction};
+}
+
+ExpressionChecker::Known ExpressionChecker::call(const ast::FunctionCall& node) {
+    std::vector<Known> arguments;
+    for (std::size_t n = 0; n < node.numArgs(); ++n) arguments.push_back(visit(node.child(n)));
+    const auto& name = node.name();
+    const auto found = functions().find(name);
+    if (found == functions().end()) {
+        std::vector<std::string> names;
+        for (const auto& [each, gives] : functions()) names.push_back(each);
+        fault(node, fmt::format("there is no function '{}'{}", name, did_you_mean(name, names)));
+        return {Type::UNKNOWN, true};
+    }
+    if (name.starts_with("rand") && arguments.empty())
+        fault(node, fmt::format("{0} needs a seed, as in {0}(@density): without one no two runs are the same", name));
+    if (name.starts_with("get")) asks_where_ = true;
+    if (name.ends_with("mod") && arguments.size() == 2) require_divisor(*node.child(1), arguments[0], arguments[1]);
+    const bool fraction = std::any_of(arguments.begin(), arguments.end(), [](const Known& each) { return each.fraction; });
+    return {Type::UNKNOWN, found->second == Gives::fraction || (found->second == Gives::as_given && fraction)};
+}
+
+ExpressionChecker::Known ExpressionChecker::declare(const ast::DeclareLocal& node) {
+    visit(node.init());
+    require_offered(node, node.type());
+    scopes_.back()[node.local()->name()] = node.type();
+    return known(node.type());
+}
+
+std::optional<double> ExpressionChecker::stated_number(const Node* node) const {
+    if (!node) return std::nullopt;
+    if (node->nodetype() == Node::UnaryOperatorNode && as<ast::UnaryOperator>(*node).operation() == tokens::MINUS) {
+        const auto value = stated_number(as<ast::UnaryOperator>(*node).expression());
+        return value ? std::optional(-*value) : std::nullopt;
+    }
+    if (node->nodetype() == Node::ExternalVariableNode) {
+        const auto found = expression_.constants.find(as<ast::ExternalVariable>(*node).name());
+        if (found != expression_.constants.end())
+            if (const auto* const number = std::get_if<double>(&found->second)) return *number;
+        return std::nullopt;
+    }
+    const auto whole = whole_literal(node);
+    return whole ? std::optional(static_cast<double>(*whole)) : std::nullopt;
+}
+
+std::optional<double> ExpressionChecker::rounds(const ast::Loop& node) const {
+    if (node.loopType() != tokens::FOR || !node.hasInit() || !node.hasIter() || !node.condition()) return std::nullopt;
+    if (node.initial()->nodetype() != Node::DeclareLocalNode || node.condition()->nodetype() != Node::BinaryOperatorNode) return std::nullopt;
+    const auto& initial = as<ast::DeclareLocal>(*node.initial());
+    const auto& condition = as<ast::BinaryOperator>(*node.condition());
+    const auto& counter = initial.local()->name();
+    const auto first = initial.hasInit() ? stated_number(initial.init()) : 0.0, end = stated_number(condition.rhs());
+    if ((initial.type() != tokens::INT32 && initial.type() != tokens::INT64) || !is_local(condition.lhs(), counter)) return std::nullopt;
+
+    std::optional<double> step;
+    if (node.iteration()->nodetype() == Node::CrementNode) {
+        const auto& crement = as<ast::Crement>(*node.iteration());
+        if (is_local(crement.expression(), counter)) step = crement.increment() ? 1 : -1;
+    } else if (node.iteration()->nodetype() == Node::AssignExpressionNode) {
+        const auto& assign = as<ast::AssignExpression>(*node.iteration());
+        const auto by = whole_literal(assign.rhs());
+        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::PLUSEQUALS) step = static_cast<double>(*by);
+        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::MINUSEQUALS) step = -static_cast<double>(*by);
+    }
+    if (!first || !end || !step || *step == 0 || std::abs(*first) > furthest || std::abs(*end) > furthest || std::abs(*step) > furthest) return std::nullopt;
+
+    const auto operation = condition.operation();
+    const bool rises = operation == tokens::LESSTHAN || operation == tokens::LESSTHANOREQUAL,
+               falls = operation == tokens::MORETHAN || operation == tokens::MORETHANOREQUAL;
+    const bool last_too = operation == tokens::LESSTHANOREQUAL || operation == tokens::MORETHANOREQUAL;
+    if ((!rises && !falls) || (rises && *step < 0) || (falls && *step > 0)) return std::nullopt;
+    const double steps = (*end - std::trunc(*first)) / *step;
+    return std::max(0.0, last_too ? std::floor(steps) + 1 : std::ceil(steps));
+}
+
+ExpressionChecker::Known ExpressionChecker::loop(const ast::Loop& node) {
+    const auto count = rounds(node);
+    if (!count) {
+        fault(node, fmt::format("'{}' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break",
+                                tokens::loopNameFromToken(node.loopType())));
+        return {};
+    }
+    scopes_.emplace_back();
+    visit(node.initial());
+    visit(node.condition());
+    const auto& counter = as<ast::DeclareLocal>(*node.initial()).local()->name();
+    if (!counters_.insert(counter).second) fault(node, fmt::format("'{}' counts a loop around this one; call this one's otherwise", counter));
+    const auto around = around_;
+    around_ *= *count;
+    rounds_ += around_;
+    if (rounds_ > most_rounds) fault(node, fmt::format("the loops run {:.0f} times for each voxel; {:.0f} are the most", rounds_, most_rounds));
+    visit(node.body());
+    around_ = around;
+    counters_.erase(counter);
+    scopes_.pop_back();
+    return {};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "nodes/expression/expression.h"
+#include "nodes/expression/module/source.h"
+
+#include <openvdb_ax/ast/AST.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Finds on the syntax tree what AX lets pass and then crashes on, never ends with, or takes for zero (ExpressionModule).
+class ExpressionChecker {
+public:
+    ExpressionChecker(const Expression& expression, const ExpressionSource& source, std::vector<ExpressionFault>& faults)
+        : expression_(expression), source_(source), faults_(faults) {}
+
+    void check();
+
+    /// Of a program without faults.
+    const std::vector<CompiledExpression::Read>& reads() const { return reads_; }
+    bool asks_where() const { return asks_where_; }
+
+private:
+    using Node = openvdb::ax::ast::Node;
+    using Type = openvdb::ax::ast::tokens::CoreType;
+    /// What is known of a value before it is compiled.
+    struct Known {
+        Type type = Type::UNKNOWN;
+        bool fraction = false;  ///< surely no whole number
+    };
+
+    void fault(const Node& node, const std::string& message);
+    void check_names();
+
+    Known visit(const Node* node);
+    Known visit_children(const Node& node);
+    Known attribute(const openvdb::ax::ast::Attribute& node);
+    Known external(const openvdb::ax::ast::ExternalVariable& node);
+    Known local(const openvdb::ax::ast::Local& node) const;
+    Known cast(const openvdb::ax::ast::Cast& node);
+    Known unary(const openvdb::ax::ast::UnaryOperator& node);
+    Known binary(const openvdb::ax::ast::BinaryOperator& node);
+    Known assign(const openvdb::ax::ast::AssignExpression& node);
+    Known crement(const openvdb::ax::ast::Crement& node);
+    Known ternary(const openvdb::ax::ast::TernaryOperator& node);
+    Known pack(const openvdb::ax::ast::ArrayPack& node);
+    Known unpack(const openvdb::ax::ast::ArrayUnpack& node);
+    Known call(const openvdb::ax::ast::FunctionCall& node);
+    Known declare(const openvdb::ax::ast::DeclareLocal& node);
+    Known loop(const openvdb::ax::ast::Loop& node);
+
+    static Known known(Type type);
+    static Known joined(const Known& a, const Known& b);
+    void require_offered(const Node& node, Type type);
+    void require_divisor(const Node& divisor, const Known& divided, const Known& by);
+    /// A variable that is about to be written: an input or a loop's counter can't be.
+    void require_writable(const Node& target);
+    /// A whole literal, or a number among the constants.
+    std::optional<double> stated_number(const Node* node) const;
+    /// How often a loop runs; nothing if that is not stated.
+    std::optional<double> rounds(const openvdb::ax::ast::Loop& node) const;
+
+    const Expression& expression_;
+    const ExpressionSource& source_;
+    std::vector<ExpressionFault>& faults_;
+    std::vector<CompiledExpression::Read> reads_;
+    std::set<std::string> constants_read_;
+    std::vector<std::map<std::string, Type>> scopes_{{}};
+    std::set<std::string> counters_;  ///< of the loops around
+    double around_ = 1;               ///< rounds of the loops around, multiplied
+    double rounds_ = 0;               ///< of all loops so far
+    int depth_ = 0;
+    bool writes_ = false;
+    bool asks_where_ = false;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,89 @@
+#include "graph/module.h"
+#include "graph/problem.h"
+#include "nodes/expression/expression.h"
+#include "nodes/expression/module/checker.h"
+#include "nodes/expression/module/rewriter.h"
+
+#include <openvdb_ax/ax.h>
+#include <openvdb_ax/compiler/Compiler.h>
+#include <openvdb_ax/compiler/VolumeExecutable.h>
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+namespace fluidcarve {
+namespace {
+
+namespace ax = openvdb::ax;
+
+/// Parser and compiler walk a program by recursion.
+constexpr std::size_t most_bytes = 16 << 10;
+
+struct Executable : CompiledExpression {
+    ax::VolumeExecutable::Ptr program;
+};
+
+std::shared_ptr<const CompiledExpression> compile(const Expression& expression, std::vector<ExpressionFault>& faults) {
+    // The parser is not made for several threads, and starting LLVM neither.
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    if (!ax::isInitialized()) ax::initialize();
+
+    const auto before = faults.size();
+    if (expression.code.size() > most_bytes) {
+        faults.push_back({"code", 0, 0, fmt::format("has {} bytes; {} are the most", expression.code.size(), most_bytes)});
+        return nullptr;
+    }
+    const ExpressionSource source(expression.code, faults);
+    if (!source) return nullptr;
+    ExpressionChecker checker(expression, source, faults);
+    checker.check();
+    if (faults.size() > before) return nullptr;
+
+    ax::Logger logger([&](const std::string& message) { faults.push_back(fault_of(message)); });
+    logger.setNumberedOutput(false);
+    logger.setErrorPrefix("");
+    const auto out = std::make_shared<Executable>();
+    try {
+        const auto tree = rewritten(expression, source, checker.reads(), logger);
+        out->program = ax::Compiler().compile<ax::VolumeExecutable>(*tree, logger);
+    } catch (const openvdb::Exception& error) {
+        faults.push_back({"code", 0, 0, error.what()});
+    }
+    if (faults.size() > before || !out->program) return nullptr;
+    out->reads = checker.reads();
+    out->asks_where = checker.asks_where();
+    // A name that no grid bears would become a grid of zeros.
+    out->program->setCreateMissing(false);
+    using Streaming = ax::VolumeExecutable::Streaming;
+    out->program->setActiveTileStreaming(out->asks_where ? Streaming::ON : Streaming::OFF);
+    return out;
+}
+
+void run(const CompiledExpression& program, const std::vector<NamedGrid>& inputs, FloatGrid& out) {
+    openvdb::GridPtrVec grids;
+    for (const auto& [name, grid] : inputs) {
+        // Another grid of the same tree, which is only read.
+        grids.push_back(openvdb::ConstPtrCast<openvdb::GridBase>(grid)->copyGrid());
+        grids.back()->setName(name);
+    }
+    // The grid is the caller's before and after.
+    grids.emplace_back(&out, [](openvdb::GridBase*) {});
+    try {
+        static_cast<const Executable&>(program).program->execute(grids);
+    } catch (const openvdb::Exception& error) {
+        throw Failure(fmt::format("the program can't run: {}", error.what()));
+    }
+}
+
+const ExpressionModule functions{compile, run};
+
+}  // namespace
+
+extern "C" {
+extern const Module fluidcarve_module;
+const Module fluidcarve_module{FLUIDCARVE_VERSION, &functions};
+}
+
+}  // namespace fluidcarve

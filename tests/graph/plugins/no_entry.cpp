@@ -1,0 +1,3 @@
+#include "graph/plugin.h"
+
+const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};
