@@ -53,7 +53,8 @@ void merge(Value& earlier, const Value& later, int levels) {
 void put_before(Value& later, const Value& earlier, const char* list) {
     auto* const now = later.find(list);
     const auto* const before = earlier.find(list);
-    if (now && before && now->value.kind == Value::Kind::list) now->value.items.insert(now->value.items.begin(), before->value.items.begin(), before->value.items.end());
+    if (now && before && now->value.kind == Value::Kind::list)
+        now->value.items.insert(now->value.items.begin(), before->value.items.begin(), before->value.items.end());
 }
 
 class Reader {

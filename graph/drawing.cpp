@@ -106,7 +106,7 @@ std::string legend(const Pipeline& pipeline, double& right) {
 }
 
 /// @param looks  per node, or none: then colours are by rate, and a legend says so
-std::string draw(const Pipeline& pipeline, const Registry& registry, const std::vector<Look>& looks) {
+std::string draw(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks) {
     const bool plain = looks.empty();
     Layout layout;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -123,12 +123,11 @@ std::string draw(const Pipeline& pipeline, const Registry& registry, const std::
     const auto chips = plain ? legend(pipeline, right) : std::string();
     const double top = plain ? 2 * margin + legend_height : margin;
     const double width = std::max(layout.width + 2 * margin, right + margin);
-    auto out = fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}" viewBox="0 0 {0:.0f} {1:.0f}" font-family="'DejaVu Sans', Verdana, sans-serif"{2}>)"
-        "\n<title>{3}</title>\n",
-        width, layout.height + top + margin,
-        plain ? std::string() : fmt::format(R"( style="width:100%;height:auto;min-width:{:.0f}px;max-width:{:.0f}px")", 0.75 * width, width),
-        xml_text(pipeline.name));
+    auto out =
+        fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0:.0f}" height="{1:.0f}" viewBox="0 0 {0:.0f} {1:.0f}")"
+                    R"( font-family="'DejaVu Sans', Verdana, sans-serif"{2}>)"
+                    "\n<title>{3}</title>\n",
+                    width, layout.height + top + margin, plain ? std::string() : fmt::format(R"( style="--width:{:.0f}px")", width), xml_text(pipeline.name));
     out += chips;
     out += fmt::format("<g transform=\"translate({},{})\">\n", margin, top);
     for (std::size_t n = 0; n < links.size(); ++n)
@@ -163,6 +162,6 @@ std::string to_dot(const Pipeline& pipeline, const Registry& registry) {
 
 std::string to_svg(const Pipeline& pipeline, const Registry& registry) { return draw(pipeline, registry, {}); }
 
-std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<Look>& looks) { return draw(pipeline, registry, looks); }
+std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks) { return draw(pipeline, registry, looks); }
 
 }  // namespace fluidcarve

@@ -15,11 +15,11 @@ std::string to_dot(const Pipeline& pipeline, const Registry& registry);
 std::string to_svg(const Pipeline& pipeline, const Registry& registry);
 
 /// How a node looks in the picture of a page, and what that says of it.
-struct Look {
+struct NodeLook {
     std::string style;  ///< a class of the page's style sheet
     std::string note;   ///< a line below name and type
 };
-/// The picture for a page that has colours and a legend of its own; it shrinks to three quarters with the page. @param looks  per node
-std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<Look>& looks);
+/// The picture for a page that has colours and a legend of its own; its style sheet finds the width as `--width`. @param looks  per node
+std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks);
 
 }  // namespace fluidcarve

@@ -46,13 +46,13 @@ class Finder {
 public:
     explicit Finder(const Document& document) : document_(document) {}
 
-    Origin stated(const Value& value) const {
-        Origin out{yaml(value), place(value.mark), {}};
+    ValueOrigin stated(const Value& value) const {
+        ValueOrigin out{yaml(value), place(value.mark), {}};
         add_names(value, out.with);
         return out;
     }
 
-    static Origin fallback(const std::string& yaml) { return {yaml.empty() ? scalar_yaml(yaml) : yaml, "default", {}}; }
+    static ValueOrigin fallback(const std::string& yaml) { return {yaml.empty() ? scalar_yaml(yaml) : yaml, "default", {}}; }
 
     Origins::Fields of_node(const NodeType& type, const Value& node) const {
         Origins::Fields out;
@@ -90,13 +90,13 @@ private:
     const Document& document_;
 };
 
-std::string line(const std::string& name, const Origin& origin) {
+std::string line(const std::string& name, const ValueOrigin& origin) {
     const auto from = origin.from == "default" ? origin.from : "from " + origin.from;
     const auto with = origin.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(origin.with, ", "));
     return one_line(fmt::format("{} = {}, {}{}", name, origin.value, from, with)) + "\n";
 }
 
-Json json_of(const Origin& origin) {
+Json json_of(const ValueOrigin& origin) {
     Json out{{"value", origin.value}, {"from", origin.from}};
     if (!origin.with.empty()) out["with"] = origin.with;
     return out;

@@ -10,7 +10,7 @@
 namespace fluidcarve {
 
 /// A value and where it comes from.
-struct Origin {
+struct ValueOrigin {
     std::string value;              ///< as YAML, on one line
     std::string from;               ///< "shots/sh010.yaml:4", "--set", "environment variable SHOT", "default"
     std::vector<std::string> with;  ///< names whose values stand inside the text or list
@@ -18,8 +18,8 @@ struct Origin {
 
 /// Where everything in a pipeline comes from.
 struct Origins {
-    using Fields = std::vector<std::pair<std::string, Origin>>;
-    Origin frames;
+    using Fields = std::vector<std::pair<std::string, ValueOrigin>>;
+    ValueOrigin frames;
     Fields params;
     /// In the order of the file. Of each node its type, inputs that are connected, all parameters, and what else is stated.
     std::vector<std::pair<std::string, Fields>> nodes;

@@ -89,7 +89,7 @@ struct Flow::Self {
         void hold(const Payload& result) override {
             const std::lock_guard lock(mutex);
             if (!grows) return;
-            const Profile::Span span(run.profile, "keep", node, std::nullopt);
+            const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
             run.store.keep_grown(*grows, node, result, said, true);
         }
     };
@@ -104,7 +104,7 @@ struct Flow::Self {
     Store& store;
     Report& report;
     Progress& progress;
-    Profile* const profile;
+    RunProfile* const profile;
     const std::function<bool()> cancelled;
     std::vector<Behaviour> behaviours;
     std::vector<Steps> steps;
@@ -155,7 +155,7 @@ struct Flow::Self {
     /// Calls a body; whatever it throws becomes a Fault. No exception leaves: one would cancel the whole graph.
     /// @param what  the profile's category
     bool guarded(std::size_t n, std::optional<int> frame, const char* what, const std::function<void()>& body) {
-        const Profile::Span span(profile, what, n, frame);
+        const RunProfile::Span span(profile, what, n, frame);
         const auto fault = [&](const std::string& message, Failure::Kind kind) {
             report.failed({pipeline.nodes[n].name, pipeline.nodes[n].type->name, frame, message, kind});
             failed = true;
@@ -184,13 +184,13 @@ struct Flow::Self {
     /// Keeps what a body made and said, if it is to be kept.
     void keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
         const bool stores = options.cache && (pipeline.nodes[n].kept || !said.empty());
-        const Profile::Span span(stores ? profile : nullptr, "keep", n, frame_at(n, place));
+        const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frame_at(n, place));
         store.keep(n, place, outputs, said);
     }
 
     /// What a former run kept of a node's outputs. @param into  becomes them @return false if it is gone
     bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
-        const Profile::Span span(profile, "load", n, frame_at(n, place));
+        const RunProfile::Span span(profile, "load", n, frame_at(n, place));
         if (auto outputs = store.result(n, place)) return into = std::move(*outputs), true;
         lost = true;
         return false;
@@ -205,7 +205,7 @@ struct Flow::Self {
         if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
             line.grows = store.key(n, 0);
             const auto part = [&] {
-                const Profile::Span span(profile, "load", n, std::nullopt);
+                const RunProfile::Span span(profile, "load", n, std::nullopt);
                 return store.part(n);
             }();
             if (part) behaviours[n].resume(part->first, part->second);
@@ -292,7 +292,7 @@ struct Flow::Self {
     void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
         if (!behaviours[n].digest) return;
         if (frame.actions[n] == Action::load) {
-            const Profile::Span span(profile, "load", n, frames[frame.place]);
+            const RunProfile::Span span(profile, "load", n, frames[frame.place]);
             if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
             else lost = true;
             frame.failed[n] = frame.outputs[n].empty();
@@ -311,7 +311,7 @@ struct Flow::Self {
             progress.done(*steps[n].add, since(line.start), frames[frame.place]);
             if (!frame.failed[n]) {
                 const bool stores = options.cache && pipeline.nodes[n].digests_kept;
-                const Profile::Span span(stores ? profile : nullptr, "keep", n, frames[frame.place]);
+                const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frames[frame.place]);
                 store.keep_digest(n, frame.place, frame.outputs[n].front(), line.said);
             }
         }
@@ -360,7 +360,7 @@ struct Flow::Self {
 };
 
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
-           Progress& progress, Profile* profile, std::function<bool()> cancelled)
+           Progress& progress, RunProfile* profile, std::function<bool()> cancelled)
     : self_(new Self{pipeline, registry, frames, options, store, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
     const auto count = pipeline.nodes.size();
     self_->steps.resize(count);

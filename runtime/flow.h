@@ -34,7 +34,7 @@ public:
     /// @param profile    null: none is made
     /// @param cancelled  asked often; true: stop
     Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
-         Progress& progress, Profile* profile, std::function<bool()> cancelled);
+         Progress& progress, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 
     /// Runs what the schedule says, pass after pass. A failed frame stops the admission of new ones unless `keep_going`; those in

@@ -66,7 +66,7 @@ Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const S
         const bool once = schedule.once[n] == Schedule::Action::run || schedule.gathers[n];
         const std::size_t runs = node.rate == Rate::frame && !share.only_takes ? share.runs : 0;
         if (!once && runs == 0 && share.taken_anew == 0) continue;
-        const auto cost = history.cost(node.name, input_bytes).value_or(Cost{});
+        const auto cost = history.cost(node.name, input_bytes).value_or(NodeCost{});
         const auto add = [&](std::size_t times, const std::optional<double>& seconds) {
             if (times > 0 && seconds) work += static_cast<double>(times) * *seconds;
             return times == 0 || seconds;

@@ -27,6 +27,7 @@ std::vector<std::string> differences(const json& was, const json& now) {
     std::vector<std::string> out;
     if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
     if (was["version"] != now["version"]) out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(), now["version"].dump()));
+    if (was.value("plugin", "") != now.value("plugin", "")) out.emplace_back("its plugin was built again");
     for (const auto* const part : {"params", "inputs"}) {
         const bool input = std::string_view(part) == "inputs";
         const auto text = [](const json& of, const std::string& name) { return of.contains(name) ? of[name].get<std::string>() : std::string("nothing"); };
@@ -73,6 +74,7 @@ const json& History::of(const std::string& node) const {
 json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const std::vector<int>& frames) {
     const auto& node = pipeline.nodes[n];
     json out{{"type", node.type->name}, {"version", node.type->version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
+    if (const auto plugin = keys.plugin(n)) out["plugin"] = plugin->text();
     for (const auto& param : node.type->params)
         if (counts(param)) out["params"][param.name] = param.text(node.params.get());
     for (std::size_t i = 0; i < node.inputs.size(); ++i) {
@@ -93,7 +95,7 @@ void History::set(const std::string& node, json made_of) {
     nodes_[node] = std::move(made_of);
 }
 
-void History::set_cost(const std::string& node, const Cost& cost, std::uint64_t input_bytes) {
+void History::set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes) {
     auto& known = nodes_[node]["cost"];
     if (cost.frame_s) known["frame_s"] = *cost.frame_s;
     if (cost.take_s) known["take_s"] = *cost.take_s;
@@ -102,13 +104,13 @@ void History::set_cost(const std::string& node, const Cost& cost, std::uint64_t 
     known["input_bytes"] = input_bytes;
 }
 
-std::optional<Cost> History::cost(const std::string& node, std::uint64_t input_bytes) const {
+std::optional<NodeCost> History::cost(const std::string& node, std::uint64_t input_bytes) const {
     if (!nodes_.contains(node) || !nodes_[node].contains("cost") || !nodes_[node]["cost"].is_object()) return std::nullopt;
     const auto& known = nodes_[node]["cost"];
     const auto then = known.value("input_bytes", std::uint64_t{0});
     const double scale = then > 0 && input_bytes > 0 ? static_cast<double>(input_bytes) / static_cast<double>(then) : 1;
     const auto seconds = [&](const char* name) { return known.contains(name) ? std::optional(scale * known[name].get<double>()) : std::nullopt; };
-    return Cost{seconds("frame_s"), seconds("take_s"), seconds("once_s"), static_cast<std::uint64_t>(scale * known.value("bytes", 0.0))};
+    return NodeCost{seconds("frame_s"), seconds("take_s"), seconds("once_s"), static_cast<std::uint64_t>(scale * known.value("bytes", 0.0))};
 }
 
 void History::save() const {

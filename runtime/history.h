@@ -26,9 +26,9 @@ public:
 
     /// Sets a node's part; its cost stays.
     void set(const std::string& node, nlohmann::json made_of);
-    void set_cost(const std::string& node, const Cost& cost, std::uint64_t input_bytes);
+    void set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes);
     /// A node's cost, as far as it was measured, for inputs of this size. @param input_bytes  0: of unknown size
-    std::optional<Cost> cost(const std::string& node, std::uint64_t input_bytes) const;
+    std::optional<NodeCost> cost(const std::string& node, std::uint64_t input_bytes) const;
     /// Writes the file. What can't be written is forgotten.
     void save() const;
 

@@ -100,7 +100,12 @@ std::vector<double> numbers(const Json& entry, const std::string& field) {
     return out;
 }
 
-std::string values_table(const std::vector<std::pair<std::string, const Origin*>>& rows) {
+std::string word(const Json& entry, const std::string& field) {
+    const auto found = entry.find(field);
+    return found != entry.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::string values_table(const std::vector<std::pair<std::string, const ValueOrigin*>>& rows) {
     std::string out = "<table class=\"values\"><tbody>\n";
     for (const auto& [name, origin] : rows) {
         const auto with = origin->with.empty() ? std::string() : fmt::format(" with {}", fmt::join(origin->with, ", "));
@@ -173,7 +178,7 @@ private:
         }
         if (results > 0) add("From earlier runs", fmt::format("{} of {} results", kept, results));
         for (const auto& [name, entry] : report_.at("seams").items()) {
-            const bool inserts = entry.value("kind", "") == "insert";
+            const bool inserts = word(entry, "kind") == "insert";
             add(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name,
                 fmt::format("{} {}", numbers(entry, "energy").size(), inserts ? "inserted" : "removed"));
         }
@@ -237,9 +242,9 @@ private:
 
     static constexpr std::array<double, 5> heats{0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the time
 
-    Look look(const Node& node) const {
+    NodeLook look(const Node& node) const {
         const auto* const entry = measured(node.name);
-        Look out{"idle", "not in this run"};
+        NodeLook out{"idle", "not in this run"};
         if (entry && all_kept(*entry)) {
             out = {"kept", "from earlier runs"};
         } else if (entry) {
@@ -254,13 +259,13 @@ private:
 
     void graph() {
         section("Graph");
-        std::vector<Look> looks;
+        std::vector<NodeLook> looks;
         for (const auto& node : pipeline_.nodes) looks.push_back(look(node));
         out_ += "<div class=\"graph\"><div class=\"scroll\">\n" + (looks.empty() ? std::string() : to_svg(pipeline_, registry_, looks)) +
                 "</div>\n<ul class=\"legend\">\n";
         const auto chip = [&](const std::string& style, const std::string& meaning) {
             const bool shown =
-                std::any_of(looks.begin(), looks.end(), [&](const Look& look) { return (look.style + " ").find(style + " ") != std::string::npos; });
+                std::any_of(looks.begin(), looks.end(), [&](const NodeLook& look) { return (look.style + " ").find(style + " ") != std::string::npos; });
             if (shown) out_ += fmt::format("<li><i class=\"{}\"></i>{}</li>\n", style, meaning);
         };
         for (std::size_t n = 0; n < heats.size(); ++n) {
@@ -316,8 +321,8 @@ private:
         double widest = -1;
         for (const auto value : gap)
             if (std::isfinite(value)) widest = std::max(widest, value);
-        const bool inserts = entry.value("kind", "") == "insert";
-        auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"), inserts ? "inserted" : "removed", entry.value("axis", "?"));
+        const bool inserts = word(entry, "kind") == "insert";
+        auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"), inserts ? "inserted" : "removed", word(entry, "axis"));
         if (const auto pairs = numbers(entry, "pair_energy").size(); pairs > 0)
             told += fmt::format(", {} {} in the pair window", pairs == energy.size() ? "as many" : std::to_string(pairs), inserts ? "removed" : "inserted");
         told += where(entry) + ".";
@@ -329,7 +334,7 @@ private:
         energy_plot(entry, "", "Energy of each seam");
         energy_plot(entry, "pair_", "Energy of each seam of the pair window");
         if (!least) {
-            Plot plot{"Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
+            LinePlot plot{"Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
             for (auto& value : plot.curves[0].values) value *= 100;
             for (std::size_t n = 0; n < gap.size(); ++n) plot.notes.push_back(std::isfinite(gap[n]) ? fmt::format("seam {}: {}", n + 1, percent(gap[n])) : "");
             out_ += "<figure>" + to_svg(plot) + "</figure>\n";
@@ -340,16 +345,17 @@ private:
 
     /// ", in a lattice of 28 × 26 × 130 vertices and 6 frames"
     static std::string where(const Json& entry) {
-        const auto shape = entry.value("shape", std::vector<std::size_t>());
-        if (shape.size() != 4) return {};
-        return fmt::format(", in a lattice of {} × {} × {} vertices and {}", shape[0], shape[1], shape[2], counted(shape[3], "frame"));
+        const auto shape = numbers(entry, "shape");
+        if (shape.size() != 4 || !std::all_of(shape.begin(), shape.end(), [](double each) { return each >= 0 && each < 1e9; })) return {};
+        return fmt::format(", in a lattice of {} × {} × {} vertices and {}", shape[0], shape[1], shape[2],
+                           counted(static_cast<std::size_t>(shape[3]), "frame"));
     }
 
     void energy_plot(const Json& entry, const std::string& prefix, const std::string& title) {
         const auto energy = numbers(entry, prefix + "energy"), bound = numbers(entry, prefix + "lower_bound");
         if (energy.empty()) return;
         const bool bounded = std::any_of(bound.begin(), bound.end(), [](double value) { return std::isfinite(value); });
-        Plot plot{title, "seam", {{"energy", energy}}, false, bounded, {}};
+        LinePlot plot{title, "seam", {{"energy", energy}}, false, bounded, {}};
         if (bounded) plot.curves.push_back({"bound", bound});
         for (std::size_t n = 0; n < energy.size(); ++n) {
             const bool has = n < bound.size() && std::isfinite(bound[n]);
@@ -408,11 +414,11 @@ private:
     void values() {
         section("Pipeline");
         out_ += "<p class=\"muted\">Every value, and where it comes from.</p>\n";
-        std::vector<std::pair<std::string, const Origin*>> rows{{"frames", &origins_.frames}};
+        std::vector<std::pair<std::string, const ValueOrigin*>> rows{{"frames", &origins_.frames}};
         for (const auto& [name, origin] : origins_.params) rows.emplace_back(name, &origin);
         out_ += (origins_.params.empty() ? element("h3", "Frames") : element("h3", "Frames and params")) + "\n" + values_table(rows);
         for (const auto& [name, fields] : origins_.nodes) {
-            std::vector<std::pair<std::string, const Origin*>> stated, defaults;
+            std::vector<std::pair<std::string, const ValueOrigin*>> stated, defaults;
             for (const auto& [field, origin] : fields) (origin.from == "default" ? defaults : stated).emplace_back(field, &origin);
             out_ += fmt::format("<h3 id=\"node-{}\">{}</h3>\n", xml_text(name), xml_text(name));
             out_ += values_table(stated);
@@ -433,7 +439,7 @@ private:
 };
 
 /// Fills in the bytes, or what is in the way of that.
-void read(Picture& picture) {
+void read(PagePicture& picture) {
     std::error_code error;
     const auto bytes = fs::file_size(picture.path, error);
     if (error) picture.fault = "is not there";

@@ -14,7 +14,7 @@
 namespace fluidcarve {
 
 /// A picture file that a node of the pipeline writes.
-struct Picture {
+struct PagePicture {
     std::string node;
     std::string path;
     std::string png;       ///< its bytes
@@ -24,7 +24,7 @@ struct Picture {
 
 /// What a page shows of the files that a pipeline writes.
 struct WrittenFiles {
-    std::vector<Picture> pictures;
+    std::vector<PagePicture> pictures;
     std::map<std::string, std::uint64_t> bytes;  ///< per node: of its files that are there
 };
 

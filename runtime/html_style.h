@@ -59,6 +59,7 @@ figcaption { color: var(--muted); font-size: 13px; margin-top: 6px; }
 .picture input:checked + .scroll { cursor: zoom-out; }
 .picture input:checked + .scroll img { max-width: none; }
 svg { font-family: inherit; display: block; }
+.graph svg { width: 100%; height: auto; min-width: calc(.75 * var(--width)); max-width: var(--width); }
 .graph .edge { stroke: var(--muted); }
 .graph text { fill: var(--on-heat); }
 .graph rect { stroke: var(--muted); }
@@ -95,6 +96,7 @@ summary { color: var(--muted); font-size: 13px; cursor: pointer; }
   h2 { margin-top: 36px; }
   .facts { grid-template-columns: 1fr 1fr; }
   .meter { width: 70px; }
+  .graph svg { min-width: var(--width); }
   .wide th:first-child small { display: block; margin: 0; }
   .values tr { display: grid; grid-template-columns: 8em 1fr; }
   .values th, .values td, .values td.from { width: auto; padding-right: 8px; }

@@ -58,15 +58,19 @@ Key Keys::contents(std::size_t n, std::size_t place) {
     return hash.digest();
 }
 
+std::optional<Key> Keys::plugin(std::size_t n) const {
+    const auto found = pipeline_.plugins.find(pipeline_.nodes[n].type->name);
+    if (found == pipeline_.plugins.end()) return std::nullopt;
+    const auto content = files_.of(found->second);
+    return content ? content->key : Key{};
+}
+
 void Keys::describe(ContentHash& hash, std::size_t n, const std::vector<std::string>* fields) const {
     const auto& node = pipeline_.nodes[n];
     const auto& type = *node.type;
     hash.number(key_version).text(type.name).number(static_cast<std::uint64_t>(type.version));
     // Whoever builds a plugin again may have forgotten to raise the version.
-    if (const auto plugin = pipeline_.plugins.find(type.name); plugin != pipeline_.plugins.end()) {
-        const auto content = files_.of(plugin->second);
-        hash.key(content ? content->key : Key{});
-    }
+    if (const auto content = plugin(n)) hash.key(*content);
     for (const auto& param : type.params) {
         if (!counts(param) || !among(fields, param.name)) continue;
         const bool grows = type.growth && type.growth->param == param.name;

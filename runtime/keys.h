@@ -37,6 +37,8 @@ public:
     std::vector<std::string> files(std::size_t node, std::size_t place) const;
     /// What is in them; nothing if one can't be read.
     Key contents(std::size_t node, std::size_t place);
+    /// What is in the plugin that a node's type comes from; nothing if it is built in.
+    std::optional<Key> plugin(std::size_t node) const;
 
 private:
     bool streams_in(std::size_t node) const;

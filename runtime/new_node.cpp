@@ -60,7 +60,7 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
     const auto family = wanted.name.substr(0, dot), name = wanted.name.substr(dot + 1), library = family + "_" + name;
     const fs::path folder = wanted.folder.empty() ? library : wanted.folder;
     std::error_code error;
-    if (fs::exists(folder, error) && !fs::is_empty(folder, error))
+    if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
         return complain(fmt::format("{} is there already, and nothing is overwritten; choose another --folder, or remove it", folder.string()),
                         exit_code::usage);
     fs::create_directories(folder, error);

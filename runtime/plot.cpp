@@ -26,7 +26,7 @@ double step_of(double range) {
 /// Where a plot's values stand in the picture.
 class Axes {
 public:
-    explicit Axes(const Plot& plot) {
+    explicit Axes(const LinePlot& plot) {
         double low = std::numeric_limits<double>::infinity(), high = -low;
         for (const auto& curve : plot.curves) {
             count_ = std::max(count_, curve.values.size());
@@ -89,7 +89,7 @@ std::string text(double x, double y, const char* anchor, const std::string& word
 
 std::string point(const Axes& axes, std::size_t n, double value) { return fmt::format("{:.1f},{:.1f}", axes.x(n), axes.y(value)); }
 
-std::string line(const Axes& axes, const Curve& curve) {
+std::string line(const Axes& axes, const PlotCurve& curve) {
     std::string path;
     bool drawing = false;
     for (std::size_t n = 0; n < curve.values.size(); ++n) {
@@ -119,7 +119,7 @@ std::string band(const Axes& axes, const std::vector<double>& upper, const std::
     return fmt::format(R"(<path class="band" d="{}"/>)", path);
 }
 
-std::string marks(const Axes& axes, const Curve& curve, const std::vector<std::string>& notes) {
+std::string marks(const Axes& axes, const PlotCurve& curve, const std::vector<std::string>& notes) {
     std::string out;
     for (std::size_t n = 0; n < curve.values.size(); ++n)
         if (std::isfinite(curve.values[n]))
@@ -130,7 +130,7 @@ std::string marks(const Axes& axes, const Curve& curve, const std::vector<std::s
 
 }  // namespace
 
-std::string to_svg(const Plot& plot) {
+std::string to_svg(const LinePlot& plot) {
     const Axes axes(plot);
     auto out = fmt::format("<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" font-size=\"{}\">\n", width, height, text_size);
     out += text(0, 14, "start", plot.title + axes.power()) + "\n";

@@ -4,14 +4,14 @@
 
 namespace fluidcarve {
 
-void Profile::add(const char* category, std::size_t node, std::optional<int> frame, Clock::time_point start) {
+void RunProfile::add(const char* category, std::size_t node, std::optional<int> frame, Clock::time_point start) {
     const auto end = Clock::now();
     const std::lock_guard lock(mutex_);
     const auto thread = threads_.try_emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1).first->second;
     events_.push_back({category, node, frame, start, end, thread});
 }
 
-std::string Profile::text() const {
+std::string RunProfile::text() const {
     using Json = nlohmann::ordered_json;
     const auto microseconds = [](Clock::duration time) { return std::chrono::duration<double, std::micro>(time).count(); };
     const std::lock_guard lock(mutex_);

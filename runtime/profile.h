@@ -14,18 +14,18 @@ namespace fluidcarve {
 
 /// When each node's body ran, on which thread, and what was loaded and kept: for viewers of Chrome's trace format. Safe from several
 /// threads.
-class Profile {
+class RunProfile {
 public:
     using Clock = std::chrono::steady_clock;
 
-    explicit Profile(const Pipeline& pipeline) : pipeline_(pipeline) {}
+    explicit RunProfile(const Pipeline& pipeline) : pipeline_(pipeline) {}
 
     /// Something that takes time: an event from now until its end.
     class Span {
     public:
         /// @param profile   null: nothing is recorded
         /// @param category  run, take, digest, finish: a body of a node; load, keep: of its kept results. Outlives the profile
-        Span(Profile* profile, const char* category, std::size_t node, std::optional<int> frame)
+        Span(RunProfile* profile, const char* category, std::size_t node, std::optional<int> frame)
             : profile_(profile), category_(category), node_(node), frame_(frame) {}
         ~Span() {
             if (profile_) profile_->add(category_, node_, frame_, start_);
@@ -34,7 +34,7 @@ public:
         Span& operator=(const Span&) = delete;
 
     private:
-        Profile* const profile_;
+        RunProfile* const profile_;
         const char* const category_;
         const std::size_t node_;
         const std::optional<int> frame_;

@@ -80,7 +80,7 @@ std::size_t Report::computed(std::size_t n) const {
     return shares_[n].only_takes ? stats.taken : 0;
 }
 
-Cost Report::cost(std::size_t n) const {
+NodeCost Report::cost(std::size_t n) const {
     const std::lock_guard lock(mutex_);
     const auto& stats = stats_[n];
     const auto mean = [](double sum, std::size_t count) { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };

@@ -28,7 +28,7 @@ struct Fault {
 std::string to_text(const Fault& fault);
 
 /// How long a node takes, as far as it was measured, and what its result holds.
-struct Cost {
+struct NodeCost {
     std::optional<double> frame_s;  ///< to compute one frame
     std::optional<double> take_s;   ///< of a gatherer: to take one from its inputs
     std::optional<double> once_s;   ///< to finish, or to run once
@@ -57,7 +57,7 @@ public:
 
     const std::string& name(std::size_t node) const { return pipeline_.nodes[node].name; }
     /// As far as this run measured it.
-    Cost cost(std::size_t node) const;
+    NodeCost cost(std::size_t node) const;
     /// How many frames of each node are done: there, or computed.
     std::vector<std::size_t> done() const;
 

@@ -81,7 +81,7 @@ int write_file(const char* what, const std::string& path, const std::string& tex
 }
 
 /// The report, the page and the profile, as far as they are asked for. @return the exit code
-int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const Profile& profile,
+int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
               std::filesystem::file_time_type start, int code) {
     if (!request.report_path.empty())
         code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
@@ -108,7 +108,7 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
 
 /// Runs, and plans anew where a kept result turns out to be gone. @return whether it was stopped before its end
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
-             Profile* profile, const std::function<bool()>& cancelled) {
+             RunProfile* profile, const std::function<bool()>& cancelled) {
     constexpr int most_attempts = 5;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
@@ -190,7 +190,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         }
     }
     Report report(pipeline);
-    Profile profile(pipeline);
+    RunProfile profile(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);

@@ -52,7 +52,8 @@ void check_ax(const AxParams& params, const std::string& output, NodeCheck& chec
     }
 }
 
-Ref<FloatGrid> AxProgram::run(const AxParams& params, const std::string& output, float least, const Named<AnyGrid>& inputs, const Context& context) const {
+Ref<FloatGrid> AxProgram::run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                              const Context& context) const {
     const auto& module = expressions();
     const auto place = [&](int line, int column) { return text_of(params.code.place(line, column)); };
     std::call_once(once_, [&] {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "graph/node_type.h"
 #include "nodes/expression/expression.h"
 #include "nodes/expression/script.h"
 #include "nodes/payloads.h"
@@ -9,8 +8,13 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace fluidcarve {
+
+class Context;
+class NodeCheck;
 
 /// What `energy.ax` and `field.ax` share: all but the name of what the program writes, and what it may be.
 struct AxParams {
@@ -27,7 +31,8 @@ class AxProgram {
 public:
     /// @param least  the smallest value that is allowed, or -infinity
     /// @throws Failure as `evaluated`
-    Ref<FloatGrid> run(const AxParams& params, const std::string& output, float least, const Named<AnyGrid>& inputs, const Context& context) const;
+    Ref<FloatGrid> run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+                       const Context& context) const;
 
 private:
     mutable std::once_flag once_;

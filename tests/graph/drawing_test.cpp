@@ -83,7 +83,7 @@ TEST_CASE("for a page each box has a class and a note of its own, and there is n
     const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), toys(), {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
     CHECK(well_formed(svg));
     for (const auto* part :
-         {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">", ">2 s<", ">a &lt; b<", ">n2<", "min-width:"})
+         {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">", ">2 s<", ">a &lt; b<", ">n2<", "style=\"--width:"})
         CHECK_THAT(svg, Catch::Contains(part));
     CHECK_THAT(svg, !Catch::Contains("for every frame") && !Catch::Contains("gathers all frames"));
 }

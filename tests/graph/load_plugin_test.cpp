@@ -97,6 +97,8 @@ TEST_CASE("a plugin's types are of a family of its own") {
     CHECK(fault_of("foreign_type") == "the plugin foreign_type.so adds the node type 'toy.grow', which is not of its own family 'acme'; call it 'acme.grow'");
     CHECK(fault_of("foreign_payload") ==
           "the plugin foreign_payload.so adds the payload type 'hair', which is not of its own family 'acme'; call it 'acme.hair'");
+    CHECK(fault_of("foreign_conversion") ==
+          "the plugin foreign_conversion.so makes 'number' a 'text' everywhere; it may only convert from and to types of its own family 'acme'");
 }
 
 TEST_CASE("types of one name in two plugins are told") {

@@ -19,8 +19,9 @@ const Registry& toys() {
 
 Pipeline pipeline_of(const Scratch& scratch) {
     Problems problems;
+    for (const std::string frame : {"1", "2", "3", "4"}) scratch.write("in.0" + frame, frame);
     const auto path = scratch.write("p.yaml",
-                                    "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.count, path: in.##}\n  square: {type: toy.square, number: count}\n"
+                                    "fluidcarve: 1\nframes: 1-4\nnodes:\n  count: {type: toy.load, path: in.##}\n  square: {type: toy.square, number: count}\n"
                                     "  best: {type: toy.top, number: square}\n  total: {type: toy.total, number: square}\n"
                                     "  out: {type: toy.save, number: total, text: best, path: " +
                                         (scratch / "out.txt") + "}\n");
@@ -44,15 +45,15 @@ std::map<std::string, int> events(const nlohmann::json& trace) {
 TEST_CASE("a span is an event with its thread, begin and length in microseconds") {
     const Scratch scratch;
     const auto pipeline = pipeline_of(scratch);
-    Profile profile(pipeline);
+    RunProfile profile(pipeline);
     {
-        const Profile::Span outer(&profile, "run", 1, 7);
-        const Profile::Span nothing(nullptr, "run", 1, 8);
+        const RunProfile::Span outer(&profile, "run", 1, 7);
+        const RunProfile::Span nothing(nullptr, "run", 1, 8);
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
-        const Profile::Span inner(&profile, "keep", 1, std::nullopt);
+        const RunProfile::Span inner(&profile, "keep", 1, std::nullopt);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    std::thread([&] { const Profile::Span other(&profile, "load", 0, 1); }).join();
+    std::thread([&] { const RunProfile::Span other(&profile, "load", 0, 1); }).join();
     const auto trace = nlohmann::json::parse(profile.text());
     std::map<std::string, nlohmann::json> by_category;
     std::set<int> named;

@@ -15,7 +15,7 @@ namespace ast = openvdb::ax::ast;
 namespace tokens = openvdb::ax::ast::tokens;
 using tokens::CoreType;
 
-constexpr int deepest = 200;            ///< levels of a syntax tree, which AX walks by recursion
+constexpr int deepest = 100;            ///< levels of a syntax tree, which AX walks by recursion
 constexpr double most_rounds = 10'000;  ///< of a program's loops, per voxel
 constexpr double furthest = 1e9;        ///< a counter, so that it never overflows
 
@@ -268,9 +268,10 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
                           : visit(target);
     if (target->nodetype() == Node::AttributeNode && as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
         fault(node, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
+    // Of `a /= b` the parser keeps the division.
     const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFTEQUALS || operation == tokens::SHIFTRIGHTEQUALS) fault(node, "bit shifts are not offered");
-    if (operation == tokens::DIVIDEEQUALS || operation == tokens::MODULOEQUALS) require_divisor(*node.rhs(), left, right);
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not offered");
+    if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
     return left;
 }
 
@@ -362,8 +363,8 @@ std::optional<double> ExpressionChecker::rounds(const ast::Loop& node) const {
     } else if (node.iteration()->nodetype() == Node::AssignExpressionNode) {
         const auto& assign = as<ast::AssignExpression>(*node.iteration());
         const auto by = whole_literal(assign.rhs());
-        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::PLUSEQUALS) step = static_cast<double>(*by);
-        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::MINUSEQUALS) step = -static_cast<double>(*by);
+        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::PLUS) step = static_cast<double>(*by);
+        if (is_local(assign.lhs(), counter) && by && assign.operation() == tokens::MINUS) step = -static_cast<double>(*by);
     }
     if (!first || !end || !step || *step == 0 || std::abs(*first) > furthest || std::abs(*end) > furthest || std::abs(*step) > furthest) return std::nullopt;
 

@@ -66,14 +66,15 @@ private:
                 break;
             case ast::Node::ExternalVariableNode:
                 return put(from, to, new ast::Local(constant_variable(static_cast<const ast::ExternalVariable&>(from).name())));
-            case ast::Node::CastNode: {
-                const auto& cast = static_cast<const ast::Cast&>(from);
-                casts_.push_back(cast.type());
-                auto* const value = cast.expression()->copy();
-                auto* const assignment = new ast::AssignExpression(new ast::Local(cast_variable(casts_.size() - 1)), value);
-                put(from, to, assignment);
-                return rewrite(*cast.expression(), *value);
-            }
+            case ast::Node::CastNode: return convert(from, to, *static_cast<const ast::Cast&>(from).expression(), static_cast<const ast::Cast&>(from).type());
+            case ast::Node::FunctionCallNode:
+                if (static_cast<const ast::FunctionCall&>(from).name() == "pow" && from.children() == 2) {
+                    locate(to, from);
+                    rewrite(*from.child(0), *const_cast<ast::Node*>(to.child(0)));
+                    const auto& exponent = static_cast<const ast::Expression&>(*from.child(1));
+                    return convert(exponent, *const_cast<ast::Node*>(to.child(1)), exponent, tokens::DOUBLE);
+                }
+                break;
             case ast::Node::DeclareLocalNode:
                 if (!static_cast<const ast::DeclareLocal&>(from).hasInit()) to.replacechild(1, new ast::Value<std::int32_t>(0));
                 break;
@@ -82,6 +83,14 @@ private:
         locate(to, from);
         for (std::size_t n = 0; n < from.children(); ++n)
             if (const auto* const child = from.child(n)) rewrite(*child, *const_cast<ast::Node*>(to.child(n)));
+    }
+
+    /// Puts an assignment of `value` to a variable of the type in place of `to`.
+    void convert(const ast::Node& from, ast::Node& to, const ast::Expression& value, tokens::CoreType type) {
+        casts_.push_back(type);
+        auto* const copy = value.copy();
+        put(from, to, new ast::AssignExpression(new ast::Local(cast_variable(casts_.size() - 1)), copy));
+        rewrite(value, *copy);
     }
 
     void put(const ast::Node& from, ast::Node& to, ast::Expression* made) {

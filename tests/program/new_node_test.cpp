@@ -1,0 +1,112 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Runs a command that must succeed.
+Called must(const std::string& command) {
+    auto out = call_shell(command);
+    INFO(command << "\n" << out.out << out.err);
+    REQUIRE(out.code == 0);
+    return out;
+}
+
+std::string without(std::string text, const std::string& part) {
+    for (std::size_t at; (at = text.find(part)) != std::string::npos;) text.erase(at, part.size());
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("what new-node writes builds against an installed fluidcarve, passes its test and runs") {
+    // A fixed place, so that the compiler's cache knows what was compiled there before.
+    const fs::path root = NEW_NODE_FOLDER;
+    fs::remove_all(root);
+    fs::create_directories(root);
+    const auto prefix = (root / "prefix").string();
+    must("cmake --install " BUILD_FOLDER " --prefix " + prefix);
+    const auto program = prefix + "/bin/fluidcarve ";
+
+    for (const std::string kind : {"energy", "solver"}) {
+        const auto name = kind == "energy" ? "sparkle" : "straight";
+        const auto library = std::string("acme_") + name;
+        const auto folder = (root / library).string();
+        must(program + "new-node acme." + name + (kind == "solver" ? " --solver" : "") + " --folder " + folder);
+        must("cmake -S " + folder + " -B " + folder + "/build -G Ninja " CACHE_OF_COMPILER " -DCMAKE_PREFIX_PATH=" + prefix);
+        must("cmake --build " + folder + "/build && ctest --test-dir " + folder + "/build");
+
+        const auto pipeline = folder + "/example.yaml --set volumes=" TEST_DATA "/plume/plume.####.vdb --set frames=51-52 --set out=" + folder +
+                              "/out.####.vdb --work " + folder + "/work ";
+        const auto refused = call_shell(program + "run --progress none " + pipeline);
+        CHECK(refused.code == 2);
+        CHECK(without(refused.err, folder + "/") ==
+              "example.yaml:3:11: the plugin build/" + library +
+                  ".so is not loaded: it is code that would run with your rights, and nobody allowed that; if you "
+                  "trust build/" +
+                  library +
+                  ".so, give --allow-plugins, or name a folder that holds it, and that only you may write to, in the environment variable "
+                  "FLUIDCARVE_PLUGINS\nplugins: [build/" +
+                  library + ".so]\n          ^\n");
+        CHECK(!fs::exists(folder + "/out.0051.vdb"));
+
+        must(program + "run --progress none --allow-plugins " + pipeline);
+        CHECK(fs::exists(folder + "/out.0051.vdb"));
+        CHECK(fs::exists(folder + "/out.0052.vdb"));
+        CHECK(must(program + "plan --allow-plugins " + pipeline).out.find("nothing to do: every result is there") != std::string::npos);
+
+        const auto file = folder + "/build/" + library + ".so";
+        CHECK(must(program + "nodes acme." + name + " --plugin " + file).out.starts_with(std::string("acme.") + name + "\n"));
+        CHECK(must(program + "schema --plugin " + file).out.find(std::string("\"acme.") + name + "\"") != std::string::npos);
+        std::ofstream(file, std::ios::app) << "as if built again";
+        CHECK(must(program + "plan --allow-plugins " + pipeline).out.find("its plugin was built again") != std::string::npos);
+    }
+    fs::remove_all(root);
+}
+
+TEST_CASE("new-node overwrites nothing, and refuses names that can't be") {
+    const Scratch scratch;
+    const auto called = [&](const std::string& arguments) { return without(fluidcarve_program("new-node " + arguments).err, scratch.path() + "/"); };
+    scratch.write("mine.txt", "");
+    CHECK(called("acme.sparkle --folder " + scratch.path()).find("is there already, and nothing is overwritten; choose another --folder, or remove it\n") !=
+          std::string::npos);
+    CHECK(called("acme.sparkle --folder " + (scratch / "mine.txt")) ==
+          "mine.txt is there already, and nothing is overwritten; choose another --folder, or remove it\n");
+    const auto folder = " --folder " + (scratch / "new");
+    CHECK(called("energy.sparkle" + folder) ==
+          "'energy.sparkle' can't name a new node type: the family 'energy' is a built-in one, of 'energy.ax'; use one of your own, such as acme.sparkle\n");
+    for (const std::string name : {"sparkle", "Acme.sparkle", "acme.", "acme.two.dots", "acme.a__b", "../acme.x", "acme.9"})
+        CHECK(called("'" + name + "'" + folder) ==
+              "'" + name + "' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in small letters, digits and single _\n");
+    CHECK(called("acme.plugin" + folder) == "'acme.plugin' can't name a new node type: its source would be plugin.cpp, which is another\n");
+    CHECK(!fs::exists(scratch / "new"));
+    CHECK(fluidcarve_program("new-node acme.sparkle" + folder).code == 0);
+}
+
+TEST_CASE("a pipeline whose plugin can't be used is refused where it names it") {
+    const Scratch scratch;
+    for (const std::string name : {"other_abi", "other_payloads", "no_header", "no_entry", "unresolved", "throws_half_way", "throws_number", "foreign_type"}) {
+        INFO(name);
+        const auto pipeline = scratch.write("p.yaml", "fluidcarve: 1\nplugins: [" PLUGINS "/" + name + ".so]\nnodes:\n  a: {type: acme.grow}\n");
+        for (const std::string verb : {"run", "check", "plan", "graph"}) {
+            const auto out = fluidcarve_program(verb + " --allow-plugins " + pipeline);
+            CHECK(out.code == 2);
+            CHECK(out.err.starts_with(pipeline + ":2:11: "));
+            CHECK(out.err.find(name + ".so ") != std::string::npos);
+        }
+    }
+    const auto good = scratch.write("p.yaml", "fluidcarve: 1\nplugins: [" PLUGINS "/whole.so]\nnodes:\n  a: {type: acme.grow}\n");
+    CHECK(fluidcarve_program("check --allow-plugins " + good).code == 0);
+    CHECK(call_shell("FLUIDCARVE_PLUGINS=" PLUGINS " " FLUIDCARVE_PROGRAM " run --progress none " + good).code == 0);
+}
+
+TEST_CASE("a plugin that the command line names and that is none is told") {
+    const auto out = fluidcarve_program("nodes --plugin README.md");
+    CHECK(out.code == 2);
+    CHECK(out.err.starts_with("the plugin README.md can't be opened: "));
+}
