@@ -9,18 +9,29 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <vector>
 
 namespace fluidcarve {
 namespace {
 
+/// Whether it is FAMILY.NAME, each of small letters, digits and single _ between them, a letter first.
+bool well_formed(const std::string& name) {
+    const auto dot = name.find('.');
+    if (dot == std::string::npos) return false;
+    const auto is_word = [](std::string_view word) {
+        const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
+        const auto fits = [&](char c) { return small(c) || (c >= '0' && c <= '9') || c == '_'; };
+        return !word.empty() && small(word.front()) && word.back() != '_' && std::all_of(word.begin(), word.end(), fits) &&
+               word.find("__") == std::string_view::npos;
+    };
+    return is_word(std::string_view(name).substr(0, dot)) && is_word(std::string_view(name).substr(dot + 1));
+}
+
 namespace fs = std::filesystem;
 
 /// What is wrong with a node type's name, or empty.
 std::string fault_of(const std::string& name, const Registry& registry) {
-    static const std::regex form("[a-z][a-z0-9]*(_[a-z0-9]+)*\\.[a-z][a-z0-9]*(_[a-z0-9]+)*");
-    if (!std::regex_match(name, form))
+    if (!well_formed(name))
         return fmt::format("'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in small letters, digits and single _", name);
     const auto dot = name.find('.');
     const auto family = name.substr(0, dot);
