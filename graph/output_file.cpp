@@ -5,16 +5,18 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -26,24 +28,24 @@ namespace fs = std::filesystem;
 std::mutex unfinished_mutex;
 std::set<std::string> unfinished;
 
-/// This machine's name, as part of a file's.
-const std::string& host() {
+std::map<std::string, std::uint64_t> committed;  ///< number of the file that was renamed to a path
+
+/// Where this process's number means this process: this start of this machine, or container.
+const std::string& realm() {
     static const std::string name = [] {
-        std::array<char, 256> out{};
-        gethostname(out.data(), out.size() - 1);
-        std::string text = out.data();
-        std::replace_if(
-            text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c); }, '-');
-        return text;
+        std::string boot;
+        std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+        std::error_code error;
+        return fmt::format("{:016x}", std::hash<std::string>()(boot + fs::read_symlink("/proc/self/ns/pid", error).string()));
     }();
     return name;
 }
 
-/// Removes what processes of this machine that were killed left aside in a folder; once per folder.
+/// Removes what processes that were killed left aside in a folder; once per folder, and only what is known to be theirs.
 void remove_orphans(const fs::path& folder) {
     static std::set<fs::path> seen;
     if (!seen.insert(folder).second) return;
-    const auto mark = "." + host() + ".";
+    const auto mark = "." + realm() + ".";
     std::error_code error;
     for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
         const auto name = each->path().filename().string();
@@ -71,7 +73,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     // its own.
     int file = -1;
     do {
-        aside_ = (folder / fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), host(), getpid(), serial++, target.extension().string())).string();
+        aside_ = (folder / fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), realm(), getpid(), serial++, target.extension().string())).string();
         file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (file < 0 && errno == EEXIST);
     if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));
@@ -89,9 +91,17 @@ OutputFile::~OutputFile() {
 void OutputFile::commit() {
     const std::lock_guard lock(unfinished_mutex);
     std::error_code error;
+    struct stat file {};
+    if (stat(aside_.c_str(), &file) == 0) committed[path_] = file.st_ino;
     std::filesystem::rename(aside_, path_, error);
     if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
     unfinished.erase(aside_);
+}
+
+std::uint64_t OutputFile::number_at(const std::string& path) {
+    const std::lock_guard lock(unfinished_mutex);
+    const auto found = committed.find(path);
+    return found == committed.end() ? 0 : found->second;
 }
 
 void OutputFile::remove_unfinished() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace fluidcarve {
@@ -20,6 +21,8 @@ public:
     /// Renames the written file to its path. Call it after verifying. @throws Failure
     void commit();
 
+    /// The number (inode) of the file that this process last renamed to a path; 0: none.
+    static std::uint64_t number_at(const std::string& path);
     /// Removes the files aside of all outputs not yet committed: the last act before a hard exit.
     static void remove_unfinished();
 

@@ -29,6 +29,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view magic{"fluidcarve 1\n\0\0\0", 16};
 constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
 constexpr std::size_t seal_size = 16;
+constexpr auto unasked = std::chrono::hours(24 * 30);
 constexpr auto forgotten = std::chrono::hours(24);  ///< a file aside so old belongs to nobody
 
 Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
@@ -129,11 +130,15 @@ struct File {
 
 }  // namespace
 
-Cache::Cache(const Registry& registry, std::string folder) : registry_(registry), folder_(folder.empty() ? folder : folder + "/cache") {}
+Cache::Cache(const Registry& registry, std::string folder) : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache") {}
 
 std::string Cache::path_of(const Key& key) const {
     const auto text = key.text();
     return fmt::format("{}/{}/{}", folder_, text.substr(0, 2), text.substr(2));
+}
+
+void Cache::touch(const Key& key) const {
+    if (on() && key) utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);
 }
 
 std::optional<Json> Cache::look(const Key& key) const {
@@ -192,7 +197,7 @@ std::optional<Cache::Entry> Cache::load(const Key& key) {
     } catch (const std::exception&) {
         return remove_damaged(key), std::nullopt;
     }
-    utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);
+    touch(key);
     return out;
 }
 
@@ -253,6 +258,10 @@ Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
         }
         out.left += file.size;
         files.push_back(file);
+    }
+    for (fs::recursive_directory_iterator each(work_folder_ + "/files", error), end; !error && each != end; each.increment(error)) {
+        std::error_code gone;
+        if (each->is_regular_file(gone) && now - each->last_write_time(gone) > unasked && !gone) fs::remove(each->path(), gone);
     }
     std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
     for (const auto& file : files) {

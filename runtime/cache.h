@@ -30,8 +30,11 @@ public:
     Cache(const Registry& registry, std::string folder);
 
     bool on() const { return !folder_.empty(); }
+    const Registry& registry() const { return registry_; }
     /// The header of a whole entry; a damaged one counts as none. What follows the header is not looked at.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
+    /// The entry was of use.
+    void touch(const Key& key) const;
     /// The entry, as `store` was given it; nothing if there is none, or if a byte of it is not as it was: then it is removed.
     std::optional<Entry> load(const Key& key);
     /// Whether there is an entry of which every byte is as it was; a damaged one is removed.
@@ -42,7 +45,8 @@ public:
     /// How many entries `load` found damaged.
     std::size_t damaged() const { return damaged_; }
 
-    /// Removes what was used longest ago until at most so many bytes are left, and what killed runs left half-written.
+    /// Removes what was used longest ago until at most so many bytes are left, what killed runs left half-written, and what is
+    /// remembered of files that nobody asked for in a month.
     struct Trimmed {
         std::size_t entries = 0;
         std::uint64_t bytes = 0, left = 0;
@@ -61,7 +65,7 @@ private:
     void remove_damaged(const Key& key);
 
     const Registry& registry_;
-    const std::string folder_;
+    const std::string work_folder_, folder_;
     mutable std::mutex mutex_;
     std::string fault_;
     std::atomic<std::size_t> damaged_{0};

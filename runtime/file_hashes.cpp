@@ -3,6 +3,7 @@
 #include "graph/output_file.h"
 #include "graph/problem.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <fcntl.h>
@@ -50,12 +51,21 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
     const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
     struct stat before {};
     if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode)) return std::nullopt;
-    const auto size = static_cast<std::uint64_t>(before.st_size);
-    const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp_of(before).text();
+    const auto stamp = stamp_of(before);
+    const Content found{{}, static_cast<std::uint64_t>(before.st_size), before.st_ino, stamp};
+    const auto with = [&](const Key& key) {
+        auto out = found;
+        out.key = key;
+        return out;
+    };
+    const auto remembered = folder_.empty() ? std::string() : fmt::format("{}/{}/{}", folder_, stamp.text().substr(0, 2), stamp.text().substr(2));
     if (!remembered.empty() && settled(before)) {
         std::string text, seal;
         std::ifstream(remembered) >> text >> seal;
-        if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) return Content{key, size};
+        if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) {
+            utimensat(AT_FDCWD, remembered.c_str(), nullptr, 0);
+            return with(key);
+        }
     }
 
     ContentHash hash;
@@ -78,7 +88,13 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
             // The file is read again next time.
         }
     }
-    return Content{key, size};
+    return with(key);
+}
+
+bool FileHashes::changed(const std::string& path) {
+    const auto content = of(path);
+    struct stat now {};
+    return content && (stat(path.c_str(), &now) != 0 || stamp_of(now) != content->stamp);
 }
 
 std::optional<FileHashes::Content> FileHashes::of(const std::string& path) {

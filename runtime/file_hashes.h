@@ -17,6 +17,8 @@ public:
     struct Content {
         Key key;
         std::uint64_t size = 0;
+        std::uint64_t number = 0;  ///< of the file (inode)
+        Key stamp;                 ///< of size, times and number
     };
 
     /// @param folder  where they are remembered; empty: nowhere
@@ -24,6 +26,8 @@ public:
 
     /// Nothing if the file can't be read. Read once; what happens to the file later does not matter to this object.
     std::optional<Content> of(const std::string& path);
+    /// Whether the file is no longer the one whose content is known; of one that could not be read nothing is known.
+    bool changed(const std::string& path);
     /// As the file is now.
     std::optional<Content> anew(const std::string& path);
     /// Looks at many files, several at once, so that `of` knows them.

@@ -71,6 +71,7 @@ struct Flow::Self {
         std::mutex mutex;
         Said said;
         std::optional<Key> grows;  ///< where a growing result is held
+        Clock::time_point next_hold{};
 
         bool cancelled() const override { return run.cancelled(); }
         void warn(const std::string& message) override {
@@ -88,9 +89,13 @@ struct Flow::Self {
         }
         void hold(const Payload& result) override {
             const std::lock_guard lock(mutex);
-            if (!grows) return;
+            const auto begin = Clock::now();
+            if (!grows || begin < next_hold) return;
             const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
             run.store.keep_grown(*grows, node, result, said, true);
+            // Holding must not take longer than what it saves.
+            constexpr int pauses = 10;
+            next_hold = Clock::now() + pauses * (Clock::now() - begin);
         }
     };
     struct Steps {
@@ -229,6 +234,11 @@ struct Flow::Self {
         else if (delivers) keep(n, 0, held[n], line.said);
     }
 
+    /// What was read is what keys speak of: else results would be kept under another's name.
+    void require_inputs(std::size_t n, std::size_t place) {
+        if (store.inputs_changed(n, place)) throw Failure("its file changed while the run was on; run again", Failure::Kind::input);
+    }
+
     void once(std::size_t n) {
         const auto& node = pipeline.nodes[n];
         const auto& behaviour = behaviours[n];
@@ -242,6 +252,7 @@ struct Flow::Self {
             if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports.get(), where), where);
             if (behaviour.finish) end_gathering(n, ports.get(), where, line);
             if (behaviour.run) behaviour.run(ports.get(), where);
+            require_inputs(n, 0);
             held[n] = collect(n, ports.get());
         });
         report.finished(n, since(line.start), bytes(held[n]));
@@ -259,7 +270,7 @@ struct Flow::Self {
         } else if (frame.actions[n] == Action::run) {
             const auto& node = pipeline.nodes[n];
             const auto wants = [&](std::string_view output) {
-                if (node.kept) return true;
+                if (node.kept && options.cache) return true;
                 for (const auto reader : wiring.readers[n]) {
                     if (frame.actions[reader] != Action::run) continue;
                     for (const auto& links : pipeline.nodes[reader].inputs)
@@ -275,6 +286,7 @@ struct Flow::Self {
                 auto where = context(line);
                 where.at(frame.place).wanting(wants);
                 behaviours[n].run(ports.get(), where);
+                require_inputs(n, frame.place);
                 frame.outputs[n] = collect(n, ports.get());
             });
             report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
@@ -307,7 +319,7 @@ struct Flow::Self {
                 where.at(frame.place);
                 frame.outputs[n] = {behaviours[n].digest(ports.get(), where)};
             });
-            report.took(n, since(line.start), bytes(frame.outputs[n]));
+            report.took(n, frame.place, since(line.start), bytes(frame.outputs[n]));
             progress.done(*steps[n].add, since(line.start), frames[frame.place]);
             if (!frame.failed[n]) {
                 const bool stores = options.cache && pipeline.nodes[n].digests_kept;
@@ -332,7 +344,7 @@ struct Flow::Self {
                        behaviours[n].add(ports.get(), where);
                    }));
             if (!behaviours[n].digest) {
-                report.took(n, since(line.start), 0);
+                report.took(n, frame.place, since(line.start), 0);
                 progress.done(*steps[n].add, since(line.start), frames[frame.place]);
             }
         }

@@ -53,7 +53,7 @@ Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const S
     out.frames = FrameSet(prepared.frames());
     out.delivered = FrameSet(prepared.delivered_frames());
     out.streams = streams(pipeline, plan, schedule);
-    const auto why = reasons(pipeline, shares, history, keys, prepared.frames());
+    const auto why = reasons(pipeline, shares, history, keys, prepared.frames(), [&](std::size_t n) { return prepared.reads(n); });
     std::uint64_t input_bytes = 0;
     for (const auto& [node, bytes] : prepared.input_bytes()) input_bytes = std::max(input_bytes, bytes);
     double work = 0;

@@ -54,6 +54,21 @@ std::vector<std::string> differences(const json& was, const json& now) {
     return out;
 }
 
+/// Whether it is what `made_of` makes: the file may hold anything.
+bool well_formed(const json& node) {
+    if (!node.is_object() || !node.contains("type") || !node["type"].is_string() || !node.contains("version") || !node["version"].is_number()) return false;
+    for (const auto* const part : {"params", "inputs", "files"}) {
+        if (!node.contains(part) || !node[part].is_object()) return false;
+        for (const auto& [name, value] : node[part].items())
+            if (!value.is_string() || (std::string_view(part) == "files" && name.find_first_not_of("-0123456789") != std::string::npos)) return false;
+    }
+    if (!node.contains("cost")) return true;
+    if (!node["cost"].is_object()) return false;
+    for (const auto& [name, value] : node["cost"].items())
+        if (!value.is_number()) return false;
+    return true;
+}
+
 }  // namespace
 
 History::History(const std::string& folder, const std::string& pipeline) {
@@ -68,10 +83,10 @@ History::History(const std::string& folder, const std::string& pipeline) {
 const json& History::of(const std::string& node) const {
     static const json nothing;
     const auto found = nodes_.find(node);
-    return found == nodes_.end() || !found->is_object() || !found->contains("type") ? nothing : *found;
+    return found == nodes_.end() || !well_formed(*found) ? nothing : *found;
 }
 
-json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const std::vector<int>& frames) {
+json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const std::vector<int>& frames, const std::vector<bool>& reads) {
     const auto& node = pipeline.nodes[n];
     json out{{"type", node.type->name}, {"version", node.type->version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
     if (const auto plugin = keys.plugin(n)) out["plugin"] = plugin->text();
@@ -84,6 +99,7 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const
     }
     for (std::size_t place = 0; place < frames.size(); ++place) {
         if (keys.files(n, place).empty()) break;
+        if (!reads[place]) continue;
         out["files"][std::to_string(frames[place])] = keys.contents(n, place).text();
         if (node.rate != Rate::frame) break;
     }
@@ -91,7 +107,11 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const
 }
 
 void History::set(const std::string& node, json made_of) {
-    if (nodes_.contains(node) && nodes_[node].contains("cost")) made_of["cost"] = nodes_[node]["cost"];
+    if (const auto& was = of(node); !was.is_null()) {
+        if (was.contains("cost")) made_of["cost"] = was["cost"];
+        for (const auto& [frame, content] : was.at("files").items())
+            if (!made_of["files"].contains(frame)) made_of["files"][frame] = content;
+    }
     nodes_[node] = std::move(made_of);
 }
 
@@ -105,8 +125,9 @@ void History::set_cost(const std::string& node, const NodeCost& cost, std::uint6
 }
 
 std::optional<NodeCost> History::cost(const std::string& node, std::uint64_t input_bytes) const {
-    if (!nodes_.contains(node) || !nodes_[node].contains("cost") || !nodes_[node]["cost"].is_object()) return std::nullopt;
-    const auto& known = nodes_[node]["cost"];
+    const auto& made = of(node);
+    if (made.is_null() || !made.contains("cost")) return std::nullopt;
+    const auto& known = made["cost"];
     const auto then = known.value("input_bytes", std::uint64_t{0});
     const double scale = then > 0 && input_bytes > 0 ? static_cast<double>(input_bytes) / static_cast<double>(then) : 1;
     const auto seconds = [&](const char* name) { return known.contains(name) ? std::optional(scale * known[name].get<double>()) : std::nullopt; };
@@ -126,16 +147,17 @@ void History::save() const {
     }
 }
 
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys,
-                                 const std::vector<int>& frames) {
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys, const std::vector<int>& frames,
+                                 const std::function<std::vector<bool>(std::size_t node)>& reads) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
     std::vector<std::set<std::size_t>> roots(count);  ///< nodes upstream that are not what they were
     std::vector<bool> fresh(count, false);
     for (std::size_t n = 0; n < count; ++n) {
+        if (shares[n].frames == 0) continue;
         const auto& was = history.of(pipeline.nodes[n].name);
         fresh[n] = was.is_null();
-        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, keys, frames));
+        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, keys, frames, reads(n)));
         for (const auto& links : pipeline.nodes[n].inputs)
             for (const auto& link : links) {
                 roots[n].insert(roots[link.node].begin(), roots[link.node].end());

@@ -22,9 +22,10 @@ public:
     /// What is known of a node: {"type", "version", "params", "inputs", "files", "cost"}; null if nothing.
     const nlohmann::json& of(const std::string& node) const;
     /// @return what the node is made of now, as `of` gives it later
-    static nlohmann::json made_of(const Pipeline& pipeline, std::size_t node, Keys& keys, const std::vector<int>& frames);
+    /// @param reads  per place: whether the run looks at the node's files there
+    static nlohmann::json made_of(const Pipeline& pipeline, std::size_t node, Keys& keys, const std::vector<int>& frames, const std::vector<bool>& reads);
 
-    /// Sets a node's part; its cost stays.
+    /// Sets a node's part; its cost stays, and what is known of files that were not looked at.
     void set(const std::string& node, nlohmann::json made_of);
     void set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes);
     /// A node's cost, as far as it was measured, for inputs of this size. @param input_bytes  0: of unknown size
@@ -38,7 +39,7 @@ private:
 };
 
 /// Why each node runs, for people; empty for those that do not.
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys,
-                                 const std::vector<int>& frames);
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys, const std::vector<int>& frames,
+                                 const std::function<std::vector<bool>(std::size_t node)>& reads);
 
 }  // namespace fluidcarve

@@ -133,7 +133,8 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     }
     ContentHash hash;
     describe(hash.text("result"), n, nullptr);
-    if (node.rate == Rate::frame) hash.number(static_cast<std::uint64_t>(frames_[place]));
+    // A body that runs once is told the sequence's first frame.
+    hash.number(static_cast<std::uint64_t>(frames_.at(place)));
     if (streams_in(n)) hash.key(gathered(n));
     else if (node.gathers)
         for (const auto frame : frames_) hash.number(static_cast<std::uint64_t>(frame));

@@ -72,7 +72,7 @@ public:
             if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) once(n);
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) deliver(pass);
         // Now that all is known that has to run: what an earlier pass keeps, later ones load.
-        earlier_kept_ = known_.keeps;
+        earlier_kept_ = true;
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
             for (auto& actions : out_.frames[pass]) std::fill(actions.begin(), actions.end(), Action::none);
             for (const auto n : plan_.passes[pass].gatherers)
@@ -112,7 +112,7 @@ private:
     }
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
-        if (!earlier_kept_ || !pipeline_.nodes[n].kept) return false;
+        if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
         // Where a node gathers, its action is about what it takes.
         const std::size_t first = streams_in(pipeline_.nodes[n]) ? plan_.gathered_in[n] + 1 : 0;
         for (auto earlier = first; earlier < pass; ++earlier)

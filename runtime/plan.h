@@ -50,7 +50,7 @@ struct Known {
     std::function<bool(std::size_t node, std::size_t place)> result;  ///< for any other than per-frame nodes the place is 0
     std::function<bool(std::size_t node, std::size_t place)> taken;   ///< a gatherer's digest of a frame
     std::function<bool(std::size_t node, std::size_t place)> wants;   ///< whether a gatherer takes the frame
-    bool keeps = true;                                                ///< what a pass computes of kept results, later ones find
+    std::function<bool(std::size_t node, std::size_t place)> keeps;   ///< what a pass computes of a kept result, later ones find
 };
 
 /// What a run does: each node, each frame, before it starts.

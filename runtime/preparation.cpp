@@ -36,8 +36,10 @@ private:
 };
 
 /// Names of a node's outputs that the nodes of a run read.
-std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node) {
+std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node, bool cache) {
     std::set<std::string, std::less<>> out;
+    if (cache && pipeline.nodes[node].kept)
+        for (const auto& output : pipeline.nodes[node].outputs) out.insert(output.name);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
         for (const auto& links : pipeline.nodes[n].inputs)
             for (const auto& link : links)
@@ -55,7 +57,7 @@ struct Inputs {
 /// @param needed       as flags: the nodes that run
 /// @param in_sequence  as flags: those that run for every frame of the sequence, not only for the delivered ones
 Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver,
-              Report& report) {
+              bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
@@ -63,7 +65,7 @@ Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const s
         if (!needed[n] || !node.type->survey) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const std::optional<FrameSet> read = node.rate == Rate::fixed || in_sequence[n] ? std::nullopt : deliver;
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, needed, n));
+        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, needed, n, cache));
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -80,6 +82,14 @@ Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const s
     }
     for (const auto frame : pipeline.frames.frames())
         if (!left_out.contains(frame)) out.frames.push_back(frame);
+    // Where frames are left out, others may stand in than in the whole sequence.
+    for (auto& [n, stand_ins] : out.stand_ins) {
+        if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
+        const std::optional<FrameSet> none = FrameSet();
+        SurveyOf again(out.frames, none, {});
+        pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
+        stand_ins = again.stand_ins;
+    }
     return out;
 }
 
@@ -104,8 +114,8 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       files_(folder_of(options, "/files")),
       keys_(pipeline, frames_, stand_ins_, files_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, frames_, keys_, cache_, files_) {
-    const auto every = in_sequence(pipeline, plan_);
-    auto inputs = survey(pipeline, plan_.needed, every, deliver, report);
+    every_ = in_sequence(pipeline, plan_);
+    auto inputs = survey(pipeline, plan_.needed, every_, deliver, options.cache, report);
     frames_ = std::move(inputs.frames);
     missing_ = std::move(inputs.missing);
     stand_ins_ = std::move(inputs.stand_ins);
@@ -117,11 +127,17 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
     std::vector<std::string> paths;
     for (std::size_t n = 0; n < pipeline.nodes.size() && cache_.on(); ++n)
         for (std::size_t place = 0; plan_.needed[n] && place < frames_.size(); ++place) {
-            if (!every[n] && !delivered_[place]) continue;
+            if (!every_[n] && !delivered_[place]) continue;
             for (auto& path : keys_.files(n, place)) paths.push_back(std::move(path));
             if (pipeline.nodes[n].rate != Rate::frame) break;
         }
     files_.prepare(paths);
+}
+
+std::vector<bool> Preparation::reads(std::size_t n) const {
+    if (!plan_.needed[n]) return std::vector<bool>(frames_.size(), false);
+    if (every_[n] || pipeline_.nodes[n].rate != Rate::frame) return std::vector<bool>(frames_.size(), true);
+    return delivered_;
 }
 
 bool Preparation::wants(std::size_t n, std::size_t place) const {
@@ -153,13 +169,14 @@ Schedule Preparation::schedule(bool careful) {
                       [&](std::size_t n, std::size_t place) {
                           return once(digests, n, place, [&] { return careful ? store_.knows_whole_digest(n, place) : store_.knows_digest(n, place); });
                       },
-                      [this](std::size_t n, std::size_t place) { return wants(n, place); }, !careful && cache_.on()};
+                      [this](std::size_t n, std::size_t place) { return wants(n, place); },
+                      [&](std::size_t n, std::size_t place) { return !careful && cache_.on() && static_cast<bool>(keys_.kept(n, place)); }};
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 
 Schedule Preparation::whole_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
-    return make_schedule(pipeline_, plan_, delivered_, {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); }, false});
+    return make_schedule(pipeline_, plan_, delivered_, {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); }, nothing});
 }
 
 void Preparation::repeat_said(const Schedule& schedule, Report& report) {

@@ -25,6 +25,8 @@ public:
     const std::vector<bool>& delivered() const { return delivered_; }  ///< per place
     std::vector<int> delivered_frames() const;
     const std::vector<Fault>& missing() const { return missing_; }  ///< inputs that are not there, or unreadable
+    /// Per place: whether the run looks at the node's files there.
+    std::vector<bool> reads(std::size_t node) const;
     /// Per reader: memory of the largest frame, by what its file says.
     const std::map<std::size_t, std::uint64_t>& input_bytes() const { return input_bytes_; }
     Cache& cache() { return cache_; }
@@ -50,6 +52,7 @@ private:
     std::vector<Fault> missing_;
     std::map<std::size_t, std::map<int, int>> stand_ins_;
     std::map<std::size_t, std::uint64_t> input_bytes_;
+    std::vector<bool> every_;                                 ///< as flags: the nodes that run for every frame of the sequence
     std::vector<std::function<bool(const Context&)>> wants_;  ///< per node; empty: all
     Cache cache_;
     FileHashes files_;

@@ -52,10 +52,10 @@ void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint6
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
-void Report::took(std::size_t node, double seconds, std::uint64_t bytes) {
+void Report::took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
-    ++stats.taken;
+    stats.taken.insert(place);
     stats.take_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
@@ -77,14 +77,14 @@ std::size_t Report::computed(std::size_t n) const {
     const auto& stats = stats_[n];
     if (!stats.places.empty()) return stats.places.size();
     if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return shares_[n].frames;
-    return shares_[n].only_takes ? stats.taken : 0;
+    return shares_[n].only_takes ? stats.taken.size() : 0;
 }
 
 NodeCost Report::cost(std::size_t n) const {
     const std::lock_guard lock(mutex_);
     const auto& stats = stats_[n];
     const auto mean = [](double sum, std::size_t count) { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
-    return {mean(stats.frame_s, stats.runs), mean(stats.take_s, stats.taken), mean(stats.once_s, stats.finished ? 1 : 0), stats.most_bytes};
+    return {mean(stats.frame_s, stats.runs), mean(stats.take_s, stats.taken.size()), mean(stats.once_s, stats.finished ? 1 : 0), stats.most_bytes};
 }
 
 std::vector<std::size_t> Report::done() const {
@@ -150,14 +150,14 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
         const auto& stats = stats_[n];
         const auto& share = shares_[n];
         const auto cached = share.frames - std::max(share.runs, std::min(computed(n), share.frames));
-        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken == 0)) continue;
+        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken.empty())) continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
         node = {{"type", pipeline_.nodes[n].type->name},
                 {"frames", cached + computed(n)},
                 {"cached", cached},
                 {"wall_s", stats.seconds()},
                 {"bytes", stats.most_bytes}};
-        if (stats.taken + share.taken_kept > 0) node["taken"] = {{"frames", stats.taken + share.taken_kept}, {"cached", share.taken_kept}};
+        if (stats.taken.size() + share.taken_kept > 0) node["taken"] = {{"frames", stats.taken.size() + share.taken_kept}, {"cached", share.taken_kept}};
     }
     for (const auto& [section, nodes] : entries_)
         for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);

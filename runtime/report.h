@@ -45,7 +45,7 @@ public:
     /// A node computed the result of one frame. @param bytes  held by it
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gatherer took one frame from its inputs.
-    void took(std::size_t node, double seconds, std::uint64_t bytes);
+    void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A node that runs once, or a gatherer, is done.
     void finished(std::size_t node, double seconds, std::uint64_t bytes);
     /// A result came from the work folder.
@@ -69,7 +69,7 @@ public:
 private:
     struct Stats {
         std::set<std::size_t> places;  ///< of the frames computed
-        std::size_t taken = 0;
+        std::set<std::size_t> taken;   ///< places of the frames that it took from its inputs
         bool finished = false;
         double frame_s = 0, take_s = 0, once_s = 0;  ///< sums
         std::size_t runs = 0;

@@ -109,7 +109,7 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
 /// Runs, and plans anew where a kept result turns out to be gone. @return whether it was stopped before its end
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
              RunProfile* profile, const std::function<bool()>& cancelled) {
-    constexpr int most_attempts = 5;
+    constexpr int most_attempts = 4;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
     for (int attempt = 1;; ++attempt) {
@@ -132,7 +132,8 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
                  Failure::Kind::data});
             return true;
         }
-        schedule = prepared.careful_schedule();
+        // The last one counts on nothing that others may take away.
+        schedule = attempt + 1 == most_attempts ? prepared.whole_schedule() : prepared.careful_schedule();
     }
 }
 
@@ -144,8 +145,9 @@ std::uint64_t input_bytes(const Preparation& prepared) {
 
 /// So that a later plan can say what changed.
 void remember(const Pipeline& pipeline, Preparation& prepared, const std::vector<Share>& shares, History& history) {
+    if (!history.on()) return;
     for (std::size_t n = 0; n < shares.size(); ++n)
-        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.keys(), prepared.frames()));
+        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.keys(), prepared.frames(), prepared.reads(n)));
     history.save();
 }
 
@@ -209,7 +211,10 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     const auto delivered = prepared.delivered_frames();
     bool stopped = true;
     if (report.faults().empty()) {
-        const auto schedule = prepared.schedule();
+        auto schedule = prepared.schedule();
+        prepared.repeat_said(schedule, report);
+        // Something that was said could not be read to its end: then what goes with it is to be made anew.
+        if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
         const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
         if (request.wish.only)
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
@@ -219,7 +224,6 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         if (report.faults().empty() && !request.options.keep_going)
             try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
         report.expect(to_do);
-        prepared.repeat_said(schedule, report);
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
             StatusFile status(request.options.cache ? request.options.work_folder : std::string(), outlook, report);

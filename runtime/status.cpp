@@ -39,6 +39,19 @@ std::string state_of(const Json& run) {
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
+/// Whether it is what StatusFile writes: the file may hold anything.
+bool well_formed(const Json& run) {
+    const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
+    if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) || !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
+        !is(run, "host", &Json::is_string) || !is(run, "pipeline", &Json::is_string) || !is(run, "nodes", &Json::is_object))
+        return false;
+    for (const auto& [name, node] : run["nodes"].items())
+        if (!node.is_object() || !is(node, "type", &Json::is_string) || !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
+            (node.contains("why") && !node["why"].is_string()))
+            return false;
+    return true;
+}
+
 struct Run {
     fs::path file;
     Json about;
@@ -52,7 +65,7 @@ std::vector<Run> runs_in(const std::string& folder) {
         if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
         std::ifstream in(each->path());
         auto about = Json::parse(in, nullptr, false);
-        if (about.is_object() && about.contains("nodes")) out.push_back({each->path(), std::move(about)});
+        if (well_formed(about)) out.push_back({each->path(), std::move(about)});
     }
     std::stable_sort(out.begin(), out.end(), [](const Run& a, const Run& b) { return a.about.value("started", 0.0) > b.about.value("started", 0.0); });
     return out;

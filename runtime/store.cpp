@@ -1,5 +1,7 @@
 #include "runtime/store.h"
 
+#include "graph/output_file.h"
+
 #include <algorithm>
 
 namespace fluidcarve {
@@ -71,7 +73,9 @@ bool Store::knows(std::size_t n, std::size_t place) {
     if (!node.outputs.empty()) {
         if (!header->contains("outputs")) return false;
         const auto extent = extent_in(*header);
-        return !node.type->growth || (extent && extent->count >= wished_for(node, *extent));
+        const bool enough = !node.type->growth || (extent && extent->count >= wished_for(node, *extent));
+        if (enough) cache_.touch(key(n, place));
+        return enough;
     }
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
@@ -80,12 +84,16 @@ bool Store::knows(std::size_t n, std::size_t place) {
         now.push_back(content->key.text());
     }
     const auto were = header->value("files", Json::array());
-    return !now.empty() && std::find(were.begin(), were.end(), now) != were.end();
+    const bool current = !now.empty() && std::find(were.begin(), were.end(), now) != were.end();
+    if (current) cache_.touch(key(n, place));
+    return current;
 }
 
 bool Store::knows_digest(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
-    return node.digests_kept && node.type->digest != typeid(void) && cache_.look(keys_.taken(n, place)).has_value();
+    const bool there = node.digests_kept && node.type->digest != typeid(void) && cache_.look(keys_.taken(n, place));
+    if (there) cache_.touch(keys_.taken(n, place));
+    return there;
 }
 
 std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
@@ -115,6 +123,12 @@ Said Store::said(std::size_t n, std::size_t place) {
 Said Store::said_of_digest(std::size_t n, std::size_t place) const {
     const auto header = cache_.look(keys_.taken(n, place));
     return header ? said_in(*header) : Said{};
+}
+
+bool Store::inputs_changed(std::size_t n, std::size_t place) {
+    if (!cache_.on()) return false;
+    const auto files = keys_.files(n, place);
+    return std::any_of(files.begin(), files.end(), [&](const std::string& path) { return files_.changed(path); });
 }
 
 std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {
@@ -155,7 +169,8 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
         const auto content = files_.anew(path);
-        if (!content) return;
+        // Another process may have written there since.
+        if (!content || content->number != OutputFile::number_at(path)) return;
         now.push_back(content->key.text());
     }
     auto header = to_json(said);
@@ -174,11 +189,15 @@ void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
 void Store::keep_grown(const Key& key, std::size_t n, const Payload& result, const Said& said, bool part) {
     if (!cache_.on() || !result) return;
     const auto extent = pipeline_.nodes[n].type->growth->extent(result);
+    // Of pairs, all of one window come first: then there is more in a part of as many seams.
+    const auto bytes = cache_.registry().payload(result.type()).bytes(result);
     if (const auto there = cache_.look(key)) {
         const auto known = extent_in(*there);
-        if (known && (known->count > extent.count || (known->count == extent.count && (part || !there->contains("part"))))) return;
+        const bool ends_part = !part && there->contains("part");
+        if (known && (known->count > extent.count || (known->count == extent.count && !ends_part && there->value("size", bytes) >= bytes))) return;
     }
     auto header = to_json(said);
+    header["size"] = bytes;
     header["extent"] = {{"count", extent.count}, {"of", extent.of}};
     if (part) header["part"] = true;
     cache_.store(key, std::move(header), {result});

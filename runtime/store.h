@@ -39,6 +39,9 @@ public:
     Said said(std::size_t node, std::size_t place);
     Said said_of_digest(std::size_t node, std::size_t place) const;
 
+    /// Whether a file that a node reads is not the one that keys were made of.
+    bool inputs_changed(std::size_t node, std::size_t place);
+
     /// Kept outputs; nothing if they are gone or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
     std::optional<Payload> digest(std::size_t node, std::size_t place);

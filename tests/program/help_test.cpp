@@ -57,7 +57,7 @@ TEST_CASE("bash completes verbs, options, choices and node types") {
     CHECK(complete("fluidcarve run --to", 2) == "--to\n");
     CHECK(complete("fluidcarve graph --format s", 3) == "svg\n");
     CHECK(complete("fluidcarve nodes seam.p", 2) == "seam.pyramid\n");
-    CHECK(complete("fluidcarve run pipelines/bonf", 2) == "pipelines/bonfire.yaml\n");
+    CHECK(complete("fluidcarve run pipelines/plume_w", 2) == "pipelines/plume_wide.yaml\n");
     CHECK(fluidcarve_program("completion zsh").out.starts_with("#compdef fluidcarve\n"));
     CHECK(fluidcarve_program("completion fish").code == 2);
 }

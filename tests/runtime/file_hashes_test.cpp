@@ -27,7 +27,7 @@ Key key_of(const std::string& file, const std::string& folder = {}) {
 std::size_t remembered(const std::string& folder) {
     std::size_t out = 0;
     if (fs::exists(folder))
-        for (const auto& each : fs::directory_iterator(folder)) out += each.is_regular_file() ? 1 : 0;
+        for (const auto& each : fs::recursive_directory_iterator(folder)) out += each.is_regular_file() ? 1 : 0;
     return out;
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/forecast.h"
 #include "runtime/run.h"
+#include "runtime/status.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -316,4 +317,52 @@ TEST_CASE("estimates come from earlier runs") {
     shot.run();
     CHECK(shot.plan["unmeasured"].empty());
     CHECK(shot.plan["seconds"].get<double>() > 0.09);
+}
+
+TEST_CASE("a file that changes while the run is on is told, and nothing that was made of it is kept") {
+    Shot shot;
+    shot.request.options.threads = 1;
+    shot.request.options.in_flight = 1;
+    bool changed = false;
+    shot.run([&] {
+        if (!changed) shot.set(4, 9);
+        changed = true;
+        return false;
+    });
+    CHECK(shot.code == exit_code::input);
+    REQUIRE(shot.report["failures"].size() == 1);
+    CHECK(shot.report["failures"][0]["node"] == "load");
+    CHECK(shot.report["failures"][0]["frame"] == 4);
+    CHECK(shot.report["failures"][0]["message"] == "its file changed while the run was on; run again");
+    shot.set(4, 4);
+    shot.run();
+    CHECK(shot.text(3) == "9 25 16 ");
+}
+
+TEST_CASE("what is remembered of former runs may be anything") {
+    Shot shot;
+    shot.run();
+    const std::string files[] = {shot.folder + "/work/history/p.json", shot.folder + "/work/runs/odd.json"};
+    for (const auto* const text :
+         {"", "[1]", R"({"square": 3})", R"({"square": {"type": "toy.square", "params": {"times": 1}}, "nodes": {"a": 3}, "pid": "x"})",
+          R"({"square": {"type": "toy.square", "version": 1, "params": {}, "inputs": {}, "files": {"x": "y"}}})",
+          R"({"nodes": {}, "pid": 1.5, "started": "now"})"}) {
+        INFO(text);
+        for (const auto& file : files) std::ofstream(file) << text;
+        fs::remove_all(shot.folder + "/out");
+        CHECK(shot.run() == saves);
+        CHECK(show_status(shot.folder + "/work", true) == 0);
+    }
+}
+
+TEST_CASE("a chunk looks at no file but those of its frames") {
+    Shot shot;
+    std::string fault;
+    shot.replace("  top: {type: toy.top, number: square, count: 2}\n", "");
+    shot.replace(", text: top", "");
+    shot.request.deliver = FrameSet::parse("2", fault);
+    shot.run();
+    const auto history = nlohmann::json::parse(Scratch::read(shot.folder + "/work/history/p.json"));
+    CHECK(history["load"]["files"].size() == 1);
+    CHECK(history["load"]["files"].contains("2"));
 }
