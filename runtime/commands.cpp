@@ -10,6 +10,7 @@
 #include "runtime/run.h"
 #include "runtime/shell.h"
 #include "runtime/status.h"
+#include "runtime/terminal.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -164,8 +165,7 @@ struct RunArguments {
             const auto [other, fresh] = own.emplace(std::filesystem::weakly_canonical(std::filesystem::absolute(path)), option);
             if (!fresh) return wrong(fmt::format("{} and {} name the same file: {}", other->second, option, path));
         }
-        const char* const no_color = std::getenv("NO_COLOR");
-        const bool terminal = isatty(STDERR_FILENO) != 0 && (!no_color || *no_color == '\0');
+        const bool terminal = coloured_terminal();
         request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
                            : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
                                                                                    : ProgressStyle::json;

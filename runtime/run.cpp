@@ -5,6 +5,7 @@
 #include "runtime/html_report.h"
 #include "runtime/preparation.h"
 #include "runtime/status.h"
+#include "runtime/terminal.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -19,9 +20,6 @@
 
 namespace fluidcarve {
 namespace {
-
-/// fmt's own print throws where stderr is a file on a full disk.
-void tell(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 
 /// Where a writer's first file can't be written, no other likely can: told before hours are spent.
 void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame, Report& report) {

@@ -84,3 +84,13 @@ TEST_CASE("a work folder tells of its runs, and is cleaned") {
     CHECK_FALSE(std::filesystem::exists(scratch / "work"));
     CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": nothing to clean\n");
 }
+
+TEST_CASE("colours are for terminals that want them") {
+    const Scratch scratch;
+    const auto run = "run " + scratch.write("p.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.read, path: none.vdb}\n");
+    const auto in_terminal = [&](const std::string& before) { return call_shell(before + " script -qec '" FLUIDCARVE_PROGRAM " " + run + "' /dev/null").out; };
+    const std::string red = "\033[1;31mfailed:\033[0m";
+    CHECK_THAT(in_terminal("NO_COLOR="), Catch::Contains(red));
+    CHECK_THAT(in_terminal("NO_COLOR=1"), !Catch::Contains("\033[1;31m"));
+    CHECK_THAT(fluidcarve_program(run).err, Catch::StartsWith("failed: sim"));
+}

@@ -23,5 +23,8 @@ TEST_CASE("the algorithms of nodes/ know nothing of the graph but failures and f
 }
 
 TEST_CASE("no two wings give two types one name, which a linker would take for the same") {
-    CHECK(call_shell(R"(grep -hoE '^(struct|class|enum class) +[A-Za-z_]+ *(:.*)?\{' --include=*.h -r graph runtime nodes | awk '{print $(/^enum/ ? 3 : 2)}' | tr -d ':{' | sort | uniq -d)").out == "");
+    CHECK(
+        call_shell(
+            R"(grep -hoE '^(struct|class|enum class) +[A-Za-z_]+ *(:.*)?\{' --include=*.h -r graph runtime nodes | awk '{print $(/^enum/ ? 3 : 2)}' | tr -d ':{' | sort | uniq -d)")
+            .out == "");
 }

@@ -220,6 +220,50 @@ for path in sys.argv[1:]:
     CHECK(ran.code == 0);
 }
 
+TEST_CASE("the schema refuses pipelines that are broken, each in one place") {
+    const auto ran = call_shell(R"(/usr/bin/python3 -c '
+import copy, json, yaml, jsonschema
+schema = jsonschema.Draft7Validator(json.load(open("pipelines/schema.json")))
+good = yaml.safe_load(open("pipelines/plume.yaml"))
+def broken(change):
+    out = copy.deepcopy(good)
+    change(out, out["nodes"])
+    return out
+def drop(of, name): del of[name]
+def put(of, name, value): of[name] = value
+changes = {
+    "no version": lambda p, n: drop(p, "fluidcarve"),
+    "another version": lambda p, n: put(p, "fluidcarve", 2),
+    "no nodes": lambda p, n: drop(p, "nodes"),
+    "nodes as a list": lambda p, n: put(p, "nodes", ["sim"]),
+    "an unknown top field": lambda p, n: put(p, "node", {}),
+    "frames that are none": lambda p, n: put(p, "frames", "a-b"),
+    "a param without a type": lambda p, n: drop(p["params"]["sim"], "type"),
+    "a param of no type": lambda p, n: put(p["params"]["sim"], "type", "number"),
+    "a default of another type": lambda p, n: put(p["params"]["count"], "default", "many"),
+    "an unknown field of a param": lambda p, n: put(p["params"]["sim"], "help", "x"),
+    "a node without a type": lambda p, n: drop(n["spin"], "type"),
+    "an unknown node type": lambda p, n: put(n["spin"], "type", "energy.vortex"),
+    "an unknown parameter": lambda p, n: put(n["spin"], "gian", 2),
+    "a missing parameter": lambda p, n: drop(n["seams"], "count"),
+    "a missing input": lambda p, n: drop(n["spin"], "velocity"),
+    "an input that is a list": lambda p, n: put(n["spin"], "velocity", ["sim.velocity"]),
+    "an empty list of terms": lambda p, n: put(n["look"], "terms", []),
+    "a text for a number": lambda p, n: put(n["spin"], "gain", "much"),
+    "a number out of range": lambda p, n: put(n["spin"], "gain", -1),
+    "an unknown choice": lambda p, n: put(n["seams"], "axis", "w"),
+    "a vector of two": lambda p, n: put(n["sim"], "translate", [1, 2]),
+    "a cache that is no bool": lambda p, n: put(n["spin"], "cache", "often"),
+    "a node name with a space": lambda p, n: put(n, "my node", n["spin"]),
+}
+for name, change in changes.items():
+    if schema.is_valid(broken(change)): print("accepted:", name)
+print(len(changes), schema.is_valid(good))
+')");
+    CHECK(ran.err == "");
+    CHECK(ran.out == "23 True\n");
+}
+
 TEST_CASE("inspect looks into files one by one: what can't be read is told, the others are shown") {
     const Scratch scratch;
     const auto whole = Scratch::read(TEST_DATA "/vdb/oiio_sphere.vdb");
