@@ -114,7 +114,8 @@ TEST_CASE("unknown node types, nodes and ports are named with the nearest name")
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.cuont, path: a.##}\n") ==
           "p.yaml:3:13: there is no node type 'toy.cuont'; did you mean 'toy.count'?\n  n: {type: toy.cuont, path: a.##}\n            ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.subtract}\n") ==
-          "p.yaml:3:13: there is no node type 'toy.subtract'; known: toy.add, toy.count, toy.load, toy.print, toy.save, toy.share, toy.square, toy.top, toy.total\n  n: {type: toy.subtract}\n          "
+          "p.yaml:3:13: there is no node type 'toy.subtract'; known: toy.add, toy.count, toy.load, toy.print, toy.save, toy.share, toy.square, toy.top, "
+          "toy.total\n  n: {type: toy.subtract}\n          "
           "  ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: energy}\n") ==
           "p.yaml:3:13: there is no node type 'energy'; `fluidcarve nodes` lists them\n  n: {type: energy}\n            ^\n");

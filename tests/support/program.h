@@ -16,7 +16,9 @@ struct Called {
 /// Runs a shell command in the repository's root, with a work folder of its own unless the command says another.
 inline Called call_shell(const std::string& command) {
     const Scratch scratch;
-    const int status = std::system(("cd " SOURCE_ROOT " && export FLUIDCARVE_WORK=" + (scratch / "work") + " && ( " + command + " ) >" + (scratch / "out") + " 2>" + (scratch / "err")).c_str());
+    const int status = std::system(
+        ("cd " SOURCE_ROOT " && export FLUIDCARVE_WORK=" + (scratch / "work") + " && ( " + command + " ) >" + (scratch / "out") + " 2>" + (scratch / "err"))
+            .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), Scratch::read(scratch / "out"), Scratch::read(scratch / "err")};
 }
 
