@@ -1,5 +1,7 @@
 #include "runtime/flow.h"
 
+#include "runtime/frame_run.h"
+
 #include <fmt/format.h>
 #include <tbb/flow_graph.h>
 #include <tbb/task_arena.h>
@@ -8,7 +10,6 @@
 #include <chrono>
 #include <mutex>
 #include <new>
-#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -16,48 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// One frame on its way through a pass. Nodes of the pass fire when their last input has arrived.
-struct FrameRun {
-    FrameRun(std::size_t place, std::size_t order, std::size_t nodes)
-        : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), failed(nodes) {}
-
-    const std::size_t place;  ///< in the sequence
-    const std::size_t order;  ///< of admission, without gaps
-    std::vector<std::vector<Payload>> outputs;
-    std::vector<std::atomic<int>> waiting;  ///< inputs still to arrive
-    std::vector<std::atomic<int>> readers;  ///< nodes that have yet to read the outputs
-    std::vector<Schedule::Action> actions;  ///< what each node does in this frame
-    std::vector<char> failed;
-    std::atomic<int> open{0};  ///< ends of the graph not yet reached
-};
 using Token = std::shared_ptr<FrameRun>;
 using Action = Schedule::Action;
-
-/// The edges of one pass, between pipeline nodes.
-struct Wiring {
-    std::vector<std::size_t> units;                 ///< per-frame nodes, then gatherers
-    std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: units that it reads
-    std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it
-};
-
-Wiring wire(const Pipeline& pipeline, const Pass& pass) {
-    Wiring out;
-    out.units = pass.per_frame;
-    out.units.insert(out.units.end(), pass.gatherers.begin(), pass.gatherers.end());
-    out.sources.resize(pipeline.nodes.size());
-    out.readers.resize(pipeline.nodes.size());
-    for (const auto unit : out.units) {
-        std::set<std::size_t> distinct;
-        for (const auto& links : pipeline.nodes[unit].inputs)
-            for (const auto& link : links)
-                if (pipeline.nodes[link.node].rate == Rate::frame) distinct.insert(link.node);
-        for (const auto source : distinct) {
-            out.sources[unit].push_back(source);
-            out.readers[source].push_back(unit);
-        }
-    }
-    return out;
-}
 
 }  // namespace
 
