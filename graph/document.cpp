@@ -329,8 +329,8 @@ std::optional<Setting> read_setting(const std::string& text, Problems& problems)
     return out;
 }
 
-/// Puts `node.field` settings into the nodes; returns those of params.
-std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value& nodes, const Value& params, Problems& problems) {
+/// Puts `node.field` settings into the nodes, and `frames` into those, unless a param has that name; returns those of params.
+std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value& nodes, Value& frames, const Value& params, Problems& problems) {
     std::map<std::string, Value> of_params;
     for (const auto& text : texts) {
         const auto setting = read_setting(text, problems);
@@ -339,6 +339,7 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
         const auto dot = name.find('.');
         if (dot == std::string::npos) {
             if (params.find(name)) of_params[name] = setting->value;
+            else if (name == "frames") frames = setting->value;
             else add(problems, mark, fmt::format("there is no param '{}'{}", name, did_you_mean(name, names(params))));
             continue;
         }
@@ -383,7 +384,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     const auto params = part("params", Value::Kind::map);
     Names known(problems);
     known.declare_environment(part("env", Value::Kind::null));
-    out.params = known.declare_params(params, apply(settings, out.nodes, params, problems));
+    out.params = known.declare_params(params, apply(settings, out.nodes, out.frames, params, problems));
     known.replace(out.frames);
     known.replace(out.nodes);
     known.replace(out.plugins);

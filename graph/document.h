@@ -26,7 +26,7 @@ struct Document {
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
-/// @param settings  the command line's `--set` texts: `node.field=value` or `param=value`
+/// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or `frames=value`
 /// @param problems  everything that is wrong is added, all at once
 Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems);
 

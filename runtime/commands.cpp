@@ -51,8 +51,8 @@ struct PipelineArguments {
 
     void declare(CLI::App& verb) {
         verb.add_option("pipeline", path, "Pipeline file (YAML)")->required()->type_name("PIPELINE");
-        verb.add_option("--set", settings, "Override a field of a node or a param; may be repeated")
-            ->type_name("NODE.FIELD=VALUE|PARAM=VALUE")
+        verb.add_option("--set", settings, "Override a field of a node, a param, or the frames; may be repeated")
+            ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
             ->expected(1)
             ->take_all();
         verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names: their code runs with all your rights");

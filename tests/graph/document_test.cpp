@@ -98,6 +98,14 @@ nodes:
     unsetenv("depth");
 }
 
+TEST_CASE("the frames are set like a param, unless a param has their name") {
+    const std::string nodes = "nodes:\n  a: {type: x, f: \"${frames}\"}\n";
+    CHECK(read(Scratch(), "fluidcarve: 1\nframes: 1-3\nnodes:\n  a: {type: x}\n", {"frames=1001-1084"}).document.frames.text == "1001-1084");
+    const auto param = read(Scratch(), "fluidcarve: 1\nframes: 1-3\nparams:\n  frames: {type: int, default: 1}\n" + nodes, {"frames=7"});
+    CHECK(param.document.frames.text == "1-3");
+    CHECK(param.field("a", "f") == "7");
+}
+
 TEST_CASE("extended files that are missing, or extend each other in a circle, are named") {
     const Scratch scratch;
     CHECK(read(scratch, "fluidcarve: 1\nextends: nowhere.yaml\n").text ==
