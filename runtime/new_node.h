@@ -18,7 +18,7 @@ struct NewNode {
 /// @return an exit code
 int write_new_node(const NewNode& wanted, const Registry& registry);
 
-/// What is written, by file: runtime/new_node/*.in, in which `{{family}}`, `{{name}}`, `{{Name}}`, `{{type}}` and `{{folder}}` stand for names.
+/// What is written, by file: nodes/new_node/*.in, in which `{{family}}`, `{{name}}`, `{{Name}}`, `{{type}}` and `{{folder}}` stand for names.
 const std::map<std::string_view, std::string_view>& new_node_texts();
 
 }  // namespace fluidcarve

@@ -58,7 +58,7 @@ struct Shot {
         Problems problems;
         const auto pipeline = build_pipeline(read_document(folder + "/p.yaml", {}, problems), registry, problems);
         REQUIRE(to_text(problems) == "");
-        request.options.work_folder = folder + "/work";
+        request.options.work_folder = folder + "/kept";
         request.report_path = folder + "/report.json";
         plan = planned(pipeline, registry);
         code = run_pipeline(pipeline, registry, request, cancelled);
@@ -221,13 +221,13 @@ TEST_CASE("without the cache everything runs, and nothing is left") {
     const auto twice = shot.run();
     CHECK(std::count(twice.begin(), twice.end(), "square 3") == 2);
     CHECK(shot.run() == twice);
-    CHECK_FALSE(fs::exists(shot.folder + "/work"));
+    CHECK_FALSE(fs::exists(shot.folder + "/kept"));
 }
 
 TEST_CASE("damaged results are computed again, and everything comes out the same") {
     Shot shot;
     shot.run();
-    for (const auto& each : fs::recursive_directory_iterator(shot.folder + "/work/cache"))
+    for (const auto& each : fs::recursive_directory_iterator(shot.folder + "/kept/cache"))
         if (each.is_regular_file()) {
             auto bytes = Scratch::read(each.path());
             bytes[bytes.size() - 20] = static_cast<char>(bytes[bytes.size() - 20] ^ 4);
@@ -342,7 +342,7 @@ TEST_CASE("a file that changes while the run is on is told, and nothing that was
 TEST_CASE("what is remembered of former runs may be anything") {
     Shot shot;
     shot.run();
-    const std::string files[] = {shot.folder + "/work/history/p.json", shot.folder + "/work/runs/odd.json"};
+    const std::string files[] = {shot.folder + "/kept/history/p.json", shot.folder + "/kept/runs/odd.json"};
     for (const auto* const text :
          {"", "[1]", R"({"square": 3})", R"({"square": {"type": "toy.square", "params": {"times": 1}}, "nodes": {"a": 3}, "pid": "x"})",
           R"({"square": {"type": "toy.square", "version": 1, "params": {}, "inputs": {}, "files": {"x": "y"}}})",
@@ -351,7 +351,7 @@ TEST_CASE("what is remembered of former runs may be anything") {
         for (const auto& file : files) std::ofstream(file) << text;
         fs::remove_all(shot.folder + "/out");
         CHECK(shot.run() == saves);
-        CHECK(show_status(shot.folder + "/work", true) == 0);
+        CHECK(show_status(shot.folder + "/kept", true) == 0);
     }
 }
 
@@ -362,7 +362,7 @@ TEST_CASE("a chunk looks at no file but those of its frames") {
     shot.replace(", text: top", "");
     shot.request.deliver = FrameSet::parse("2", fault);
     shot.run();
-    const auto history = nlohmann::json::parse(Scratch::read(shot.folder + "/work/history/p.json"));
+    const auto history = nlohmann::json::parse(Scratch::read(shot.folder + "/kept/history/p.json"));
     CHECK(history["load"]["files"].size() == 1);
     CHECK(history["load"]["files"].contains("2"));
 }
