@@ -6,31 +6,51 @@
 
 namespace fluidcarve {
 
+template <class Column>
+void CarveBlock::Table::each_column(const CarveStep& step, const Column& column) const {
+    for (int k = first[2]; k < first[2] + size[2]; ++k)
+        for (int j = first[1]; j < first[1] + size[1]; ++j)
+            column(std::min(j, step.laterals() - 1), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
+}
+
+void CarveBlock::Table::fill_smooth(const CarveStep& step) {
+    const auto& soft = *step.soft();
+    smooth.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
+    auto out = smooth.begin();
+    each_column(step, [&](int lateral, int k) {
+        const auto column = soft.column(lateral, k);
+        for (int i = first[0]; i < first[0] + size[0]; ++i) *out++ = column[static_cast<std::size_t>(std::clamp(i, soft.first(), soft.last()) - soft.first())];
+    });
+    const auto [least, most] = std::ranges::minmax(smooth);
+    low = static_cast<int>(std::floor(2 * least));
+    high = static_cast<int>(std::ceil(2 * most));
+}
+
 void CarveBlock::Table::fill(const CarveStep& step) {
+    if (step.soft()) return fill_smooth(step);
     all.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
     auto out = all.begin();
     low = std::numeric_limits<int>::max();
     high = std::numeric_limits<int>::min();
     const int end = first[0] + size[0];
-    for (int k = first[2]; k < first[2] + size[2]; ++k)
-        for (int j = first[1]; j < first[1] + size[1]; ++j) {
-            const auto bounds = step.bounds(std::min(j, step.laterals() - 1), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
-            auto passed = CarveStep::passed(first[0], bounds);
-            if (passed == 0 ? end <= bounds.front() : passed == bounds.size() && first[0] > bounds.back()) {
-                const int d = step.displacement(first[0], passed, bounds);
-                low = std::min(low, d);
-                high = std::max(high, d);
-                out = std::fill_n(out, size[0], d);
-                continue;
-            }
-            for (int i = first[0]; i < end; ++i) {
-                while (passed < bounds.size() && bounds[passed] <= i) ++passed;
-                const int d = step.displacement(i, passed, bounds);
-                low = std::min(low, d);
-                high = std::max(high, d);
-                *out++ = d;
-            }
+    each_column(step, [&](int lateral, int k) {
+        const auto bounds = step.bounds(lateral, k);
+        auto passed = CarveStep::passed(first[0], bounds);
+        if (passed == 0 ? end <= bounds.front() : passed == bounds.size() && first[0] > bounds.back()) {
+            const int d = step.displacement(first[0], passed, bounds);
+            low = std::min(low, d);
+            high = std::max(high, d);
+            out = std::fill_n(out, size[0], d);
+            return;
         }
+        for (int i = first[0]; i < end; ++i) {
+            while (passed < bounds.size() && bounds[passed] <= i) ++passed;
+            const int d = step.displacement(i, passed, bounds);
+            low = std::min(low, d);
+            high = std::max(high, d);
+            *out++ = d;
+        }
+    });
 }
 
 bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
@@ -44,19 +64,19 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         const auto& step = map_.steps()[n];
         auto& table = tables_[n];
         const std::array<int, 3> axes{step.axis(), step.lateral_axis(), 2};
-        const std::array<int, 3> last{step.reach() - 1, step.laterals() - 1, step.closed() ? 2 * step.slices() : step.slices() - 1};
+        const std::array<int, 3> first{step.low(), 0, 0}, last{step.high(), step.laterals() - 1, step.closed() ? 2 * step.slices() : step.slices() - 1};
         bool meets = true, within = true;
         for (std::size_t d = 0; d < 3; ++d) {
-            const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, end = last[d];
-            meets = meets && to >= 0 && from <= end;
-            within = within && (d == 2 || (range.min()[axes[d]] >= 0 && range.max()[axes[d]] <= end));
-            table.first[d] = static_cast<int>(std::clamp(from, 0.0, end));
-            table.size[d] = static_cast<int>(std::clamp(to, 0.0, end)) + 2 - table.first[d];
+            const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
+            meets = meets && to >= begin && from <= end;
+            within = within && (d == 2 || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
+            table.first[d] = static_cast<int>(std::clamp(from, begin, end));
+            table.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - table.first[d];
         }
         if (!meets) continue;
         table.fill(step);
         const int axis = step.axis();
-        const bool frees = !step.inserts() && range.max()[axis] > step.after() - 1;
+        const bool frees = (step.start() > step.origin() && range.min()[axis] < step.start()) || (step.last() < step.last_before() && range.max()[axis] > step.last());
         if (table.low == 0 && table.high == 0 && !frees) continue;
         moved = true;
         frees_ = frees_ || frees;

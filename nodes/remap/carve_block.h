@@ -44,11 +44,13 @@ public:
     /// @param step  its place in the map
     /// @param at    coordinates in that step's carved space, inside it, that come from the box
     Cell cell(std::size_t step, const openvdb::Vec3d& at) const;
+    /// The displacement of a smoothed step, vertices: trilinear, whole where its cell's corners are.
+    double smooth(std::size_t step, const openvdb::Vec3d& at) const;
     struct Rigid {
         openvdb::Vec2d by{0, 0};  ///< vertices along u and v
         bool fades = false;       ///< scaled down
     };
-    /// How a point of the box is displaced, if all corners of its cells are by the same.
+    /// How a point of the box is displaced, if all corners of its cells are by the same, or smoothly.
     std::optional<Rigid> rigid_at(openvdb::Vec3d at) const;
 
 private:
@@ -56,13 +58,19 @@ private:
     struct Table {
         std::array<int, 3> first{}, size{};  ///< along the carved axis, the lateral one, and w
         std::vector<int> all;                ///< `[w][lateral][entry]`, half vertices; beyond a rim those of the rim
-        int low = 0, high = 0;               ///< the least and the greatest
+        std::vector<float> smooth;           ///< the same of a smoothed step, vertices
+        int low = 0, high = 0;               ///< bounds of all, half vertices
         void fill(const CarveStep& step);
-        /// The displacement of the lowest entry of a cell. Those beside it follow.
-        const int* cell(int i, int j, int k, int slices) const {
+        /// Where the displacement of the lowest entry of a cell stands. Those beside it follow.
+        int cell(int i, int j, int k, int slices) const {
             const int along_w = k < first[2] ? k + slices - first[2] : k - first[2];
-            return all.data() + ((along_w * size[1] + j - first[1]) * size[0] + i - first[0]);
+            return (along_w * size[1] + j - first[1]) * size[0] + i - first[0];
         }
+
+    private:
+        template <class Column>
+        void each_column(const CarveStep& step, const Column& column) const;
+        void fill_smooth(const CarveStep& step);
     };
 
     const CarveMap& map_;
@@ -81,7 +89,7 @@ inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d&
     out.fraction = u - i;
     out.count = 0;
     out.rigid = true;
-    const int* const corner = table.cell(i, j, k, of.slices());
+    const int* const corner = table.all.data() + table.cell(i, j, k, of.slices());
     const double to_j = v - j, to_k = w - k;
     for (int n = 0; n < 4; ++n) {
         const double weight = (n & 1 ? to_j : 1 - to_j) * (n & 2 ? to_k : 1 - to_k);
@@ -94,6 +102,19 @@ inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d&
     return out;
 }
 
+inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) const {
+    const auto& table = tables_[step];
+    const auto& of = map_.steps()[step];
+    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
+    const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
+    const float* const a = table.smooth.data() + table.cell(i, j, k, of.slices());
+    const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
+    const auto x = static_cast<float>(u - i), y = static_cast<float>(v - j), z = static_cast<float>(w - k);
+    // What is alike stays so to the last bit.
+    const auto mix = [](float from, float to, float part) { return from + (to - from) * part; };
+    return mix(mix(mix(a[0], a[1], x), mix(b[0], b[1], x), y), mix(mix(c[0], c[1], x), mix(d[0], d[1], x), y), z);
+}
+
 inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) const {
     Rigid out;
     for (auto n = tables_.size(); n-- > 0;) {
@@ -101,9 +122,16 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const int axis = step.axis();
         if (!step.holds(at)) continue;
         const double scale = step.scale(at);
-        if (at[axis] > step.end(scale)) return std::nullopt;
+        if (!step.carves(at[axis], scale)) return std::nullopt;
         const auto& table = tables_[n];
-        const int* const a = table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step.slices());
+        if (step.soft()) {
+            const double by = smooth(n, at), scaled = scale < 1 ? step.drawn(at[axis], at[axis] + by, scale) - at[axis] : by;
+            at[axis] += scaled;
+            out.by[axis] += scaled;
+            out.fades = out.fades || scale < 1;
+            continue;
+        }
+        const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step.slices());
         const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
         const int by = a[0];
         if (((by & 1) | (a[1] ^ by) | (b[0] ^ by) | (b[1] ^ by) | (c[0] ^ by) | (c[1] ^ by) | (d[0] ^ by) | (d[1] ^ by)) != 0) return std::nullopt;

@@ -28,14 +28,16 @@ void require_still(const Seams& seams) {
 
 }  // namespace
 
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context) {
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context,
+                   const Softness& softness) {
     if (!context.per_frame())
         for (const auto& set : seams) require_still(*set);
-    return carve_map(lattice, seams, count, context.frame());
+    return carve_map(lattice, seams, count, context.frame(), softness);
 }
 
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame) {
-    return {lattice, seams, frame, seams_of(count, *seams.back())};
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame,
+                   const Softness& softness) {
+    return {lattice, seams, frame, seams_of(count, *seams.back()), softness};
 }
 
 }  // namespace fluidcarve

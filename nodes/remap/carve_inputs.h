@@ -10,8 +10,10 @@ namespace fluidcarve {
 /// @param count  seams of the last set, its sign may be left out; auto is all
 /// @throws Failure as CarveMap; if `count` removes and the seams insert; if the node runs once for all frames, but the
 ///   seams change from frame to frame
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context);
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context,
+                   const Softness& softness = {});
 /// The same in any frame, whatever the others are like.
-CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame);
+CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame,
+                   const Softness& softness = {});
 
 }  // namespace fluidcarve

@@ -10,24 +10,27 @@ using openvdb::Vec3d;
 
 double carved_coordinate(const CarveStep& step, const Vec3d& at) {
     const double u = at[step.axis()];
-    const bool held = step.holds(at) && u <= step.before() - 1;
+    const bool held = step.holds(at) && u >= step.origin() && u <= step.last_before();
     if (!held || u <= step.first_moved() - 1 || (step.paired() && u >= step.last_moved() + 1)) return u;
     const StepColumns columns(step, at[step.lateral_axis()], at.z());
-    const double scale = step.scale(at), end = step.end(scale);
+    const double scale = step.scale(at), begin = step.begin(scale), end = step.end(scale);
     const auto displaced = [&](int entry) { return scale * columns.displacement(entry); };
 
     // The last entry that does not come from beyond the point.
-    int low = 0, high = (scale < 1 ? step.reach() : step.after()) - 1;
+    int low = scale < 1 ? step.low() : step.start(), high = scale < 1 ? step.high() : step.last();
     const double first = displaced(low), last = displaced(high);
-    if (first > u) return 0;
-    if (high + last <= u) return std::min<double>(high, end);
+    // A smoothed map goes on beyond its ends and meets those of the space before half a vertex from there.
+    const auto beyond = [&](int entry, double d, int before) { return entry + 0.5 * (u - entry - d) / std::abs(before - entry - d + (before > entry + d ? 0.5 : -0.5)); };
+    const bool squeezed = step.soft() && scale == 1;
+    if (low + first > u) return squeezed ? beyond(low, first, step.origin()) : begin;
+    if (high + last <= u) return squeezed ? beyond(high, last, step.last_before()) : std::min<double>(high, end);
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         (middle + displaced(middle) <= u ? low : high) = middle;
     }
     const double below = displaced(low), above = displaced(high);
     const double out = below == above ? u - below : low + (u - low - below) / (1 + above - below);
-    return std::min(out, end);
+    return squeezed ? out : std::clamp(out, begin, end);
 }
 
 Vec3d carved_coordinates(const CarveMap& map, Vec3d at) {

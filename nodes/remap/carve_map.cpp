@@ -42,17 +42,19 @@ void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::
 
 }  // namespace
 
-CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count)
+CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, int origin)
     : axis_(static_cast<int>(seams.axis)),
       before_(seams.carved()),
       laterals_(seams.lateral()),
       slices_(seams.shape[2]),
+      origin_(origin),
+      start_(origin + seams.shift_after(count)),
       inserts_(seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       closed_(seams.closed),
       count_(count),
       bounds_((paired_ ? 2 : 1) * count * seams.columns_per_frame()) {
-    if (reach() > 65535) throw Failure(fmt::format("{} vertices along {} are more than 65535", reach(), to_text(seams.axis)));
+    if (high() > most_vertices) throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1, to_text(seams.axis), most_vertices + 1));
     const auto columns = seams.columns_per_frame();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<std::uint16_t> entries, sorted;
@@ -63,12 +65,12 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count)
                 // The n-th removed entry is passed by n removals before it; the n-th new entry stands behind its original and n others.
                 for (int n = 0; n < static_cast<int>(count); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
             };
-            add(seams.seams, inserts_, 0);
-            if (paired_) add(seams.pairs, !inserts_, inserts_ ? this->count() : -this->count());
+            add(seams.seams, inserts_, start_);
+            if (paired_) add(seams.pairs, !inserts_, start_ + (inserts_ ? this->count() : -this->count()));
         }
     });
-    first_moved_ = reach();
-    last_moved_ = paired_ ? 0 : reach() - 1;
+    first_moved_ = start_ == origin_ ? high() + 1 : low();
+    last_moved_ = paired_ ? 0 : high();
     for (std::size_t c = 0; c < columns && count > 0; ++c) {
         const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
         first_moved_ = std::min<int>(first_moved_, column[0]);
@@ -77,9 +79,57 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count)
     }
 }
 
-CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count)
+void CarveStep::soften(const Seams& seams, std::size_t t, const Softness& softness) {
+    const int reach = static_cast<int>(std::ceil(softness.frames)), last = static_cast<int>(seams.frames.size()) - 1;
+    std::vector<CarveStep> others;
+    others.reserve(static_cast<std::size_t>(2 * reach));
+    std::vector<const CarveStep*> steps;
+    for (int n = -reach; n <= reach; ++n) {
+        const int near = std::clamp(static_cast<int>(t) + n, 0, last);
+        if (near != static_cast<int>(t)) steps.push_back(&others.emplace_back(seams, static_cast<std::size_t>(near), count_, origin_));
+        else steps.push_back(this);
+    }
+    soft_ = std::make_shared<const SmoothDisplacement>(SmoothDisplacement::soft(steps, windows(seams), softness));
+    first_moved_ = start_ == origin_ ? soft_->first() + 1 : low();
+    if (paired_) last_moved_ = soft_->last() - 1;
+}
+
+std::vector<SmoothDisplacement::Span> CarveStep::windows(const Seams& seams) const {
+    const double whole = origin_ - start_, net = inserts_ ? -count() : count();
+    const auto last_of = [&](const Window& window, bool inserts) { return window.last + (inserts ? count() : -count()); };
+    if (!paired_) {
+        const auto window = seams.window.value_or(Window{0, before_ - 1});
+        return {{{start_ + window.first, start_ + last_of(window, inserts_)}, whole, whole + net}};
+    }
+    std::array<Window, 2> out{Window{high(), low()}, Window{high(), low()}};
+    if (seams.window && seams.pair_window) {
+        const int moved = start_ + (inserts_ ? count() : -count());
+        out = {Window{start_ + seams.window->first, start_ + last_of(*seams.window, inserts_)},
+               Window{moved + seams.pair_window->first, moved + last_of(*seams.pair_window, !inserts_)}};
+    } else {
+        // Those of a foreign file begin and end where seams do.
+        for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)
+            for (std::size_t n = 0; n < 2; ++n) {
+                out[n].first = std::min<int>(out[n].first, bounds_[c + n * count_]);
+                out[n].last = std::max<int>(out[n].last, bounds_[c + (n + 1) * count_ - 1]);
+            }
+    }
+    return {{out[0], 0, net}, {out[1], net, 0}};
+}
+
+CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
+                   const Softness& softness)
     : reach_(lattice.shape) {
     auto shape = lattice.shape;
+    const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->seams.size(); };
+    std::array<int, 2> origin{};
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+        const auto axis = static_cast<std::size_t>(sets[n]->axis);
+        origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->seams.size()));
+        below_[axis] = std::max(below_[axis], -origin[axis]);
+    }
+    origin = below_;
+    for (std::size_t d = 0; d < 2; ++d) reach_[d] += below_[d];
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto& set = *sets[n];
         const auto t = place_of(frame, set);
@@ -87,15 +137,31 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
         if (set.shape != shape)
             throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1,
                                       sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
-        std::size_t used = set.seams.size();
-        if (count && n + 1 == sets.size()) {
-            if (*count > used) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", *count, used));
-            used = *count;
+        const auto used = used_of(n);
+        if (used > set.seams.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.seams.size()));
+        auto& begin = origin[static_cast<std::size_t>(set.axis)];
+        if (used > 0) {
+            auto& step = steps_.emplace_back(set, t, used, begin);
+            if (softness) step.soften(set, t, softness);
+            begin = step.start();
         }
-        if (used > 0) steps_.emplace_back(set, t, used);
         shape = set.shape_after(used);
-        for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d]);
+        for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d] + (d < 2 ? origin[d] : 0));
     }
+}
+
+Lattice CarveMap::extended(const Lattice& lattice) const {
+    auto out = lattice;
+    for (std::size_t d = 0; d < 2; ++d) {
+        if (below_[d] == 0) continue;
+        out.shape[d] += below_[d];
+        for (auto& plane : out.planes) plane.origin -= below_[d] * lattice.spacing * (d == 0 ? plane.u : plane.v);
+    }
+    return out;
+}
+
+bool CarveMap::soft() const {
+    return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.soft() != nullptr; });
 }
 
 void CarveMap::fade(double vertices) {
@@ -123,16 +189,15 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
         // A point between an entry and a moved one moves in part.
-        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->reach() - 1)) || !meets(b, 0, step->laterals() - 1) ||
+        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, 0, step->laterals() - 1) ||
             !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;
-        if (step->inserts()) {
-            range.min()[a] = std::min(range.min()[a], std::max(range.min()[a] - step->count(), 0.0));
-        } else {
-            frees = frees || (!step->paired() && range.max()[a] > step->after() - 1);
-            range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + step->count(), step->before() - 1));
-        }
+        frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) || (step->last() < step->last_before() && range.max()[a] > step->last());
+        // What a vertex of the carved space comes from lies at most so far below and above.
+        const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0), above = (step->inserts() ? 0 : step->count()) - shift;
+        range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - std::max(below, 0), step->origin()));
+        range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + std::max(above, 0), step->last_before()));
     }
     return moved;
 }

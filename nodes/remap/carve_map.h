@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nodes/lattice/lattice.h"
+#include "nodes/remap/smooth_displacement.h"
 #include "nodes/seam/seams.h"
 
 #include <openvdb/Types.h>
@@ -17,12 +19,14 @@ namespace fluidcarve {
 
 /// One seam set in one frame as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4. Seams
 /// that come in pairs move what is between the two windows, and nothing beyond.
-/// Displacements `d = m - i` are in half vertices, since an inserted entry stands between two.
+/// Entries are places along the axis: an anchor lets the carved space begin elsewhere than the space before, so that the content of
+/// entry `i` comes from entry `i + d`. Displacements `d` are in half vertices, since an inserted entry stands between two.
 class CarveStep {
 public:
-    /// @param t      the frame's place in seams.frames
-    /// @param count  how many of the seams, from the first
-    CarveStep(const Seams& seams, std::size_t t, std::size_t count);
+    /// @param t       the frame's place in seams.frames
+    /// @param count   how many of the seams, from the first
+    /// @param origin  entry at which the space before begins
+    CarveStep(const Seams& seams, std::size_t t, std::size_t count, int origin = 0);
 
     int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
     int lateral_axis() const { return 1 - axis_; }
@@ -32,18 +36,31 @@ public:
     int count() const { return static_cast<int>(count_); }
     int before() const { return before_; }  ///< vertices along the axis
     int after() const { return paired_ ? before_ : inserts_ ? before_ + count() : before_ - count(); }
-    int reach() const { return std::max(before_, after()); }  ///< vertices that the step may write
     int laterals() const { return laterals_; }
     int slices() const { return slices_; }
+
+    int origin() const { return origin_; }  ///< first entry of the space before
+    int start() const { return start_; }    ///< first entry of the carved space
+    int last_before() const { return origin_ + before_ - 1; }
+    int last() const { return start_ + after() - 1; }
+    /// Entries that the step may write: first and last.
+    int low() const { return std::min(origin_, start_); }
+    int high() const { return std::max(last_before(), last()); }
     /// No entry below this is moved in any column.
     int first_moved() const { return first_moved_; }
     /// No entry above this is moved in any column.
     int last_moved() const { return last_moved_; }
 
+    /// Smooths displacements in space and time.
+    /// @param seams  what the step was made of
+    void soften(const Seams& seams, std::size_t t, const Softness& softness);
+    /// The smoothed displacements; null: whole vertices move.
+    const SmoothDisplacement* soft() const { return soft_.get(); }
+
     /// Whether the step carves at a point of its carved space, or frees it.
     bool holds(const openvdb::Vec3d& at) const {
         const double u = at[axis_], v = at[1 - axis_];
-        return u >= 0 && u <= reach() - 1 && v >= 0 && v <= laterals_ - 1;
+        return u >= low() && u <= high() && v >= 0 && v <= laterals_ - 1;
     }
     void fade(double vertices) { fade_ = vertices; }  ///< of CarveMap::fade
     bool fades() const { return fade_ > 0; }
@@ -54,11 +71,16 @@ public:
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
         return std::min(1.0, std::min(from_rim(at[1 - axis_], laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
     }
-    /// Where the carved space ends along the axis: what a removal frees, or an insertion adds, is scaled too.
-    double end(double scale) const { return before_ - 1 + scale * (after() - before_); }
+    /// Where the carved space begins and ends along the axis: what a removal frees, or an insertion adds, is scaled too.
+    double begin(double scale) const { return origin_ + scale * (start_ - origin_); }
+    double end(double scale) const { return last_before() + scale * (last() - last_before()); }
+    /// Whether a point that the step holds lies in its carved space.
+    bool carves(double u, double scale) const { return u >= begin(scale) && u <= end(scale); }
     /// The entry `source`, from which a point at `u` on the axis comes where nothing is scaled, drawn towards it; never from
     /// beyond the lattice.
-    double drawn(double u, double source, double scale) const { return scale < 1 ? std::min(u + scale * (source - u), before_ - 1.0) : source; }
+    double drawn(double u, double source, double scale) const {
+        return scale < 1 ? std::clamp(u + scale * (source - u), static_cast<double>(origin_), static_cast<double>(last_before())) : source;
+    }
     bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
     /// entry. Of pairs, those of the first window come first.
@@ -75,13 +97,13 @@ public:
         if (entry >= all.back()) return all.size();
         return static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), entry) - all.begin());
     }
-    /// Half vertices. @param entry  0 to after() - 1
+    /// Half vertices, as without smoothing. @param entry  start() to last()
     int displacement(int entry, std::size_t passed, std::span<const std::uint16_t> all) const {
         // The seams of the second window undo what those of the first did.
         const int back = paired_ ? std::max(static_cast<int>(passed) - count(), 0) : 0;
         const int ahead = 2 * (static_cast<int>(passed) - 2 * back);
         const bool at_new = passed > 0 && inserts_ == (back == 0) && all[passed - 1] == entry;
-        return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0);
+        return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0) + 2 * (origin_ - start_);
     }
     /// The same in a column that there is.
     int displacement(int entry, int lateral, int k) const {
@@ -90,24 +112,33 @@ public:
     }
 
 private:
-    int axis_, before_, laterals_, slices_;
+    /// The windows of the carved space, in which alone displacements change along the axis.
+    std::vector<SmoothDisplacement::Span> windows(const Seams& seams) const;
+
+    int axis_, before_, laterals_, slices_, origin_, start_;
     bool inserts_, paired_, closed_;
     std::size_t count_;
     int first_moved_, last_moved_;
     double fade_ = 0;                    ///< vertices; 0: none
     std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
+    std::shared_ptr<const SmoothDisplacement> soft_;
 };
 
 /// A chain of seam sets in one frame (METHOD 4): each is carved from what those before it leave. To find what stands
 /// at a carved vertex, the last step is asked first. A vertex that no step's lattice holds stays where it is; one that
-/// a removal frees at the positive end is background.
+/// a removal frees at an end is background.
+/// Coordinates are those of extended(): the lattice, and beyond its first vertices what anchored insertions add there.
 class CarveMap {
 public:
     /// @param sets   in the order of carving
     /// @param frame  a frame number
     /// @param count  how many seams of the last set; nothing: all
     /// @throws Failure if a set belongs to another lattice or misses the frame, shapes do not chain, or count is too high
-    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count);
+    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
+             const Softness& softness = {});
+
+    /// The lattice in whose index coordinates the map is: the given one, but that its first vertices along `u` and `v` may lie further out.
+    Lattice extended(const Lattice& lattice) const;
 
     /// Lets displacements go linearly to 0 towards lateral rims and open ends, where they else end with a jump (METHOD 4,
     /// "Tears"): what stands at a point comes from `u + s (m - u)` instead of `m`, `s` from 0 to 1 (CarveStep::scale). `m`
@@ -118,11 +149,13 @@ public:
     /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for
     void fade(double vertices);
     bool fades() const;
+    /// Whether displacements of some step are smoothed.
+    bool soft() const;
 
     /// Sets without seams are left out.
     const std::vector<CarveStep>& steps() const { return steps_; }
     bool empty() const { return steps_.empty(); }
-    /// Vertices per dimension that carving may write: the lattice and what insertions add along the way.
+    /// Vertices per dimension that carving may write: the extended lattice and what insertions add along the way.
     const std::array<int, 3>& reach() const { return reach_; }
 
     /// What a box of carved lattice coordinates is made of.
@@ -136,6 +169,7 @@ public:
 private:
     std::vector<CarveStep> steps_;
     std::array<int, 3> reach_;
+    std::array<int, 2> below_{};  ///< vertices that come before the lattice's first, along u and v
 };
 
 }  // namespace fluidcarve

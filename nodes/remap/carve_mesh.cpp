@@ -29,7 +29,7 @@ std::string share_text(double share) { return share >= 0.1 ? "more than 10 %" : 
 
 CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& map) {
     CarvedMesh out{mesh, {}, {}};
-    const Mapping mapping(lattice);
+    const Mapping mapping(map.extended(lattice));
     std::vector<Way> ways(mesh.points.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ways.size(), 1024), [&](const tbb::blocked_range<std::size_t>& range) {
         for (auto n = range.begin(); n < range.end(); ++n) {

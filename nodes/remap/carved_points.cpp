@@ -74,9 +74,9 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         places.push_back(u);
         rooms.emplace_back(u, u);
     };
-    const double scale = step.scale(at), last = step.end(scale);
-    if (!step.holds(at) || scale == 0 || u > std::max(last, step.before() - 1.0)) return stay();
-    if (u > step.before() - 1) return;  // an insertion writes over it
+    const double scale = step.scale(at), first = step.begin(scale), last = step.end(scale);
+    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) || u > std::max<double>(last, step.last_before())) return stay();
+    if (u < step.origin() || u > step.last_before()) return;  // an insertion writes over it
 
     // What stands at `u*` comes from `u* + scale d`, `d` whole between the bounds of seams: the places of a point are those that
     // come from it. They are sought from bound to bound; where those come from never falls.
@@ -85,7 +85,7 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
     const auto bound = [&](std::size_t n) { return bounds.bound(n) - (inserts(n) ? 0 : 0.5); };
     const auto d = [&](std::size_t passed) {
         const int ahead = static_cast<int>(passed), back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
-        return (step.inserts() ? -1 : 1) * (ahead - 2 * back);
+        return (step.inserts() ? -1 : 1) * (ahead - 2 * back) + step.origin() - step.start();
     };
     // Points half a vertex from a removed seam, or on a doubled entry, stay whole. Near a rim seams are narrower than what snaps elsewhere.
     const double near = std::min(snap_width, scale / 4);
@@ -95,16 +95,16 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         const double place = u - scale * d(passed);
         if (passed > 0 && !beyond(place, passed - 1)) break;
         if (passed < bounds.size() && !before(place, passed)) continue;
-        if (place < 0 || place > last) continue;
+        if (place < first || place > last) continue;
         places.push_back(place);
-        const double from = passed > 0 ? bound(passed - 1) : 0;
+        const double from = passed > 0 ? bound(passed - 1) : first;
         rooms.emplace_back(from, std::min(from + scale, last));
     }
 }
 
 CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector<std::uint64_t>& identities, const Lattice& lattice, const CarveMap& map,
                           double jitter) {
-    const Mapping mapping(lattice, map.reach());
+    const Mapping mapping(map.extended(lattice), map.reach());
     const auto moves = map.moved();
     const Jitter jittered(jitter);
     constexpr std::size_t grain = 4096;

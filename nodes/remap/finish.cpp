@@ -30,9 +30,10 @@ void require_densities(const Volume& volume, const std::vector<std::string>& nam
 
 }  // namespace
 
-Volume finished(const Volume& source, const Volume& carved, const Lattice& lattice, const CarveMap& map, const Finish& finish) {
+Volume finished(const Volume& source, const Volume& carved, const Lattice& given, const CarveMap& map, const Finish& finish) {
     if (map.empty()) return carved;
     require_densities(carved, finish.densities);
+    const auto lattice = map.extended(given);
     std::optional<Mapping> mapping;
     std::optional<CarveDerivative> derivative;
     if (!finish.densities.empty() || finish.transform_vectors) {

@@ -37,6 +37,8 @@ struct RemapGrids {
         bool transform_vectors = false;
         Rim rim = Rim::cut;
         double fade = 8;
+        double soft = default_soft;
+        double soft_time = default_soft_time;
     };
     struct Ports {
         Ref<Volume> source;
@@ -48,7 +50,7 @@ struct RemapGrids {
     static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context);
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, {params.soft, params.soft_time});
         if (map.empty()) {
             io.volume = io.source;
             return;
@@ -90,6 +92,8 @@ NodeType remap_grids() {
                "its displacements go evenly to 0 towards them (fade), and what a seam takes or adds with them. Where content crosses a cut rim it may tear; a "
                "warning says so.")
         .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("soft", &RemapGrids::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
+        .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .output("volume", &RemapGrids::Ports::volume, "The source carved: same grids, transforms and metadata.");
 }
 

@@ -17,6 +17,8 @@ struct RemapMesh {
         Auto<Count> count;
         Rim rim = Rim::cut;
         double fade = 8;
+        double soft = default_soft;
+        double soft_time = default_soft_time;
         bool still = false;
     };
     struct Ports {
@@ -48,7 +50,7 @@ struct RemapMesh {
 
 private:
     static Ref<Mesh> carved(const Params& params, const Ports& io, int frame, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, frame);
+        auto map = carve_map(*io.lattice, io.seams, params.count, frame, {params.soft, params.soft_time});
         if (map.empty()) return io.source;
         if (params.rim == Rim::fade) map.fade(params.fade);
         auto out = carve_mesh(*io.source, *io.lattice, map);
@@ -73,6 +75,8 @@ NodeType remap_mesh() {
                "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
         .param("rim", &Params::rim, "As in remap.grids: state the same for both.")
         .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)
+        .param("soft_time", &Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .param("static", &Params::still,
                "For a mesh of one file that is to stay one: seams must move it alike in all frames, or it is an error. They do if they are the same in all "
                "frames, "

@@ -14,6 +14,8 @@ struct RemapPoints {
         Auto<Count> count;
         Rim rim = Rim::cut;
         double fade = 8;
+        double soft = default_soft;
+        double soft_time = default_soft_time;
         double jitter = default_jitter;
     };
     struct Ports {
@@ -26,7 +28,7 @@ struct RemapPoints {
     static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context);
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, {params.soft, params.soft_time});
         if (params.rim == Rim::fade) map.fade(params.fade);
         const auto& source = *io.source;
         const auto carved = carve_points(source.positions(), source.identities(), *io.lattice, map, params.jitter);
@@ -49,6 +51,8 @@ NodeType remap_points() {
                "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
         .param("rim", &RemapPoints::Params::rim, "What the carve does at the rims of the lattice, as for remap.grids: use the same for both.")
         .param("fade", &RemapPoints::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("soft", &RemapPoints::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
+        .param("soft_time", &RemapPoints::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
                "How far a copy, where seams are inserted, may stand off the place that is one vertex from its original: at random, but always the same for "
                "the same point. Points that have a whole number `id` keep theirs from frame to frame; without one set 0 where copies must not tremble.")

@@ -40,22 +40,23 @@ template <class GridT>
 openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
-    const auto aligned = alignment ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
+    const auto aligned = alignment && !map.soft() ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
     return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }
 
 /// @param cells  the transform of the voxels that the grid's values belong to
-openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const openvdb::math::Transform& cells, const Lattice& given, const CarveMap& map,
+openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const openvdb::math::Transform& cells, const Lattice& whole, const CarveMap& map,
                                       Interpolation interpolation) {
+    const auto given = map.extended(whole);
     const auto alignment = one_to_one(given, cells);
-    const auto lattice = alignment && map.fades() ? on_voxels(given, *alignment, cells) : given;
+    const auto lattice = alignment && (map.fades() || map.soft()) ? on_voxels(given, *alignment, cells) : given;
 #define FLUIDCARVE_TRY(GridT) \
     if (grid->isType<GridT>()) return carve<GridT>(grid, alignment, lattice, map, interpolation);
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
 #undef FLUIDCARVE_TRY
     if (is_point_grid(*grid)) {
         require_sound(*grid, "the source");
-        const auto points = carve_points(point_positions(*grid), point_identities(*grid), lattice, map, default_jitter);
+        const auto points = carve_points(point_positions(*grid), point_identities(*grid), whole, map, default_jitter);
         return points.changed() ? with_images(*grid, points.images) : grid;
     }
     throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those",

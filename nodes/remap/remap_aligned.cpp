@@ -71,8 +71,8 @@ private:
                 moved[index_axis_] += direction_ * (source - entry);
                 return rest == 0 ? window_.get(moved) : resolve(rest, alignment_.vertex(moved));
             };
-            if (!carved || entry < 0 || entry >= step.reach()) write(out, voxel, at(entry));
-            else if (entry >= step.after()) write(out, voxel, nothing_);
+            if (!carved || entry < step.low() || entry > step.high()) write(out, voxel, at(entry));
+            else if (entry < step.start() || entry > step.last()) write(out, voxel, nothing_);
             else write(out, voxel, displaced(entry, step.displacement(entry, passed, bounds), at));
         }
     }
@@ -82,8 +82,8 @@ private:
         for (; count > 0; --count) {
             const auto& step = steps_[count - 1];
             const int axis = step.axis(), entry = vertex[axis];
-            if (!step.has_column(vertex[step.lateral_axis()], vertex.z()) || entry < 0 || entry >= step.reach()) continue;
-            if (entry >= step.after()) return nothing_;
+            if (!step.has_column(vertex[step.lateral_axis()], vertex.z()) || entry < step.low() || entry > step.high()) continue;
+            if (entry < step.start() || entry > step.last()) return nothing_;
             const int d = step.displacement(entry, vertex[step.lateral_axis()], vertex.z());
             if (d % 2 != 0)
                 return displaced(entry, d, [&](int source) {

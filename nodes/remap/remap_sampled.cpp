@@ -245,9 +245,13 @@ private:
             if (!step.holds(l)) continue;
             const double scale = step.scale(l);
             if (scale < 1) fades_ = true;
-            if (u > step.end(scale)) {
+            if (!step.carves(u, scale)) {
                 if (step.inserts()) continue;
                 return out.add(nothing, false, weight);
+            }
+            if (step.soft()) {
+                l[axis] = step.drawn(u, u + block_.smooth(count - 1, l), scale);
+                continue;
             }
 
             const auto from = [&](double entry, int displacement, double share) {

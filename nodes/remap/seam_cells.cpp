@@ -11,17 +11,17 @@ using openvdb::Vec3d;
 
 namespace {
 
-bool freed(const CarveStep& step, const Vec3d& at) { return at[step.axis()] > step.after() - 1; }
+bool freed(const CarveStep& step, const Vec3d& at) { return at[step.axis()] < step.start() || at[step.axis()] > step.last(); }
 
 CoordBBox within(const CarveStep& step, CoordBBox vertices) {
     auto &low = vertices.min(), &high = vertices.max();
-    const auto clip = [&](int dimension, int last) {
-        low[dimension] = std::max(low[dimension], 0);
+    const auto clip = [&](int dimension, int first, int last) {
+        low[dimension] = std::max(low[dimension], first);
         high[dimension] = std::min(high[dimension], last);
     };
-    clip(step.axis(), step.after() - 1);
-    clip(step.lateral_axis(), step.laterals() - 1);
-    if (!step.closed()) clip(2, step.slices() - 1);
+    clip(step.axis(), step.start(), step.last());
+    clip(step.lateral_axis(), 0, step.laterals() - 1);
+    if (!step.closed()) clip(2, 0, step.slices() - 1);
     else high.z() = std::min(high.z(), low.z() + step.slices() - 1);
     return vertices;
 }
@@ -49,6 +49,14 @@ std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& v
         }
     }
     return out;
+}
+
+/// Whether no vertex of a box of a step's carved space is displaced.
+bool stays(const CarveStep& step, const CoordBBox& vertices) {
+    if (!step.soft()) return common_displacement(step, vertices) == 0;
+    for (auto at = vertices.begin(); at; ++at)
+        if (step.soft()->entry((*at)[step.axis()], (*at)[step.lateral_axis()], ((*at).z() + step.slices()) % step.slices()) != 0) return false;
+    return true;
 }
 
 }  // namespace
@@ -84,7 +92,7 @@ bool is_moved(const CarveMap& map, const Vec3d& at) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
         if (!step->holds(at)) continue;
         if (freed(*step, at)) return true;
-        if (common_displacement(*step, within(*step, {Coord::floor(at), Coord::ceil(at)})) != 0) return true;
+        if (!stays(*step, within(*step, {Coord::floor(at), Coord::ceil(at)}))) return true;
     }
     return false;
 }

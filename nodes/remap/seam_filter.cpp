@@ -219,8 +219,9 @@ struct FilterSeam {
 
 }  // namespace
 
-Volume seam_filtered(const Volume& volume, const Lattice& lattice, const CarveMap& map, FilterMode mode, int width) {
+Volume seam_filtered(const Volume& volume, const Lattice& given, const CarveMap& map, FilterMode mode, int width) {
     if (map.empty()) return volume;
+    const auto lattice = map.extended(given);
     const Filter filter{mode, width, weights(mode, width)};
     Volume out = volume;
     for (auto& grid : out.grids) {

@@ -21,7 +21,8 @@ public:
             const bool next_j = n & 1, next_k = n & 2;
             weights_[n] = (next_j ? b : 1 - b) * (next_k ? c : 1 - c);
             // Of a column that does not count, there may be none.
-            all_[n] = step.bounds(weights_[n] > 0 && next_j ? j + 1 : j, weights_[n] > 0 && next_k ? k + 1 : k);
+            places_[n] = {weights_[n] > 0 && next_j ? j + 1 : j, weights_[n] > 0 && next_k ? (k + 1) % step.slices() : k};
+            all_[n] = step.bounds(places_[n][0], places_[n][1]);
         }
     }
 
@@ -29,27 +30,29 @@ public:
     std::size_t size() const { return all_[0].size(); }
     /// CarveStep::bounds between the columns.
     double bound(std::size_t n) const {
-        return between([n](std::span<const std::uint16_t> column) { return static_cast<double>(column[n]); });
+        return between([&](std::size_t column) { return static_cast<double>(all_[column][n]); });
     }
     /// CarveStep::displacement between the columns, in vertices: exact where they agree.
     double displacement(int entry) const {
-        return 0.5 * between([&](std::span<const std::uint16_t> column) {
-                   return static_cast<double>(step_.displacement(entry, CarveStep::passed(entry, column), column));
-               });
+        return between([&](std::size_t column) {
+            if (const auto* const soft = step_.soft()) return static_cast<double>(soft->entry(entry, places_[column][0], places_[column][1]));
+            return 0.5 * step_.displacement(entry, CarveStep::passed(entry, all_[column]), all_[column]);
+        });
     }
 
 private:
     template <class Value>
     double between(const Value& value) const {
-        const double first = value(all_[0]);
+        const double first = value(0);
         double out = first;
         for (std::size_t n = 1; n < 4; ++n)
-            if (weights_[n] > 0) out += weights_[n] * (value(all_[n]) - first);
+            if (weights_[n] > 0) out += weights_[n] * (value(n) - first);
         return out;
     }
 
     const CarveStep& step_;
     std::array<double, 4> weights_;
+    std::array<std::array<int, 2>, 4> places_;  ///< lateral, k
     std::array<std::span<const std::uint16_t>, 4> all_;
 };
 

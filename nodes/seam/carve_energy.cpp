@@ -40,9 +40,9 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
             auto* target = out.data() + column(after);
             const auto bounds = step.bounds(lateral, k);
             std::size_t passed = 0;
-            for (int entry = 0; entry < step.after(); ++entry, target += after.stride[along]) {
+            for (int entry = step.start(); entry <= step.last(); ++entry, target += after.stride[along]) {
                 while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
-                const int twice = 2 * entry + step.displacement(entry, passed, bounds);
+                const int twice = 2 * (entry - step.origin()) + step.displacement(entry, passed, bounds);
                 const auto* const low = source + before.stride[along] * static_cast<std::size_t>(twice / 2);
                 *target = twice % 2 == 0 ? *low : mean(*low, low[before.stride[along]]);
             }

@@ -106,13 +106,47 @@ EnergyVolume EnergyVolume::sum() const {
     out.protects_ = protects_;
     out.attracted_ = attracted_;
     out.attraction_ = attraction_;
+    out.spread_ = spread_;
     out.rigidity_ = {rigidity_[0] * static_cast<float>(frames()), 0};
     return out;
 }
 
-void EnergyVolume::remove(std::span<const std::uint16_t> at) {
+void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
+    const auto first = column * stride_, place = first + static_cast<std::size_t>(entry);
+    const int low = std::max(entry - spread_, window.first), high = std::min(entry + spread_, window.last);
+    const auto share = [&](const auto& energy_at, const auto& add) {
+        int receivers = 0;
+        for (int e = low; e <= high; ++e) receivers += e != entry && energy_at(first + static_cast<std::size_t>(e)) ? 1 : 0;
+        const auto energy = energy_at(place);
+        if (receivers == 0 || !energy) return;
+        const float part = *energy / static_cast<float>(receivers);
+        for (int e = low; e <= high; ++e) {
+            const auto n = first + static_cast<std::size_t>(e);
+            if (const auto held = energy_at(n); e != entry && held) add(n, *held + part);
+        }
+    };
+    using Held = std::optional<float>;
+    if (summed()) {
+        const auto marked = [&](std::size_t n) { return std::isinf(sums_[n]) || (!energies_.empty() && energies_[n] != sums_[n]); };
+        share([&](std::size_t n) { return marked(n) ? Held() : Held(sums_[n]); },
+              [&](std::size_t n, float energy) {
+                  sums_[n] = energy;
+                  if (!energies_.empty()) energies_[n] = energy;
+              });
+    } else {
+        auto* const codes = (without_edges_ ? *without_edges_ : slabs_).slab(0).data();
+        share([&](std::size_t n) { return codes[n] >= protected_code ? Held() : Held(decode_energy(codes[n])); },
+              [&](std::size_t n, float energy) { codes[n] = encode_energy(std::min(energy, decode_energy(highest_energy_code))); });
+    }
+}
+
+void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
     if (attracts()) attracted_ -= met(at).attracted;
     const auto columns = columns_per_frame();
+    if (spread_ > 0)
+        tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) hand_on(c, at[c], window);
+        });
     --width_;
     const auto close = [&](auto* column, std::size_t entry) {
         std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
@@ -125,7 +159,8 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at) {
             if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
             if (!without_edges_) continue;
             close(without_edges_->slab(0).data() + c * stride_, at[c]);
-            for (int entry = std::max(at[c] - 1, 0); entry <= std::min<int>(at[c], width_ - 1); ++entry)
+            // What it was handed counts too, as far as it was.
+            for (int entry = std::max(at[c] - 1 - spread_, 0); entry <= std::min<int>(at[c] + spread_, width_ - 1); ++entry)
                 slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
         }
     });

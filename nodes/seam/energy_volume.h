@@ -4,6 +4,7 @@
 #include "nodes/seam/seams.h"
 #include "nodes/seam/slab_store.h"
 #include "nodes/seam/step_costs.h"
+#include "nodes/seam/window.h"
 
 #include <array>
 #include <cstdint>
@@ -45,6 +46,9 @@ public:
     /// What steps cost from now on, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
     const std::array<float, 2>& rigidity() const { return rigidity_; }
+    /// How far a deleted entry's energy is handed on, in entries to both sides; 0: it is gone (remove).
+    void set_spread(int entries) { spread_ = entries; }
+    int spread() const { return spread_; }
     /// Makes room for a field, whose new edges are to cost something. @throws Failure as SlabStore
     /// @param weight  for each unit by which the field changes across an edge
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
@@ -94,9 +98,14 @@ public:
     /// The same for the energies of a sum, in which attracted vertices count 0.
     const float* energies() const { return energies_.empty() ? sums_.data() : energies_.data(); }
 
-    /// Deletes one entry of each column; what is behind it moves up.
-    /// @param at  as Seams::Seam::at, each below width()
-    void remove(std::span<const std::uint16_t> at);
+    /// Deletes one entry of each column; what is behind it moves up. First its energy goes in equal shares to the entries of the
+    /// window that are within `spread()` of it and not marked (importance diffusion, Cho et al. 2009): so the next seam finds it
+    /// dearer there, and seams do not bunch.
+    /// @param at      as Seams::Seam::at, each below width() and inside the window
+    /// @param window  in which seams are found now
+    void remove(std::span<const std::uint16_t> at, Window window);
+    /// The same, where the window is all of the axis.
+    void remove(std::span<const std::uint16_t> at) { remove(at, {0, width_ - 1}); }
 
     /// What a seam meets. In a sum, marked vertices count once for each frame that marks them.
     struct Met {
@@ -109,10 +118,12 @@ public:
 
 private:
     std::size_t attracted_at(std::size_t place) const;  ///< in how many of the frames that a sum is of
+    /// Hands the energy of an entry on to those beside it. @param column  as in Seams::Seam::at
+    void hand_on(std::size_t column, int entry, Window window);
     /// What an entry of a column costs with the edge that its removal makes; columns as in Seams::Seam::at.
     std::uint16_t with_edge(std::size_t column, int entry) const;
 
-    int width_, laterals_, slices_;
+    int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
     bool closed_;
     SlabStore slabs_;

@@ -121,7 +121,8 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         out.attracted.push_back(met.attracted);
         out.blocked.push_back(met.blocked);
         out.attracted_left.push_back(energy.attracted() - met.attracted);
-        if (static_cast<int>(out.blocked.size()) < count) energy.remove(at);
+        const auto found = static_cast<int>(out.blocked.size());
+        if (found < count) energy.remove(at, {window.first, window.last - found + 1});
     };
     std::vector<std::uint16_t> last;
     for (const auto& seam : continued.before) {

@@ -3,18 +3,12 @@
 #include "graph/problem.h"
 #include "nodes/seam/energy_volume.h"
 #include "nodes/seam/seams.h"
+#include "nodes/seam/window.h"
 
 #include <functional>
 #include <vector>
 
 namespace fluidcarve {
-
-/// Entries of the carved axis that a seam may take, both included.
-struct Window {
-    int first = 0;
-    int last = 0;
-    int size() const { return last - first + 1; }
-};
 
 /// Told a few times a second how far the work has come, 0 to 1, from several threads at once; stops it by throwing.
 using Tick = std::function<void(double fraction)>;

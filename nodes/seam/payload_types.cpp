@@ -61,6 +61,10 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.list(seams.frames);
     out.text(seams.lattice);
     out.text(seams.lattice_hash);
+    out.optional(seams.window);
+    out.optional(seams.pair_window);
+    out.value(seams.anchor.at);
+    out.value(seams.anchor.vertex);
     write_list(seams.seams, out);
     write_list(seams.pairs, out);
 }
@@ -75,8 +79,13 @@ Ref<Seams> read_all(std::istream& from) {
     out->frames = in.list<int>();
     out->lattice = in.text();
     out->lattice_hash = in.text();
+    out->window = in.optional<Window>();
+    out->pair_window = in.optional<Window>();
+    out->anchor.at = in.value_up_to(Anchor::At::vertex);
+    out->anchor.vertex = in.value<int>();
     out->seams = read_list(in);
     out->pairs = read_list(in);
+    out->find_shifts();
     return out;
 }
 
@@ -89,7 +98,7 @@ void add_lattice_payloads(Registry& registry) {
     registry.add(payload_type<Seams>(
         "seams", "Seams through a lattice over all frames, in order.",
         [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
-        {1, &write_all, &read_all}));
+        {2, &write_all, &read_all}));
     registry.add(frame_energy_type(registry.payload(typeid(Lattice))));
     registry.add(active_box_type());
 }

@@ -72,8 +72,8 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
-    // What is attracted may be far from the last seam.
-    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts()) {
+    // What is attracted may be far from the last seam, and what was handed on keeps the next away from it.
+    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() || energy.spread() > 0) {
         best = coarse_to_fine(energy, window, number, alive);
     } else {
         best = std::move(last_);

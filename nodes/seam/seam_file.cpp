@@ -56,6 +56,31 @@ void read_shape(const std::string& text, Seams& out, std::size_t& frames) {
     frames = static_cast<std::size_t>(shape[3]);
 }
 
+/// The two ends of a window; nothing if the file states none.
+std::optional<Window> read_window(const Volume& volume, const char* name, int size) {
+    if (!volume.metadata[name]) return std::nullopt;
+    const auto text = text_of(volume.metadata, name, "the file");
+    Window out;
+    int end = 0;
+    const bool two = std::sscanf(text.c_str(), "%d,%d%n", &out.first, &out.last, &end) == 2 && text.size() == static_cast<std::size_t>(end);
+    if (!two || out.first < 0 || out.last < out.first || out.last >= size)
+        throw wrong(fmt::format("'{}' wants two vertices from 0 to {}, first,last, not '{}'", name, size - 1, text));
+    return out;
+}
+
+Anchor read_anchor(const Volume& volume, int size) {
+    const auto* const name = "fluidcarve_anchor";
+    if (!volume.metadata[name]) return {};
+    const auto text = text_of(volume.metadata, name, "the file");
+    for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
+        if (text == to_text(Anchor{at, 0})) return {at, 0};
+    int vertex = -1, end = 0;
+    const bool whole = std::sscanf(text.c_str(), "%d%n", &vertex, &end) == 1 && text.size() == static_cast<std::size_t>(end);
+    if (!whole || vertex < 0 || vertex >= size)
+        throw wrong(fmt::format("'{}' wants low, middle, high or a vertex from 0 to {}, not '{}'", name, size - 1, text));
+    return {Anchor::At::vertex, vertex};
+}
+
 Seams::Kind kind_of(const FloatGrid& grid) {
     const auto text = text_of(grid, "kind", "grid '" + grid.getName() + "'");
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
@@ -135,6 +160,9 @@ Volume seams_to_volume(const Seams& seams) {
     say("fluidcarve_lattice", seams.lattice);
     say("fluidcarve_lattice_hash", seams.lattice_hash);
     if (seams.closed) say("fluidcarve_closed", "true");
+    if (seams.window) say("fluidcarve_window", fmt::format("{},{}", seams.window->first, seams.window->last));
+    if (seams.pair_window) say("fluidcarve_pair_window", fmt::format("{},{}", seams.pair_window->first, seams.pair_window->last));
+    if (seams.anchor != Anchor{}) say("fluidcarve_anchor", to_text(seams.anchor));
     return out;
 }
 
@@ -160,6 +188,10 @@ Seams seams_from_volume(const Volume& volume) {
         if (closed != "true" && closed != "false") throw wrong(fmt::format("'fluidcarve_closed' wants true or false, not '{}'", closed));
         out.closed = closed == "true";
     }
+
+    out.window = read_window(volume, "fluidcarve_window", out.carved());
+    out.pair_window = read_window(volume, "fluidcarve_pair_window", out.carved());
+    out.anchor = read_anchor(volume, out.carved());
 
     if (!volume.grids.empty() && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
     const bool paired = volume.find(pair_name(0)) != nullptr;
@@ -188,6 +220,7 @@ Seams seams_from_volume(const Volume& volume) {
     if (out.kind == Seams::Kind::insert) require_distinct(out, out.seams, seam_name);
     else require_distinct(out, out.pairs, pair_name);
     if (paired) require_apart(out);
+    out.find_shifts();
     return out;
 }
 

@@ -40,7 +40,8 @@ std::size_t vertices(const std::array<int, 3>& shape) {
 openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec3d at) {
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
         const auto whole = [&](int axis) { return static_cast<int>(std::floor(at[axis])); };
-        at[step->axis()] += 0.5 * step->displacement(whole(step->axis()), whole(step->lateral_axis()), whole(2));
+        const int entry = whole(step->axis()) + step->start();
+        at[step->axis()] += step->start() - step->origin() + 0.5 * step->displacement(entry, whole(step->lateral_axis()), whole(2));
     }
     return at;
 }
@@ -65,7 +66,22 @@ void cut_lists(nlohmann::ordered_json& report, std::size_t count) {
 
 }  // namespace
 
+Shape ParamTraits<Anchor>::shape() {
+    return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}};
+}
+
+std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
+    for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
+        if (value.kind == Value::Kind::scalar && value.text == text({at, 0})) return Anchor{at, 0};
+    if (const auto vertex = reader.number(value, true)) return Anchor{Anchor::At::vertex, static_cast<int>(*vertex)};
+    return std::nullopt;
+}
+
+std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
+
 void SeamNode::check(const Params& params, NodeCheck& check) {
+    if (params.anchor.vertex < 0) check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+    if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
         if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
             check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, text(*window)));
@@ -96,6 +112,9 @@ SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const La
     out.count = std::abs(count);
     out.window = window_of("window", params.window, size, params.axis, !io.after.empty());
     require_room(out.kind, out.count, out.window, size);
+    if (params.anchor.vertex > size - 1)
+        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {} vertices along {}{}: 0 to {}", params.anchor.vertex, size, to_text(params.axis),
+                                  io.after.empty() ? "" : " once the seams of `after` are carved", size - 1));
     if (params.pair_window) {
         out.pair_window = window_of("pair_window", params.pair_window, size, params.axis, !io.after.empty());
         require_room(opposite(out.kind), out.count, *out.pair_window, size);
@@ -152,6 +171,7 @@ void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context&
 void SeamNode::make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget) {
     energy_.emplace(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
     energy_->set_rigidity({params.rigidity, params.rigidity_time});
+    energy_->set_spread(params.spread);
     if (params.cost == Cost::forward) energy_->add_field(params.field_weight, budget, context.work_folder());
 }
 
@@ -241,6 +261,9 @@ Seams SeamNode::empty_seams(const Params& params, const Task& task, const Contex
     out.shape = task.shape;
     out.frames = context.frames();
     out.lattice = lattices_.front()->description;
+    if (params.window) out.window = task.window;
+    if (params.pair_window) out.pair_window = task.pair_window;
+    out.anchor = params.anchor;
     std::vector<std::string> hashes;
     for (const auto& lattice : lattices_) hashes.push_back(lattice->hash);
     const bool same = std::all_of(hashes.begin(), hashes.end(), [&](const auto& hash) { return hash == hashes.front(); });
@@ -339,6 +362,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
             describe(now, "", said);
             if (task.pair_window) describe(pairs, "pair_", said);
             said["wall_s"] = wall_s(pairs, now);
+            part.find_shifts();
         }
         context.report("seams", said);
         context.hold(Payload(std::make_shared<Seams>(std::move(part))));
@@ -385,6 +409,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
     report["wall_s"] = wall_s(pairs, found);
     out.seams = std::move(found.seams);
     out.pairs = std::move(pairs.seams);
+    out.find_shifts();
 }
 
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from) {

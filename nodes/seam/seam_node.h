@@ -41,6 +41,14 @@ struct ChoiceNames<Cost> {
     static constexpr std::array names = {std::pair{"backward", Cost::backward}, std::pair{"forward", Cost::forward}};
 };
 
+/// `low`, `middle`, `high`, or a vertex.
+template <>
+struct ParamTraits<Anchor> {
+    static Shape shape();
+    static std::optional<Anchor> parse(const Value& value, ValueReader& reader);
+    static std::string text(const Anchor& anchor);
+};
+
 /// What every solver node takes and gives (METHOD 8), with all that does not depend on how one seam is found: windows,
 /// pairs, static seams, masks, the space that other seams leave. A new solver is a FindSeam, its own parameters and
 ///
@@ -66,6 +74,8 @@ public:
         float field_weight = 1;
         float rigidity = 0;
         float rigidity_time = 0;
+        int spread = 0;
+        Anchor anchor;
         Auto<int> bound_passes;
     };
     struct Ports {
@@ -179,6 +189,13 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "What each step of a seam costs, from a column to its neighbour in space; more keeps seams straighter. Reported energies include it.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")
+        .param("spread", &Params::spread, Unit::vertices, between(0, 1000),
+               "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "
+               "axis (Cho et al. 2009), but not out of the window, nor to protected or attracted ones. So seams do not bunch, and each part of the content "
+               "gives in proportion to its room. 0: seams run side by side where it is cheapest.")
+        .param("anchor", &Params::anchor,
+               "What stays where it is when seams move the rest: the lattice's low end, its middle, its high end, or what is at a vertex. Content moves by whole "
+               "vertices, in all frames alike; by a vertex is meant where its content is found on average.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
                "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "nodes/lattice/lattice.h"
+#include "nodes/seam/anchor.h"
 #include "nodes/seam/seam_entries.h"
+#include "nodes/seam/window.h"
 
 #include <array>
 #include <cstddef>
@@ -32,6 +34,8 @@ struct Seams {
     std::vector<int> frames;     ///< frame numbers; a frame's `t` is its place here
     std::string lattice;         ///< description of the lattice
     std::string lattice_hash;    ///< one for all frames; of a lattice that changes one per frame, separated by commas
+    std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing: all, of pairs as far as they reach
+    Anchor anchor;
     std::vector<Seam> seams;
     /// Empty, or the other seam of each pair (paper 3.6): of the opposite kind, all on the positive side of all `seams`.
     /// Entries count no seam of the other window.
@@ -45,6 +49,13 @@ struct Seams {
     std::string lattice_hash_at(std::size_t t) const;
     /// The shape that the first `count` of these seams leave; pairs leave it as it is.
     std::array<int, 3> shape_after(std::size_t count) const;
+    /// Where the carved space begins once the first `count` of these seams are carved, in vertices from where it began before, so that the
+    /// anchor stays in place: 0 to `count` if they are removed, -`count` to 0 if they are inserted, 0 for pairs.
+    int shift_after(std::size_t count) const;
+    /// For Anchor::At::vertex: shift_after() of every count from 0 on. Set by find_shifts().
+    std::vector<int> shifts;
+    /// To be called when seams and anchor are set.
+    void find_shifts();
 };
 
 /// What the other seam of a pair does.
@@ -52,6 +63,8 @@ constexpr Seams::Kind opposite(Seams::Kind kind) { return kind == Seams::Kind::r
 
 /// "u" or "v".
 std::string to_text(Axis axis);
+/// "low", "middle", "high", or the vertex.
+std::string to_text(const Anchor& anchor);
 /// "remove" or "insert".
 std::string to_text(Seams::Kind kind);
 

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace fluidcarve {
+
+/// Entries of the carved axis that a seam may take, both included.
+struct Window {
+    int first = 0;
+    int last = 0;
+    int size() const { return last - first + 1; }
+};
+
+}  // namespace fluidcarve
