@@ -122,8 +122,8 @@ Carved record(Document document, const Registry& registry, const std::string& in
     set(node, "before", input);
     set(node, "after", "carved");
     set(node, "lattice", text_of(node_of(document, "seams"), "lattice"));
-    set(document.nodes, "look", std::move(node));
-    run(document, registry, "look", scratch);
+    set(document.nodes, "look_record", std::move(node));
+    run(document, registry, "look_record", scratch);
     return std::exchange(recorded, {});
 }
 
