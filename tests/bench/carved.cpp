@@ -167,6 +167,23 @@ void move_windows(Value& seams, int grown) {
     shift("pair_window", 0);
 }
 
+/// Puts the lattices that the first carves left in place of the document's own.
+/// @param grown  vertices along u, unless seams come in pairs
+void give_what_is_left(Document& document, const std::vector<Ref<Lattice>>& lattices, int grown) {
+    const bool pairs = windows_of(document).has_value();
+    given.clear();
+    for (const auto& lattice : lattices) {
+        auto left = std::make_shared<Lattice>(*lattice);
+        if (!pairs) left->shape[0] += grown;
+        left->hash = lattice_hash(*left);
+        given.push_back(std::move(left));
+    }
+    Value node;
+    node.mark = document.mark;
+    set(node, "type", "look.lattice");
+    set(document.nodes, text_of(node_of(document, "seams"), "lattice"), std::move(node));
+}
+
 /// What is seen in a frame.
 class Sampler {
 public:
@@ -239,27 +256,15 @@ Carved carve_as_shipped(const Shot& shot, int count) {
 Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice>>& lattices) {
     const Scratch scratch;
     const auto registry = registry_of_looks();
-    const int step = count < 0 ? -1 : 1, seams = std::abs(count);
+    const int step = count < 0 ? -1 : count;
     auto from = shot.files;
-    for (int n = 0;; ++n) {
-        const auto to = scratch / (n % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
+    for (int done = 0;; done += step) {
+        const auto to = scratch / (done % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
         auto document = document_of(shot, from, step, to);
-        const bool pairs = windows_of(document).has_value();
-        given.clear();
-        for (const auto& lattice : lattices) {
-            auto left = std::make_shared<Lattice>(*lattice);
-            if (!pairs) left->shape[0] += step * n;
-            left->hash = lattice_hash(*left);
-            given.push_back(std::move(left));
-        }
+        give_what_is_left(document, lattices, done);
         make_classical(document, registry);
-        auto& solver = node_of(document, "seams");
-        move_windows(solver, step * n);
-        Value node;
-        node.mark = document.mark;
-        set(node, "type", "look.lattice");
-        set(document.nodes, text_of(solver, "lattice"), std::move(node));
-        if (n + 1 == seams) {
+        move_windows(node_of(document, "seams"), done);
+        if (done + step == count) {
             auto out = record(document, registry, shot.scene.input, scratch);
             out.lattices = lattices;
             return out;

@@ -39,8 +39,9 @@ struct Carved {
 /// Runs the shipped pipeline as it is.
 Carved carve_as_shipped(const Shot& shot, int count);
 
-/// The paper's way: backward energy, whole vertices, multi-greedy seams, one after the other. Each is carved before the next
-/// is looked for, in the lattice that is left of the first.
+/// The paper's way: multi-greedy seams of backward energy, whole vertices move. To narrow, each seam is carved before the next
+/// is looked for, in the lattice that is left of the first. To widen, all are found at once: one after the other, the same
+/// seam would be doubled again and again.
 /// @param lattices  of each frame, before the carve
 Carved carve_as_paper(const Shot& shot, int count, const std::vector<fluidcarve::Ref<fluidcarve::Lattice>>& lattices);
 

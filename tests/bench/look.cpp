@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
 
 namespace {
 
@@ -27,6 +26,10 @@ const std::vector<Scene> scenes{
 };
 
 constexpr auto about =
+    "- shipped: the pipeline as it is.\n"
+    "- the paper's: the same energy carved by the paper's method. Multi-greedy seams pay backward costs, whole vertices move. To narrow, each seam is carved "
+    "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
+    "\n"
     "Each figure is a share: below 1 is better than even scaling to the same visible width. Samples stand at the lattice's vertices.\n"
     "\n"
     "- coherence: what is in the result comes from the input. Root mean square distance from each patch of the result to the nearest patch of the input; "
@@ -83,8 +86,9 @@ public:
                                  looks.flicker, std::optional(looks.jagged), std::optional(looks.mass),
                                  looks.resized};
         row(scene, fmt::format("{:+}", count), contender, numbers(space), numbers(looks.completeness), figures);
-        auto& means = means_[contender];
-        for (std::size_t n = 0; n < figures.size(); ++n) means[n].add(figures[n]);
+        auto means = std::ranges::find(means_, contender, &Means::contender);
+        if (means == means_.end()) means = means_.insert(means_.end(), {contender, {}});
+        for (std::size_t n = 0; n < figures.size(); ++n) means->figures[n].add(figures[n]);
     }
 
     void add_means() {
@@ -111,8 +115,12 @@ private:
         std::apply([&](const auto&... text) { print(scene, count, contender, coherence, completeness, text...); }, texts);
     }
 
+    struct Means {
+        std::string contender;
+        std::array<Mean, 7> figures;
+    };
     std::ofstream page_;
-    std::map<std::string, std::array<Mean, 7>> means_;
+    std::vector<Means> means_;
 };
 
 /// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second

@@ -9,7 +9,7 @@ using namespace fluidcarve;
 
 namespace {
 
-constexpr int scale_of_volumes = 4, margin = 16, title_height = 26, caption_height = 18;
+constexpr double largest = 300, least_width = 90, margin = 16, title_height = 26, caption_height = 18;  ///< pixels
 constexpr Colour paper{255, 255, 255}, ink{30, 30, 30};
 
 std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
@@ -27,7 +27,7 @@ Picture layer(const Samples& samples, double white, std::size_t height) {
 
 /// A volume seen along v in light that falls along w from above: both are dimmed by what they have passed.
 Picture lit(const Samples& samples, double dense) {
-    constexpr double dimming = 0.25, shadow = 0.12, ambient = 0.25, sky = 0.12;
+    constexpr double dimming = 0.25, shadow = 0.25, ambient = 0.15, sky = 0.12;
     const auto [width, depth, height] = samples.shape;
     Picture out{static_cast<int>(width), static_cast<int>(height), {}};
     std::vector<double> light(width * depth, 1.0);
@@ -54,17 +54,19 @@ Picture picture_of(const Samples& samples, double dense) {
 
 struct DrawnRow {
     std::vector<Picture> pictures;
-    int scale = 1, width = margin, height = 0;
+    double scale = 1, width = margin, height = 0;  ///< pixels
+
+    double step(const Picture& picture) const { return std::max(least_width, scale * picture.width) + margin; }
 };
 
 DrawnRow drawn(const LookRow& row) {
     DrawnRow out;
     const double dense = visible_from(row.samples.front()) / 0.02;
     for (const auto& samples : row.samples) out.pictures.push_back(picture_of(samples, dense));
-    const auto widest = std::ranges::max(out.pictures, {}, &Picture::width).width;
-    out.scale = widest > 200 ? 1 : scale_of_volumes;
-    for (const auto& picture : out.pictures) out.width += out.scale * picture.width + margin;
-    out.height = title_height + out.scale * out.pictures.front().height + caption_height + margin;
+    const auto& widest = std::ranges::max(out.pictures, {}, &Picture::width);
+    out.scale = largest / std::max(widest.width, widest.height);
+    for (const auto& picture : out.pictures) out.width += out.step(picture);
+    out.height = title_height + out.scale * widest.height + caption_height + margin;
     return out;
 }
 
@@ -79,24 +81,23 @@ Samples middle_frame(const Samples& samples) {
 
 void draw_looks(const std::vector<LookRow>& rows, const std::string& path) {
     std::vector<DrawnRow> all;
-    int width = 0, height = margin;
+    double width = 0, height = margin;
     for (const auto& row : rows) {
         all.push_back(drawn(row));
         width = std::max(width, all.back().width);
         height += all.back().height;
     }
-    Canvas canvas(width, height, paper);
+    Canvas canvas(static_cast<int>(width), static_cast<int>(height), paper);
     double y = margin;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         double x = margin;
         canvas.text(x, y + 12, rows[r].title, {14, true, ink});
         for (std::size_t n = 0; n < all[r].pictures.size(); ++n) {
             const auto& picture = all[r].pictures[n];
-            const Canvas::Rect place{x, y + title_height, static_cast<double>(all[r].scale * picture.width),
-                                     static_cast<double>(all[r].scale * picture.height)};
+            const Canvas::Rect place{x, y + title_height, all[r].scale * picture.width, all[r].scale * picture.height};
             canvas.picture(place, picture);
             canvas.text(x, place.y + place.height + 14, rows[r].names[n], {12, false, ink});
-            x += place.width + margin;
+            x += all[r].step(picture);
         }
         y += all[r].height;
     }
