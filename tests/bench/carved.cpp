@@ -1,0 +1,294 @@
+#include "tests/bench/carved.h"
+
+#include "graph/document.h"
+#include "graph/pipeline.h"
+#include "nodes/catalogue.h"
+#include "runtime/run.h"
+#include "tests/support/scratch.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <numeric>
+#include <thread>
+
+using namespace fluidcarve;
+using openvdb::Vec3d;
+
+namespace {
+
+Carved recorded;
+std::vector<Ref<Lattice>> given;  ///< of each frame
+
+/// Keeps what comes by.
+struct Record {
+    struct Ports {
+        Ref<Volume> before, after;
+        Ref<Lattice> lattice;
+    };
+    void add(const detail::NoParams&, const Ports& io, Context&) {
+        recorded.before.push_back(io.before);
+        recorded.after.push_back(io.after);
+        recorded.lattices.push_back(io.lattice);
+    }
+    void finish(const detail::NoParams&, Ports&, Context&) {}
+};
+
+/// In place of a lattice's own node.
+struct Given {
+    struct Ports {
+        Ref<Lattice> lattice;
+    };
+    static bool animates(const detail::NoParams&) {
+        return std::ranges::any_of(given, [](const auto& lattice) { return lattice->hash != given.front()->hash; });
+    }
+    static void run(const detail::NoParams&, Ports& io, Context& context) { io.lattice = given.at(context.place()); }
+};
+
+Registry registry_of_looks() {
+    auto out = builtin_registry();
+    out.add(Declare<Record>("look.record", "Keeps what comes by.")
+                .input("before", &Record::Ports::before, "The input.")
+                .input("after", &Record::Ports::after, "The result.")
+                .input("lattice", &Record::Ports::lattice, "What was carved."));
+    out.add(Declare<Given>("look.lattice", "A lattice from elsewhere.").output("lattice", &Given::Ports::lattice, "The lattice."));
+    return out;
+}
+
+Value text_value(const std::string& text, const Mark& mark) {
+    Value out;
+    out.kind = Value::Kind::scalar;
+    out.mark = mark;
+    out.text = text;
+    return out;
+}
+
+void set(Value& map, const std::string& name, Value value) {
+    map.kind = Value::Kind::map;
+    if (auto* const field = map.find(name)) field->value = std::move(value);
+    else map.fields.push_back({name, map.mark, std::move(value)});
+}
+
+void set(Value& map, const std::string& name, const std::string& text) { set(map, name, text_value(text, map.mark)); }
+
+Value& node_of(Document& document, const std::string& name) {
+    auto* const field = document.nodes.find(name);
+    if (!field) throw std::runtime_error(fmt::format("{} has no node '{}'", document.name, name));
+    return field->value;
+}
+
+const std::string& text_of(Value& node, const std::string& field) {
+    const auto* const found = node.find(field);
+    if (!found) throw std::runtime_error(fmt::format("a node without '{}' where one is looked for", field));
+    return found->value.text;
+}
+
+Document document_of(const Shot& shot, const std::string& input, int count, const std::string& out) {
+    std::vector<std::string> settings{fmt::format("{}={}", shot.scene.input, input), fmt::format("count={}", count)};
+    if (!out.empty()) settings.push_back("out=" + out);
+    if (shot.range) settings.push_back(fmt::format("frames={}-{}", shot.range->first, shot.range->second));
+    Problems problems;
+    auto document = read_document(fmt::format("{}/pipelines/{}.yaml", SOURCE_ROOT, shot.scene.pipeline), settings, problems);
+    if (!problems.empty()) throw std::runtime_error(to_text(problems));
+    return document;
+}
+
+/// Runs a document up to one of its nodes.
+void run(const Document& document, const Registry& registry, const std::string& to, const Scratch& scratch) {
+    Problems problems;
+    const auto pipeline = build_pipeline(document, registry, problems);
+    if (!problems.empty()) throw std::runtime_error(to_text(problems));
+    RunRequest request;
+    request.options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    request.options.in_flight = request.options.threads + 1;
+    request.options.memory = std::uint64_t{1} << 33;
+    request.options.work_folder = scratch / "work";
+    request.options.cache = false;
+    request.wish.to = to;
+    request.quiet = true;
+    if (run_pipeline(pipeline, registry, request, [] { return false; }) != exit_code::done) throw std::runtime_error(document.name + " failed");
+}
+
+/// Runs a document up to its carve, and keeps what that made.
+Carved record(Document document, const Registry& registry, const std::string& input, const Scratch& scratch) {
+    recorded = {};
+    Value node;
+    node.mark = document.mark;
+    set(node, "type", "look.record");
+    set(node, "before", input);
+    set(node, "after", "carved");
+    set(node, "lattice", text_of(node_of(document, "seams"), "lattice"));
+    set(document.nodes, "look_record", std::move(node));
+    run(document, registry, "look_record", scratch);
+    return std::exchange(recorded, {});
+}
+
+/// First and last vertex of both windows, if seams come in pairs.
+std::optional<std::array<double, 4>> windows_of(Document& document) {
+    auto& seams = node_of(document, "seams");
+    const auto *const window = seams.find("window"), *const pair = seams.find("pair_window");
+    if (!window || !pair) return std::nullopt;
+    const auto number = [](const Value& value) { return std::stod(value.text); };
+    return std::array{number(window->value.items.at(0)), number(window->value.items.at(1)), number(pair->value.items.at(0)), number(pair->value.items.at(1))};
+}
+
+/// Gives each solver and each carve the settings of classical seam carving, of those that its type has.
+void make_classical(Document& document, const Registry& registry) {
+    auto& seams = node_of(document, "seams");
+    set(seams, "type", "seam.greedy");
+    const auto& greedy = *registry.node("seam.greedy");
+    std::erase_if(seams.fields, [&](const Value::Field& field) {
+        const bool of_forward_cost = field.name == "field" || field.name == "field_weight";
+        return of_forward_cost || (!is_common_field(field.name) && !greedy.input(field.name) && !greedy.param(field.name));
+    });
+    for (auto& [name, mark, node] : document.nodes.fields) {
+        const auto type = text_of(node, "type");
+        const auto* const known = registry.node(type);
+        if (!known || !(type.starts_with("seam.") || type.starts_with("remap."))) continue;
+        for (const auto& [param, value] : {std::pair("cost", "backward"), std::pair("rigidity", "0"), std::pair("rigidity_time", "0"), std::pair("spread", "0"),
+                                           std::pair("soft", "0"), std::pair("anchor", "low")})
+            if (known->param(param)) set(node, param, value);
+    }
+}
+
+/// Windows after the first seams: they, and the space between them, are as large as those left them.
+void move_windows(Value& seams, int grown) {
+    const auto shift = [&](const char* name, std::size_t end) {
+        if (auto* const window = seams.find(name); window && window->value.items.size() == 2) {
+            auto& text = window->value.items[end].text;
+            text = fmt::format("{}", std::stoi(text) + grown);
+        }
+    };
+    shift("window", 1);
+    shift("pair_window", 0);
+}
+
+/// Puts the lattices that the first carves left in place of the document's own.
+/// @param grown  vertices along u, unless seams come in pairs
+void give_what_is_left(Document& document, const std::vector<Ref<Lattice>>& lattices, int grown) {
+    const bool pairs = windows_of(document).has_value();
+    given.clear();
+    for (const auto& lattice : lattices) {
+        auto left = std::make_shared<Lattice>(*lattice);
+        if (!pairs) left->shape[0] += grown;
+        left->hash = lattice_hash(*left);
+        given.push_back(std::move(left));
+    }
+    Value node;
+    node.mark = document.mark;
+    set(node, "type", "look.lattice");
+    set(document.nodes, text_of(node_of(document, "seams"), "lattice"), std::move(node));
+}
+
+/// What is seen in a frame.
+class Sampler {
+public:
+    Sampler(const Scene& scene, const Volume& volume) {
+        for (const auto& name : scene.grids) {
+            const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
+            if (!grid) throw std::runtime_error(fmt::format("{} has no grid '{}' of floats", scene.pipeline, name));
+            grids_.push_back(grid);
+        }
+    }
+    /// The mean of the grids at a world position, trilinear.
+    float operator()(const Vec3d& world) const {
+        float sum = 0;
+        for (const auto& grid : grids_) sum += openvdb::tools::BoxSampler::sample(grid->tree(), grid->worldToIndex(world));
+        return sum / static_cast<float>(grids_.size());
+    }
+
+private:
+    std::vector<FloatGrid::ConstPtr> grids_;
+};
+
+/// @param first  along u
+Samples sampled(const Scene& scene, const std::vector<Ref<Volume>>& volumes, const std::vector<Ref<Lattice>>& lattices, int first, int width) {
+    const auto& lattice = *lattices.at(0);
+    const auto laterals = static_cast<std::size_t>(lattice.shape[1]), slices = static_cast<std::size_t>(lattice.shape[2]);
+    Samples out(volumes.size(), {static_cast<std::size_t>(width), laterals, slices}, lattice.closed);
+    for (std::size_t t = 0; t < volumes.size(); ++t) {
+        const Sampler value(scene, *volumes[t]);
+        tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+            for (std::size_t j = 0; j < laterals; ++j)
+                for (int i = 0; i < width; ++i)
+                    out.row(j + laterals * (k + slices * t))[i] =
+                        value(lattices[t]->position(Vec3d(first + i, static_cast<double>(j), static_cast<double>(k))));
+        });
+    }
+    return out;
+}
+
+Samples part_of(const Samples& wide, std::size_t first, std::size_t width) {
+    return stretched(wide, width, [&](double i) { return i + static_cast<double>(first); });
+}
+
+}  // namespace
+
+std::optional<Shot> find_shot(const Scene& scene, const std::string& folder) {
+    namespace fs = std::filesystem;
+    const auto path = fs::absolute(folder) / scene.files;
+    Shot out{scene, path.string(), std::nullopt};
+    const auto name = path.filename().string();
+    const auto token = name.find("####");
+    if (token == std::string::npos) return fs::exists(path) ? std::optional(out) : std::nullopt;
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(path.parent_path(), missing)) {
+        const auto file = entry.path().filename().string();
+        if (file.size() != name.size() || !file.starts_with(name.substr(0, token)) || !file.ends_with(name.substr(token + 4))) continue;
+        const int frame = std::atoi(file.c_str() + token);
+        out.range = out.range ? std::pair(std::min(out.range->first, frame), std::max(out.range->second, frame)) : std::pair(frame, frame);
+    }
+    return out.range ? std::optional(out) : std::nullopt;
+}
+
+Carved carve_as_shipped(const Shot& shot, int count) {
+    const Scratch scratch;
+    auto document = document_of(shot, shot.files, count, "");
+    auto out = record(document, registry_of_looks(), shot.scene.input, scratch);
+    out.windows = windows_of(document);
+    return out;
+}
+
+Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice>>& lattices) {
+    const Scratch scratch;
+    const auto registry = registry_of_looks();
+    const int step = count < 0 ? -1 : count;
+    auto from = shot.files;
+    for (int done = 0;; done += step) {
+        const auto to = scratch / (done % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
+        auto document = document_of(shot, from, step, to);
+        give_what_is_left(document, lattices, done);
+        make_classical(document, registry);
+        move_windows(node_of(document, "seams"), done);
+        if (done + step == count) {
+            auto out = record(document, registry, shot.scene.input, scratch);
+            out.lattices = lattices;
+            return out;
+        }
+        run(document, registry, "out", scratch);
+        from = to;
+    }
+}
+
+Samples samples_before(const Scene& scene, const Carved& carved) { return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]); }
+
+Samples samples_after(const Scene& scene, const Carved& carved, int grown) {
+    const int before = carved.lattices.at(0)->shape[0], low = std::min(0, -grown);
+    const auto width = static_cast<std::size_t>(before + grown);
+    const auto wide = sampled(scene, carved.after, carved.lattices, low, before + std::max(0, grown) - low);
+    std::vector<double> along(wide.shape[0]);
+    for (std::size_t r = 0; r < wide.rows(); ++r)
+        for (std::size_t i = 0; i < along.size(); ++i) along[i] += wide.row(r)[i];
+    const auto held = [&](std::size_t first) {
+        const auto begin = along.begin() + static_cast<std::ptrdiff_t>(first);
+        return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(width), 0.0);
+    };
+    auto best = static_cast<std::size_t>(-low);
+    for (std::size_t first = 0; first + width <= along.size(); ++first)
+        if (held(first) > 1.01 * held(best)) best = first;
+    return part_of(wide, best, width);
+}

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "nodes/lattice/lattice.h"
+#include "nodes/payloads.h"
+#include "tests/bench/similarity.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// A shipped pipeline, and what of it is looked at.
+struct Scene {
+    std::string pipeline;            ///< `plume` for pipelines/plume.yaml
+    std::string input;               ///< the pipeline's parameter that names its input, and the node that reads it
+    std::string files;               ///< in a folder of data
+    std::vector<std::string> grids;  ///< what is seen: their mean
+    std::array<int, 2> counts;       ///< of seams
+};
+
+/// A scene with its data.
+struct Shot {
+    Scene scene;
+    std::string files;                         ///< whole path
+    std::optional<std::pair<int, int>> range;  ///< the first and the last frame; nothing: a single image
+};
+
+/// @return nothing if the folder holds no files of the scene
+std::optional<Shot> find_shot(const Scene& scene, const std::string& folder);
+
+/// What a pipeline made of a sequence, and in which space.
+struct Carved {
+    std::vector<fluidcarve::Ref<fluidcarve::Lattice>> lattices;      ///< of each frame, before the carve
+    std::vector<fluidcarve::Ref<fluidcarve::Volume>> before, after;  ///< of each frame
+    std::optional<std::array<double, 4>> windows;                    ///< of seam pairs: first and last vertex of both
+};
+
+/// Runs the shipped pipeline as it is.
+Carved carve_as_shipped(const Shot& shot, int count);
+
+/// The paper's way: multi-greedy seams of backward energy, whole vertices move. To narrow, each seam is carved before the next
+/// is looked for, in the lattice that is left of the first. To widen, all are found at once: one after the other, the same
+/// seam would be doubled again and again.
+/// @param lattices  of each frame, before the carve
+Carved carve_as_paper(const Shot& shot, int count, const std::vector<fluidcarve::Ref<fluidcarve::Lattice>>& lattices);
+
+/// The input at the lattices' vertices.
+Samples samples_before(const Scene& scene, const Carved& carved);
+
+/// The result at the vertices of the carved lattice: as many more along u as seams were inserted, or fewer. It stands at the
+/// low end of the lattice, or where else it holds more.
+/// @param grown  vertices along u, below 0 if the lattice shrinks
+Samples samples_after(const Scene& scene, const Carved& carved, int grown);

@@ -1,0 +1,212 @@
+// How carved sequences look, scene by scene, beside the same sequences scaled evenly.
+//
+//   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]    all shipped scenes on plume/, vortex/, bonfire/ and images/ of the
+//                                                              folder (tests/data): OUT.md and OUT.png (out/look)
+//
+// --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the time.
+
+#include "tests/bench/carved.h"
+#include "tests/bench/look_picture.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+/// The scenes and their counts: about a fifth of the vertices along u, or as many as are shipped.
+const std::vector<Scene> scenes{
+    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {-8, 8}},        {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {-8, 8}},
+    {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {-5, 5}},   {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {-6, 6}},
+    {"bonfire", "sim", "bonfire/bonfire.####.vdb", {"flame"}, {-4, 5}},    {"bonfire_hot", "sim", "bonfire/bonfire.####.vdb", {"density"}, {-8, 8}},
+    {"image", "photo", "images/rocket.jpg", {"R", "G", "B"}, {-128, 128}}, {"image_ring", "photo", "images/chelsea.png", {"R", "G", "B"}, {-8, 12}},
+};
+
+constexpr auto about =
+    "- shipped: the pipeline as it is.\n"
+    "- the paper's: the same energy carved by the paper's method. Multi-greedy seams pay backward costs, whole vertices move. To narrow, each seam is carved "
+    "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
+    "\n"
+    "Each figure is a share: below 1 is better than even scaling to the same visible width. Samples stand at the lattice's vertices.\n"
+    "\n"
+    "- coherence: what is in the result comes from the input. Root mean square distance from each patch of the result to the nearest patch of the input; "
+    "patches of 5, 9 and 15 vertices.\n"
+    "- completeness: what is in the input is in the result. The other way round.\n"
+    "- time: coherence of patches of 7 vertices that last 5 frames; only of 5 frames or more.\n"
+    "- mean, worst: of all figures before.\n"
+    "- flicker: second difference in time per mass, as a share of the input's own; only of 3 frames or more.\n"
+    "- jagged: second difference along the carved axis per mass, as a share of the input's own.\n"
+    "- mass: the sum of all samples, as a share of even scaling's.\n"
+    "- resized: by how much what is visible became narrower or wider, as a share of what scaling all of the lattice would do. A carve that takes only "
+    "empty space looks perfect and resizes nothing.\n"
+    "\n"
+    "Visible is what exceeds 0.02 of the value that one sample in a thousand exceeds. Where seams come in pairs the lattice keeps its size: even scaling then "
+    "stretches one window evenly and presses the other together, and nothing is resized. `river` is not measured: its paper method would need particles, "
+    "surface and banks to be carved and read again for each seam.\n";
+
+std::string number(const std::optional<double>& value) { return value && std::isfinite(*value) ? fmt::format("{:.2f}", *value) : "-"; }
+
+std::string numbers(const std::vector<double>& values) {
+    std::vector<std::string> out;
+    for (const double value : values) out.push_back(number(value));
+    return fmt::format("{}", fmt::join(out, " "));
+}
+
+/// A mean of what there is.
+class Mean {
+public:
+    void add(const std::optional<double>& value) {
+        if (!value || !std::isfinite(*value)) return;
+        sum_ += *value;
+        ++count_;
+    }
+    std::optional<double> value() const { return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt; }
+
+private:
+    double sum_ = 0;
+    int count_ = 0;
+};
+
+class Table {
+public:
+    explicit Table(const std::string& path) : page_(path) {
+        page_ << "# How carves look beside even scaling\n\n" << about << "\n";
+        page_ << "| scene | count | | coherence | completeness | time | mean | worst | flicker | jagged | mass | resized |\n"
+                 "|---|--:|---|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
+        print("scene", "count", "", "coherence", "completeness", "time", "mean", "worst", "flicker", "jagged", "mass", "resized");
+    }
+
+    void add(const std::string& scene, int count, const std::string& contender, const Looks& looks) {
+        const std::vector<double> space(looks.coherence.begin(), looks.coherence.begin() + 3);
+        const auto time = looks.coherence.size() > 3 ? std::optional(looks.coherence[3]) : std::nullopt;
+        const std::array figures{time,          std::optional(looks.mean()), std::optional(looks.worst()),
+                                 looks.flicker, std::optional(looks.jagged), std::optional(looks.mass),
+                                 looks.resized};
+        row(scene, fmt::format("{:+}", count), contender, numbers(space), numbers(looks.completeness), figures);
+        auto means = std::ranges::find(means_, contender, &Means::contender);
+        if (means == means_.end()) means = means_.insert(means_.end(), {contender, {}});
+        for (std::size_t n = 0; n < figures.size(); ++n) means->figures[n].add(figures[n]);
+    }
+
+    void add_means() {
+        for (const auto& [contender, means] : means_) {
+            std::array<std::optional<double>, 7> figures;
+            std::ranges::transform(means, figures.begin(), &Mean::value);
+            row("mean of all", "", contender, "", "", figures);
+        }
+    }
+
+    bool good() const { return page_.good(); }
+
+private:
+    template <class... Texts>
+    static void print(const Texts&... texts) {
+        fmt::print("{:<12} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7}\n", texts...);
+        std::fflush(stdout);
+    }
+    void row(const std::string& scene, const std::string& count, const std::string& contender, const std::string& coherence, const std::string& completeness,
+             const std::array<std::optional<double>, 7>& figures) {
+        std::array<std::string, 7> texts;
+        std::ranges::transform(figures, texts.begin(), number);
+        page_ << fmt::format("| {} | {} | {} | {} | {} | {} |\n", scene, count, contender, coherence, completeness, fmt::join(texts, " | "));
+        std::apply([&](const auto&... text) { print(scene, count, contender, coherence, completeness, text...); }, texts);
+    }
+
+    struct Means {
+        std::string contender;
+        std::array<Mean, 7> figures;
+    };
+    std::ofstream page_;
+    std::vector<Means> means_;
+};
+
+/// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second
+/// to what is left for it.
+Samples even_for(const Samples& result, const Samples& source, const Carved& carved, int count) {
+    if (!carved.windows) {
+        const float visible = visible_from(source);
+        return scaled(source, visible_width(result, visible) / visible_width(source, visible));
+    }
+    const auto [first, last, pair_first, pair_last] = *carved.windows;
+    return stretched(source, source.shape[0], [=](double i) {
+        if (i <= first || i >= pair_last) return i;
+        if (i <= last + count) return first + (i - first) * (last - first) / (last - first + count);
+        if (i <= pair_first + count) return i - count;
+        return pair_last - (pair_last - i) * (pair_last - pair_first) / (pair_last - pair_first - count);
+    });
+}
+
+/// Measures a shot at one count. @return what is seen of it
+LookRow measure(const Shot& shot, int count, bool loop, Table& table) {
+    const auto& scene = shot.scene;
+    const auto shipped = carve_as_shipped(shot, count);
+    const auto source = samples_before(scene, shipped);
+    const int grown = shipped.windows ? 0 : count;
+    LookRow out{fmt::format("{}, {:+}", scene.pipeline, count), {middle_frame(source)}, {"before"}};
+    const auto add = [&](const std::string& contender, const Carved& carved) {
+        const auto result = samples_after(scene, carved, grown);
+        const auto even = even_for(result, source, shipped, count);
+        table.add(scene.pipeline, count, contender, looks_of(result, source, even, std::abs(count)));
+        out.samples.push_back(middle_frame(result));
+        out.names.push_back(contender);
+        return middle_frame(even);
+    };
+    if (loop) add("the paper's", carve_as_paper(shot, count, shipped.lattices));
+    const auto even = add("shipped", shipped);
+    out.samples.insert(out.samples.begin() + 1, even);
+    out.names.insert(out.names.begin() + 1, "scaled evenly");
+    return out;
+}
+
+void look(const std::vector<std::string>& wanted, bool loop, const std::string& folder, const std::string& out) {
+    if (const auto above = std::filesystem::path(out).parent_path(); !above.empty()) std::filesystem::create_directories(above);
+    Table table(out + ".md");
+    std::vector<LookRow> rows;
+    for (const auto& scene : scenes) {
+        if (!wanted.empty() && std::ranges::find(wanted, scene.pipeline) == wanted.end()) continue;
+        const auto shot = find_shot(scene, folder);
+        if (!shot) {
+            fmt::print(stderr, "{} is left out: there is no {} in {}\n", scene.pipeline, scene.files, folder);
+            continue;
+        }
+        for (const int count : scene.counts) {
+            auto row = measure(*shot, count, loop, table);
+            if (count == scene.counts.front()) rows.push_back(std::move(row));
+        }
+    }
+    if (rows.empty()) throw std::runtime_error("there is nothing to look at");
+    table.add_means();
+    if (!table.good()) throw std::runtime_error(out + ".md can't be written");
+    draw_looks(rows, out + ".png");
+    fmt::print("\nwritten: {0}.md, {0}.png\n", out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    openvdb::initialize();
+    std::vector<std::string> words(argv + 1, argv + argc), wanted;
+    const bool loop = std::erase(words, "--no-loop") == 0;
+    for (auto at = words.begin(); (at = std::find(at, words.end(), "--scene")) != words.end() && at + 1 != words.end();) {
+        wanted.push_back(at[1]);
+        at = words.erase(at, at + 2);
+    }
+    const auto known = [](const std::string& name) { return std::ranges::find(scenes, name, &Scene::pipeline) != scenes.end(); };
+    const bool option_left = std::ranges::any_of(words, [](const std::string& word) { return word.starts_with("-"); });
+    if (words.size() > 2 || option_left || !std::ranges::all_of(wanted, known)) {
+        std::vector<std::string> names;
+        std::ranges::transform(scenes, std::back_inserter(names), &Scene::pipeline);
+        fmt::print(stderr, "look [--no-loop] [--scene NAME]... [FOLDER] [OUT]\nscenes: {}\n", fmt::join(names, ", "));
+        return 2;
+    }
+    try {
+        look(wanted, loop, words.empty() ? SOURCE_ROOT "/tests/data" : words[0], words.size() < 2 ? "out/look" : words[1]);
+    } catch (const std::exception& failure) {
+        fmt::print(stderr, "{}\n", failure.what());
+        return 1;
+    }
+    return 0;
+}
