@@ -9,6 +9,7 @@
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -28,29 +29,37 @@ constexpr int finest = 4;         // pixels to a voxel
 
 // The media are measured against the mean side of the box, so that a simulation looks the same at any resolution.
 constexpr double smoke_depth = 50;  // optical depth of the thickest smoke over the mean side
-constexpr double fire_depth = 24;
+constexpr double fire_depth = 60;   // the same for the light of the brightest fire
 constexpr double albedo = 0.92;
 constexpr double key_light = 0.92;
 constexpr double ambient_light = 0.03;  // what comes from all sides, so that shadows are not black
 constexpr double light_gain = 0.02;     // how fast shadows fade with distance, as scattered light makes them do
-constexpr double by_fire = 0.3;         // part of both that is left where fire is exposed for
-constexpr double fire_light = 6;        // of the fire on the smoke around
+constexpr double by_fire = 0.4;         // part of both that is left where fire is exposed for
+constexpr double fire_light = 7;        // of the fire on the smoke around
 constexpr double fire_reach = 0.06;     // how far it gets, in mean sides
+constexpr std::array<double, 3> fire_colour{1, 0.32, 0.06};
+// Where the light stands.
 constexpr double light_right = -0.75;
 constexpr double light_up = 0.6;
 constexpr double light_front = 0.32;
-constexpr double primary_step = 0.75;  // voxels, or a pixel where that is more
+// Steps along a ray in voxels, longer in large boxes, so that time does not grow with the third power of the side.
+constexpr double view_step = 0.75;
+constexpr double most_view_steps = 100;  // to a mean side
 constexpr double shadow_step = 2;
+constexpr double most_shadow_steps = 30;
 constexpr double hidden = 0.004;  // what lets less light through lets none through
 
 /// Where the camera stands and what it sees.
 struct Window {
     Area area;
     int width = 0, height = 0;
-    double cell = 1;  // voxels that a pixel spans
+    double cell = 1;       // voxels that a pixel spans
+    double mean_side = 1;  // of the box, in voxels
     Vec3d right{0.0}, up{0.0}, towards{0.0}, eye{0.0}, centre{0.0};
 
     Window(View view, const openvdb::CoordBBox& box) {
+        const auto size = box.dim().asVec3d();
+        mean_side = std::cbrt(size.x() * size.y() * size.z());
         area = face_of(box, view);
         const int longer = std::max(area.size(0), area.size(1));
         int voxels = 1;
@@ -75,6 +84,8 @@ struct Window {
         eye = centre + towards * (box.dim()[along] + 8.0);
     }
 
+    double step() const { return std::max({view_step, mean_side / most_view_steps, cell}); }
+
     Camera camera(Film& film) const {
         Camera out(film, Vec3d(0), eye, width * cell);
         out.lookAt(centre, up);
@@ -84,22 +95,24 @@ struct Window {
 
 /// A copy in index space, in parts of the highest value. What is not active, or not a positive number, becomes 0.
 FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
-    auto out = FloatGrid::create(grid.tree().background());
+    auto out = FloatGrid::create();
     out->setTree(grid.tree().copy());
     openvdb::tools::foreach (out->beginValueAll(), [highest](const auto& value) {
         const float part = *value / highest;
         value.setValue(value.isValueOn() && std::isfinite(part) && part > 0 ? part : 0);
     });
     out->tree().root().setBackground(0, false);
+    // The intersector dilates voxels, not tiles, which would so lose their rim.
+    out->tree().voxelizeActiveTiles();
     return out;
 }
 
 /// @return null if there is nothing to see
 FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
-    return grid && highest > 0 && !grid->tree().empty() ? medium(*grid, highest) : nullptr;
+    return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty() ? medium(*grid, highest) : nullptr;
 }
 
-Film lit(const FloatGrid& smoke, const Window& window, double thickness) {
+Film lit(const FloatGrid& smoke, const Window& window) {
     Film film(window.width, window.height);
     auto camera = window.camera(film);
     // A voxel more, as the sampler interpolates beyond what is active. The renderer's copies refer to this one.
@@ -108,12 +121,13 @@ Film lit(const FloatGrid& smoke, const Window& window, double thickness) {
     const auto light = light_right * window.right + light_up * window.up + light_front * window.towards;
     renderer.setLightDir(light.x(), light.y(), light.z());
     renderer.setLightColor(key_light, key_light, key_light);
+    const double thickness = smoke_depth / window.mean_side;
     const double scattering = thickness * albedo, absorption = thickness - scattering;
     renderer.setScattering(scattering, scattering, scattering);
     renderer.setAbsorption(absorption, absorption, absorption);
     renderer.setLightGain(light_gain);
-    renderer.setPrimaryStep(std::max(primary_step, window.cell));
-    renderer.setShadowStep(std::max(shadow_step, window.cell));
+    renderer.setPrimaryStep(window.step());
+    renderer.setShadowStep(std::max({shadow_step, window.mean_side / most_shadow_steps, window.cell}));
     renderer.setCutOff(hidden);
     renderer.render();
     return film;
@@ -124,7 +138,6 @@ FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, doub
     auto out = FloatGrid::create();
     out->setTree(fire.tree().copy());
     out->tree().topologyUnion(smoke.tree());
-    out->tree().voxelizeActiveTiles();
     openvdb::tools::Filter<FloatGrid> filter(*out);
     filter.mean(std::max(1, static_cast<int>(std::lround(fire_reach * side))), 3);
     return out;
@@ -135,13 +148,13 @@ struct Glow {
     double fire = 0;
     double smoke = 0;
 };
-std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Window& window, double side) {
+std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Window& window) {
     Film film(window.width, window.height);
     const auto camera = window.camera(film);
     FloatGrid::ConstPtr light;
-    if (smoke) light = fire_light_in(fire, *smoke, side);
+    if (smoke) light = fire_light_in(fire, *smoke, window.mean_side);
     const Intersector whole(light ? *light : fire, 1);
-    const double step = std::max(primary_step, window.cell);
+    const double step = window.step();
     std::vector<Glow> out(film.numPixels());
     tbb::parallel_for(tbb::blocked_range<int>(0, window.height), [&](const tbb::blocked_range<int>& rows) {
         Intersector hits(whole);
@@ -159,9 +172,9 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Wind
                     for (double at = step * std::ceil(span.t0 / step); at < span.t1 && through > hidden; at += step) {
                         const auto place = ray(at);
                         const double flame = BoxSampler::sample(fire_values, place);
-                        heat += through * flame * flame * fire_depth / side * step;
+                        heat += through * flame * flame * fire_depth / window.mean_side * step;
                         if (!smoke) continue;
-                        const double stays = std::exp(-smoke_depth / side * step * BoxSampler::sample(smoke_values, place));
+                        const double stays = std::exp(-smoke_depth / window.mean_side * step * BoxSampler::sample(smoke_values, place));
                         scattered += through * (1 - stays) * BoxSampler::sample(light_values, place);
                         through *= stays;
                     }
@@ -217,16 +230,14 @@ void Exposure::meter(const Scene& scene) {
 
 Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure) {
     const Window window(view, box);
-    const auto size = box.dim().asVec3d();
-    const double side = std::cbrt(size.x() * size.y() * size.z());
     const auto smoke = medium(scene.smoke, exposure.smoke);
     const auto fire = medium(scene.fire, exposure.fire);
     const auto count = static_cast<std::size_t>(window.width) * window.height;
 
     std::optional<Film> film;
-    if (smoke) film.emplace(lit(*smoke, window, smoke_depth / side));
-    std::vector<Glow> glows(count);
-    if (fire) glows = glow(*fire, smoke.get(), window, side);
+    if (smoke) film.emplace(lit(*smoke, window));
+    std::vector<Glow> shine(count);
+    if (fire) shine = glow(*fire, smoke.get(), window);
     const double daylight = exposure.fire > 0 ? by_fire : 1;
 
     Render out{window.area, {window.width, window.height, {}}};
@@ -234,14 +245,16 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
     const Film::RGBA clear(0.0, 0.0, 0.0, 0.0);
     for (std::size_t n = 0; n < count; ++n) {
         const auto& light = film ? film->pixels()[n] : clear;
-        const auto& [heat, scattered] = glows[n];
+        const auto& [heat, scattered] = shine[n];
         const auto flame = fluidcarve::flame(heat);
+        const auto& [red, green, blue] = fire_colour;
         const auto shade = [&](double warm, std::uint8_t behind, std::uint8_t glow) {
             const double seen = daylight * (light.r + ambient_light * light.a) + warm * scattered + of_screen(behind) * (1 - light.a);
-            return byte(on_screen(seen) * (1 - heat) + glow);
+            // Fire outshines what is behind it.
+            return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
         };
-        out.picture.pixels.push_back(
-            {shade(1, render_background.red, flame.red), shade(0.32, render_background.green, flame.green), shade(0.06, render_background.blue, flame.blue)});
+        out.picture.pixels.push_back({shade(red, render_background.red, flame.red), shade(green, render_background.green, flame.green),
+                                      shade(blue, render_background.blue, flame.blue)});
     }
     return out;
 }

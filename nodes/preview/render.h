@@ -47,7 +47,7 @@ constexpr Colour render_background{74, 81, 94};
 
 /// Smoke lit from the upper left in front, with its own shadows, and fire that glows through it. Scenes are rendered in
 /// index space, so the picture has the place and orientation of a projection of the same box. The result does not
-/// depend on the count of threads.
+/// depend on the count of threads. Where fire is exposed for, the light on the smoke is dimmer.
 /// @param box       index box that the picture shows, at least one voxel large; what is compared must share it
 /// @param exposure  must be shared too; where a value is 0, that medium is not seen
 Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure);
