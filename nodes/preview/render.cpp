@@ -102,7 +102,7 @@ FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
         value.setValue(value.isValueOn() && std::isfinite(part) && part > 0 ? part : 0);
     });
     out->tree().root().setBackground(0, false);
-    // The intersector dilates voxels, not tiles, which would so lose their rim.
+    // The intersector dilates voxels only: tiles would lose their rim.
     out->tree().voxelizeActiveTiles();
     return out;
 }
