@@ -34,6 +34,9 @@ constexpr std::array<Colour, 11> diverging_steps{{{186, 219, 255},
                                                   {243, 147, 103},
                                                   {254, 202, 179}}};
 
+// As hot iron glows.
+constexpr std::array<Colour, 7> flame_steps{{{0, 0, 0}, {92, 14, 2}, {176, 38, 6}, {232, 84, 14}, {252, 146, 36}, {255, 206, 96}, {255, 246, 214}}};
+
 template <std::size_t N>
 Colour between(const std::array<Colour, N>& steps, double fraction) {
     const double place = std::clamp(fraction, 0.0, 1.0) * (N - 1);
@@ -48,6 +51,8 @@ Colour between(const std::array<Colour, N>& steps, double fraction) {
 }  // namespace
 
 Colour heat(double fraction) { return between(heat_steps, std::isnan(fraction) ? 0 : fraction); }
+
+Colour flame(double fraction) { return between(flame_steps, std::isnan(fraction) ? 0 : fraction); }
 
 Colour diverging(double fraction) { return between(diverging_steps, std::isnan(fraction) ? 0.5 : (fraction + 1) / 2); }
 

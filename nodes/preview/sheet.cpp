@@ -16,7 +16,7 @@ struct ChoiceNames<View> {
 template <>
 struct ChoiceNames<SheetWish::Show> {
     static constexpr std::array names = {std::pair{"maximum", SheetWish::Show::maximum}, std::pair{"slice", SheetWish::Show::slice},
-                                         std::pair{"both", SheetWish::Show::both}};
+                                         std::pair{"both", SheetWish::Show::both}, std::pair{"render", SheetWish::Show::render}};
 };
 
 namespace {
@@ -64,7 +64,10 @@ struct Sheet {
         if (connected("seams") && !connected("lattice")) check.fault("seams", "'seams' needs 'lattice', in which they were found");
         if (connected("lattice") && !connected("seams")) check.fault("lattice", "'lattice' is for 'seams'; connect them too");
         if (check.stated("difference") && !connected("after")) check.fault("difference", "'difference' is that of 'after', which is not connected");
-        if (check.stated("slice") && params.show == SheetWish::Show::maximum && !connected("energy"))
+        const bool renders = params.show == SheetWish::Show::render;
+        if (check.stated("difference") && params.difference && renders)
+            check.fault("difference", "'show: render' has no difference; leave 'difference' out, or choose 'show: maximum'");
+        if (check.stated("slice") && (renders || params.show == SheetWish::Show::maximum) && !connected("energy"))
             check.fault("slice", "nothing is sliced: 'slice' needs 'energy', or 'show: slice' or 'both'");
     }
 
@@ -82,6 +85,10 @@ struct Sheet {
                 fmt::format("grid '{}' holds {} values in 'before', but {} in 'after'", params.grid, frame.before->valueType(), frame.after->valueType()));
         if (frame.after && frame.after->transform() != frame.before->transform())
             context.warn(fmt::format("'{}' has another transform in 'after' than in 'before'; the sheet compares them voxel by voxel", params.grid));
+        if (params.show == SheetWish::Show::render) {
+            frame.before_scene = scene(*io.before, "before", frame.before, context);
+            if (io.after) frame.after_scene = scene(*io.after, "after", frame.after, context);
+        }
         frame.energy = io.energy;
         frame.lattice = io.lattice;
         frame.seams = io.seams;
@@ -91,10 +98,21 @@ struct Sheet {
 
     void finish(const Params& params, Ports&, Context& context) {
         if (!rows_) throw Failure("none of the frames to show has come");
-        draw_sheet(rows_->page(context.frames().size())).write_png(params.path.at(context.frame()));
+        const auto page = rows_->page(context.frames().size(), [&](double fraction) {
+            context.check_cancelled();
+            context.progress(fraction);
+        });
+        draw_sheet(page).write_png(params.path.at(context.frame()));
     }
 
 private:
+    static Scene scene(const Volume& volume, const char* input, const openvdb::GridBase::ConstPtr& shown, Context& context) {
+        auto out = scene_of(volume, input, shown);
+        if (!out.left_out.empty())
+            context.warn(fmt::format("'{}' of '{}' is not rendered: it has another transform than '{}'", out.left_out, input, shown->getName()));
+        return out;
+    }
+
     std::optional<SheetRows> rows_;
 };
 
@@ -111,16 +129,20 @@ NodeType preview_sheet() {
         .input("seams", &Sheet::Ports::seams,
                "Drawn as lines over `energy`, where they cross the slice, at their places in `before`; needs `energy` and `lattice`. Choose an `axis` "
                "other than the carved one: along that, seams face the view and are not drawn.")
-        .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes; of vectors, their length is shown.")
+        .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes; of vectors, their length is shown. A render needs floats.")
         .param("axis", &Sheet::Params::axis, "Direction of view, an index axis of the grid. Up is z, or y where the view is along z.")
         .param("show", &Sheet::Params::show,
-               "Of `before`, `after` and their difference: the `maximum` along the axis, a `slice` across it, or `both`. Energy and seams are always a slice.")
+               "Of `before`, `after` and their difference: the `maximum` along the axis, a `slice` across it, or `both`. `render` shows `before` and `after` "
+               "as smoke, lit from the upper left with its own shadows, and as glowing fire. A grid named `flame`, `temperature` or `heat` is fire, any other "
+               "is smoke; the volume's `flame` comes with the smoke, its `density` with the fire. All renders share one exposure: the highest values of "
+               "`before` in the frames shown are the thickest smoke and the brightest fire. The grids of these frames are kept until the last one has come. "
+               "Energy and seams are always a slice.")
         .param("slice", &Sheet::Params::slice, Unit::voxels, any_number(),
                "Where slices are: the index coordinate along the axis. Auto is the middle of the active voxels of `before` in the frames shown; their grids "
                "are then kept until the last one has come, if they are to be sliced.")
         .param("difference", &Sheet::Params::difference,
                "Whether to show `after` minus `before`, voxel by voxel in index space; as a maximum, the largest difference along the axis with its sign, so "
-               "that it is 0 only where nothing changes all along. Beyond a removed seam all content has moved and so differs.")
+               "that it is 0 only where nothing changes all along. Beyond a removed seam all content has moved and so differs. Renders have no difference.")
         .param("frames", &Sheet::Params::frames, Unit::frames, between(1, 12), "How many to show, evenly from the first to the last; 1 shows the middle one.")
         .required("path", &Sheet::Params::path, "PNG file, one for the whole sequence. Folders are made.");
 }

@@ -37,7 +37,8 @@ class Drawing {
 public:
     Drawing(const SheetPage& page, const PanelLayout& layout)
         : page_(page), layout_(layout), canvas_(static_cast<int>(std::ceil(layout.page_width())), static_cast<int>(height()), paper) {
-        for (const auto scale : {SheetRow::Scale::value, SheetRow::Scale::change, SheetRow::Scale::energy}) ranges_.push_back(range_of(page.rows, scale));
+        for (const auto scale : {SheetRow::Scale::value, SheetRow::Scale::change, SheetRow::Scale::energy, SheetRow::Scale::none})
+            ranges_.push_back(range_of(page.rows, scale));
     }
 
     Canvas draw() {
@@ -94,6 +95,7 @@ private:
     }
 
     void draw_bar(const SheetRow& row, double top, double bottom) {
+        if (row.scale == SheetRow::Scale::none) return;
         const Canvas::Rect rect{panels_left - 10 - bar, top, bar, bottom - top};
         const auto& [low, high] = range(row);
         Picture ramp{1, static_cast<int>(rect.height), {}};
@@ -113,7 +115,8 @@ private:
         const Canvas::Rect whole{x, y, layout_.column(), layout_.row()};
         const auto picture = layout_.picture(x, y);
         canvas_.text(x, y - 7, shortened(panel.caption, plain, layout_.column()), plain);
-        canvas_.fill(whole, nothing);
+        canvas_.fill(whole, row.scale == SheetRow::Scale::none ? render_background : nothing);
+        if (!panel.render.empty()) canvas_.picture(layout_.place(picture, panel.render.area), panel.render.picture);
         if (!panel.projection.empty()) {
             const auto shown = fitted(panel.projection, layout_.cell(), layout_.cells());
             Picture pixels{shown.cells.size(0), shown.cells.size(1), {}};
@@ -216,6 +219,7 @@ Canvas draw_sheet(const SheetPage& page) {
             area.include(panel.active);
             area.include(panel.before);
             area.include(around(panel.seams));
+            area.include(panel.render.area);
             if (!panel.projection.empty()) cell = std::max(cell, panel.projection.cell);
         }
     if (area.empty()) area = {{0, 0}, {0, 0}};

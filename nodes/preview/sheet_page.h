@@ -2,6 +2,7 @@
 
 #include "nodes/preview/canvas.h"
 #include "nodes/preview/projection.h"
+#include "nodes/preview/render.h"
 #include "nodes/preview/seam_lines.h"
 
 #include <string>
@@ -15,6 +16,7 @@ struct SheetPanel {
     Area active;                     ///< in voxels, drawn as a solid line; may be empty
     Area before;                     ///< the same, dashed
     Projection projection;           ///< empty: nothing to show
+    Render render;                   ///< the same; a panel has one of both
     std::vector<PictureLine> seams;  ///< drawn over it
     std::string note;                ///< in its middle
 };
@@ -22,8 +24,8 @@ struct SheetPanel {
 /// All pictures of one kind, a panel per frame.
 struct SheetRow {
     /// Rows of one scale share its range and colours: `value` and `energy` from 0, or the least value if that is below,
-    /// to the greatest; `change` to both sides of 0 alike.
-    enum class Scale { value, change, energy };
+    /// to the greatest; `change` to both sides of 0 alike. `none` is for renders, which have colours of their own.
+    enum class Scale { value, change, energy, none };
     std::string name;
     std::string what;  ///< "slice at y = 22"
     Scale scale = Scale::value;

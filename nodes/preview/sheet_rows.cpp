@@ -37,14 +37,19 @@ std::string seams_text(const Seams& seams) {
 }  // namespace
 
 void SheetRows::plan(const Shown& frame) {
+    using Show = SheetWish::Show;
     using What = Kind::What;
-    for (const bool sliced : {false, true}) {
-        if (wish_.show == (sliced ? SheetWish::Show::maximum : SheetWish::Show::slice)) continue;
-        kinds_.push_back({What::before, sliced});
-        if (frame.data.after) kinds_.push_back({What::after, sliced});
-        if (frame.data.after && wish_.difference) kinds_.push_back({What::difference, sliced});
+    using How = Kind::How;
+    std::vector<How> hows;
+    if (wish_.show == Show::maximum || wish_.show == Show::both) hows.push_back(How::maximum);
+    if (wish_.show == Show::slice || wish_.show == Show::both) hows.push_back(How::slice);
+    if (wish_.show == Show::render) hows.push_back(How::render);
+    for (const auto how : hows) {
+        kinds_.push_back({What::before, how});
+        if (frame.data.after) kinds_.push_back({What::after, how});
+        if (frame.data.after && wish_.difference && how != How::render) kinds_.push_back({What::difference, how});
     }
-    if (frame.data.energy) kinds_.push_back({What::energy, true});
+    if (frame.data.energy) kinds_.push_back({What::energy, How::slice});
     panels_.resize(kinds_.size());
     face_ = frame.data.seams && seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
 }
@@ -57,8 +62,12 @@ void SheetRows::add(SheetFrame data) {
     if (frame.data.after) frame.after = frame.data.after->evalActiveVoxelBoundingBox();
     if (!frame.before.empty()) active_.expand(frame.before);
     if (frames_.empty()) plan(frame);
-    for (std::size_t row = 0; row < kinds_.size(); ++row) panels_[row].push_back(kinds_[row].sliced ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
-    if (wish_.show == SheetWish::Show::maximum) frame.data.before = frame.data.after = nullptr;
+    for (std::size_t row = 0; row < kinds_.size(); ++row)
+        panels_[row].push_back(kinds_[row].how == Kind::How::slice ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
+    scenes_.expand(frame.data.before_scene.box());
+    scenes_.expand(frame.data.after_scene.box());
+    exposure_.meter(frame.data.before_scene);
+    if (wish_.show == SheetWish::Show::maximum || wish_.show == SheetWish::Show::render) frame.data.before = frame.data.after = nullptr;
     frames_.push_back(std::move(frame));
     if (wish_.slice) slice(frames_.size() - 1, *wish_.slice);
 }
@@ -66,9 +75,22 @@ void SheetRows::add(SheetFrame data) {
 void SheetRows::slice(std::size_t place, int plane) {
     auto& frame = frames_[place];
     for (std::size_t row = 0; row < kinds_.size(); ++row)
-        if (kinds_[row].sliced) panels_[row][place] = panel(kinds_[row], frame, plane);
+        if (kinds_[row].how == Kind::How::slice) panels_[row][place] = panel(kinds_[row], frame, plane);
     frame.data.before = frame.data.after = nullptr;
     frame.data.energy = nullptr;
+}
+
+void SheetRows::render(const std::function<void(double)>& progress) {
+    for (std::size_t place = 0; place < frames_.size(); ++place)
+        for (std::size_t row = 0; row < kinds_.size(); ++row) {
+            if (kinds_[row].how != Kind::How::render) continue;
+            if (progress) progress(static_cast<double>(place * kinds_.size() + row) / static_cast<double>(frames_.size() * kinds_.size()));
+            auto& data = frames_[place].data;
+            auto& scene = kinds_[row].what == Kind::What::before ? data.before_scene : data.after_scene;
+            if (scene.box().empty()) panels_[row][place].note = "no active voxels";
+            else panels_[row][place].render = fluidcarve::render(scene, wish_.view, scenes_, exposure_);
+            scene = {};
+        }
 }
 
 SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const {
@@ -79,8 +101,9 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
         // Where the same row stands above as a maximum, that one says the size.
-        if (!kind.sliced || wish_.show == SheetWish::Show::slice) out.caption = size_text(active);
+        if (kind.how != Kind::How::slice || wish_.show == SheetWish::Show::slice) out.caption = size_text(active);
         if (!active.empty()) out.active = face_of(active, view);
+        if (kind.how == Kind::How::render) return;
         if (box.empty()) out.note = "no active voxels";
         else out.projection = typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
     };
@@ -122,8 +145,10 @@ std::string SheetRows::name_of(const Kind& kind) const {
 std::string SheetRows::text_of(const Kind& kind, int plane) const {
     const char axis = "xyz"[static_cast<int>(wish_.view)];
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
-    if (kind.what == Kind::What::difference) return kind.sliced ? "after - before, " + slice : fmt::format("after - before, largest along {}", axis);
-    if (kind.what != Kind::What::energy) return kind.sliced ? slice : fmt::format("maximum along {}", axis);
+    if (kind.how == Kind::How::render) return fmt::format("lit, seen along {}", axis);
+    const bool sliced = kind.how == Kind::How::slice;
+    if (kind.what == Kind::What::difference) return sliced ? "after - before, " + slice : fmt::format("after - before, largest along {}", axis);
+    if (kind.what != Kind::What::energy) return sliced ? slice : fmt::format("maximum along {}", axis);
     if (!frames_.front().data.seams) return slice;
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
@@ -131,12 +156,13 @@ std::string SheetRows::text_of(const Kind& kind, int plane) const {
     return crossed ? slice : slice + "; no seam crosses it";
 }
 
-SheetPage SheetRows::page(std::size_t total) {
+SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& progress) {
     const auto middle = active_.empty() ? 0 : active_.getCenter()[static_cast<int>(wish_.view)];
     const int plane = wish_.slice ? *wish_.slice : static_cast<int>(std::floor(middle));
     const auto count = frames_.size();
     if (!wish_.slice)
         for (std::size_t place = 0; place < count; ++place) slice(place, plane);
+    render(progress);
 
     SheetPage out;
     out.title = wish_.grid;
@@ -146,7 +172,8 @@ SheetPage SheetRows::page(std::size_t total) {
     for (const auto& frame : frames_) out.frames.push_back(frame.data.name);
     for (std::size_t row = 0; row < kinds_.size(); ++row) {
         const auto& kind = kinds_[row];
-        const auto scale = kind.what == Kind::What::energy       ? SheetRow::Scale::energy
+        const auto scale = kind.how == Kind::How::render         ? SheetRow::Scale::none
+                           : kind.what == Kind::What::energy     ? SheetRow::Scale::energy
                            : kind.what == Kind::What::difference ? SheetRow::Scale::change
                                                                  : SheetRow::Scale::value;
         out.rows.push_back({name_of(kind), text_of(kind, plane), scale, std::move(panels_[row])});

@@ -1,0 +1,262 @@
+#include "nodes/preview/render.h"
+
+#include "graph/problem.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/Filter.h>
+#include <openvdb/tools/RayTracer.h>
+#include <openvdb/tools/ValueTransformer.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Vec3d;
+using openvdb::tools::Film;
+using Intersector = openvdb::tools::VolumeRayIntersector<FloatGrid>;
+using Renderer = openvdb::tools::VolumeRender<Intersector>;
+using Camera = openvdb::tools::OrthographicCamera;
+using openvdb::tools::BoxSampler;
+
+constexpr int most_pixels = 400;  // of the longer side
+constexpr int finest = 4;         // pixels to a voxel
+
+// The media are measured against the mean side of the box, so that a simulation looks the same at any resolution.
+constexpr double smoke_depth = 50;  // optical depth of the thickest smoke over the mean side
+constexpr double fire_depth = 60;   // the same for the light of the brightest fire
+constexpr double albedo = 0.92;
+constexpr double key_light = 0.92;
+constexpr double ambient_light = 0.03;  // what comes from all sides, so that shadows are not black
+constexpr double light_gain = 0.02;     // how fast shadows fade with distance, as scattered light makes them do
+constexpr double by_fire = 0.4;         // part of both that is left where fire is exposed for
+constexpr double fire_light = 7;        // of the fire on the smoke around
+constexpr double fire_reach = 0.06;     // how far it gets, in mean sides
+constexpr std::array<double, 3> fire_colour{1, 0.32, 0.06};
+// Where the light stands.
+constexpr double light_right = -0.75;
+constexpr double light_up = 0.6;
+constexpr double light_front = 0.32;
+// Steps along a ray in voxels, longer in large boxes, so that time does not grow with the third power of the side.
+constexpr double view_step = 0.75;
+constexpr double most_view_steps = 100;  // to a mean side
+constexpr double shadow_step = 2;
+constexpr double most_shadow_steps = 30;
+constexpr double hidden = 0.004;  // what lets less light through lets none through
+
+/// Where the camera stands and what it sees.
+struct Window {
+    Area area;
+    int width = 0, height = 0;
+    double cell = 1;       // voxels that a pixel spans
+    double mean_side = 1;  // of the box, in voxels
+    Vec3d right{0.0}, up{0.0}, towards{0.0}, eye{0.0}, centre{0.0};
+
+    Window(View view, const openvdb::CoordBBox& box) {
+        const auto size = box.dim().asVec3d();
+        mean_side = std::cbrt(size.x() * size.y() * size.z());
+        area = face_of(box, view);
+        const int longer = std::max(area.size(0), area.size(1));
+        int voxels = 1;
+        while (longer / voxels >= most_pixels) voxels *= 2;
+        const int pixels = std::clamp(most_pixels / longer, 1, finest);
+        const auto cells = in_cells(area, voxels);
+        for (const int side : {0, 1}) {
+            area.first[side] = cells.first[side] * voxels;
+            area.last[side] = cells.last[side] * voxels + voxels - 1;
+        }
+        width = cells.size(0) * pixels;
+        height = cells.size(1) * pixels;
+        cell = static_cast<double>(voxels) / pixels;
+
+        const auto [across, upwards] = picture_axes(view);
+        const auto along = static_cast<int>(view);
+        right[across] = up[upwards] = 1;
+        towards = right.cross(up);
+        centre[across] = (area.first[0] + area.last[0]) / 2.0;
+        centre[upwards] = (area.first[1] + area.last[1]) / 2.0;
+        centre[along] = (box.min()[along] + box.max()[along]) / 2.0;
+        eye = centre + towards * (box.dim()[along] + 8.0);
+    }
+
+    double step() const { return std::max({view_step, mean_side / most_view_steps, cell}); }
+
+    Camera camera(Film& film) const {
+        Camera out(film, Vec3d(0), eye, width * cell);
+        out.lookAt(centre, up);
+        return out;
+    }
+};
+
+/// A copy in index space, in parts of the highest value. What is not active, or not a positive number, becomes 0.
+FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
+    auto out = FloatGrid::create();
+    out->setTree(grid.tree().copy());
+    openvdb::tools::foreach (out->beginValueAll(), [highest](const auto& value) {
+        const float part = *value / highest;
+        value.setValue(value.isValueOn() && std::isfinite(part) && part > 0 ? part : 0);
+    });
+    out->tree().root().setBackground(0, false);
+    // The intersector dilates voxels only: tiles would lose their rim.
+    out->tree().voxelizeActiveTiles();
+    return out;
+}
+
+/// @return null if there is nothing to see
+FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
+    return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty() ? medium(*grid, highest) : nullptr;
+}
+
+Film lit(const FloatGrid& smoke, const Window& window) {
+    Film film(window.width, window.height);
+    auto camera = window.camera(film);
+    // A voxel more, as the sampler interpolates beyond what is active. The renderer's copies refer to this one.
+    const Intersector whole(smoke, 1);
+    Renderer renderer(whole, camera);
+    const auto light = light_right * window.right + light_up * window.up + light_front * window.towards;
+    renderer.setLightDir(light.x(), light.y(), light.z());
+    renderer.setLightColor(key_light, key_light, key_light);
+    const double thickness = smoke_depth / window.mean_side;
+    const double scattering = thickness * albedo, absorption = thickness - scattering;
+    renderer.setScattering(scattering, scattering, scattering);
+    renderer.setAbsorption(absorption, absorption, absorption);
+    renderer.setLightGain(light_gain);
+    renderer.setPrimaryStep(window.step());
+    renderer.setShadowStep(std::max({shadow_step, window.mean_side / most_shadow_steps, window.cell}));
+    renderer.setCutOff(hidden);
+    renderer.render();
+    return film;
+}
+
+/// The light that the fire throws on the smoke around it: the fire, blurred.
+FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, double side) {
+    auto out = FloatGrid::create();
+    out->setTree(fire.tree().copy());
+    out->tree().topologyUnion(smoke.tree());
+    openvdb::tools::Filter<FloatGrid> filter(*out);
+    filter.mean(std::max(1, static_cast<int>(std::lround(fire_reach * side))), 3);
+    return out;
+}
+
+/// The light of the fire that comes through the smoke, and that which the smoke throws back, pixel by pixel.
+struct Glow {
+    double fire = 0;
+    double smoke = 0;
+};
+std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Window& window) {
+    Film film(window.width, window.height);
+    const auto camera = window.camera(film);
+    FloatGrid::ConstPtr light;
+    if (smoke) light = fire_light_in(fire, *smoke, window.mean_side);
+    const Intersector whole(light ? *light : fire, 1);
+    const double step = window.step();
+    std::vector<Glow> out(film.numPixels());
+    tbb::parallel_for(tbb::blocked_range<int>(0, window.height), [&](const tbb::blocked_range<int>& rows) {
+        Intersector hits(whole);
+        const auto fire_values = fire.getConstAccessor();
+        const auto smoke_values = (smoke ? *smoke : fire).getConstAccessor();
+        const auto light_values = (light ? *light : fire).getConstAccessor();
+        std::vector<Intersector::RayType::TimeSpan> spans;
+        for (int y = rows.begin(); y < rows.end(); ++y)
+            for (int x = 0; x < window.width; ++x) {
+                const auto ray = camera.getRay(x, y);
+                if (!hits.setIndexRay(ray)) continue;
+                hits.hits(spans);
+                double through = 1, heat = 0, scattered = 0;
+                for (const auto& span : spans)
+                    for (double at = step * std::ceil(span.t0 / step); at < span.t1 && through > hidden; at += step) {
+                        const auto place = ray(at);
+                        const double flame = BoxSampler::sample(fire_values, place);
+                        heat += through * flame * flame * fire_depth / window.mean_side * step;
+                        if (!smoke) continue;
+                        const double stays = std::exp(-smoke_depth / window.mean_side * step * BoxSampler::sample(smoke_values, place));
+                        scattered += through * (1 - stays) * BoxSampler::sample(light_values, place);
+                        through *= stays;
+                    }
+                out[static_cast<std::size_t>(y) * window.width + x] = {1 - std::exp(-heat), fire_light * scattered};
+            }
+    });
+    return out;
+}
+
+std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
+
+/// Linear light as a screen takes it.
+double on_screen(double light) { return 255 * std::pow(std::max(light, 0.0), 1 / 2.2); }
+double of_screen(double value) { return std::pow(value / 255, 2.2); }
+
+}  // namespace
+
+openvdb::CoordBBox Scene::box() const {
+    openvdb::CoordBBox out;
+    for (const auto& grid : {smoke, fire})
+        if (grid) {
+            const auto active = grid->evalActiveVoxelBoundingBox();
+            if (!active.empty()) out.expand(active);
+        }
+    return out;
+}
+
+bool glows(const std::string& name) { return name == "flame" || name == "temperature" || name == "heat"; }
+
+Scene scene_of(const Volume& volume, const std::string& input, const openvdb::GridBase::ConstPtr& shown) {
+    const auto grid = openvdb::gridConstPtrCast<FloatGrid>(shown);
+    if (!grid)
+        throw Failure(fmt::format("grid '{}' of '{}' holds {} values; 'show: render' needs floats: name another grid, or choose 'show: maximum'",
+                                  shown->getName(), input, shown->valueType()));
+    const bool burns = glows(shown->getName());
+    const auto other = openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
+    Scene out{grid, nullptr, {}};
+    if (other && other->transform() == grid->transform()) out.fire = other;
+    else if (other) out.left_out = other->getName();
+    if (burns) std::swap(out.smoke, out.fire);
+    return out;
+}
+
+void Exposure::meter(const Scene& scene) {
+    const auto raise = [](float& highest, const FloatGrid::ConstPtr& grid) {
+        if (!grid) return;
+        for (auto value = grid->cbeginValueOn(); value; ++value)
+            if (std::isfinite(*value)) highest = std::max(highest, *value);
+    };
+    raise(smoke, scene.smoke);
+    raise(fire, scene.fire);
+}
+
+Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure) {
+    const Window window(view, box);
+    const auto smoke = medium(scene.smoke, exposure.smoke);
+    const auto fire = medium(scene.fire, exposure.fire);
+    const auto count = static_cast<std::size_t>(window.width) * window.height;
+
+    std::optional<Film> film;
+    if (smoke) film.emplace(lit(*smoke, window));
+    std::vector<Glow> shine(count);
+    if (fire) shine = glow(*fire, smoke.get(), window);
+    const double daylight = exposure.fire > 0 ? by_fire : 1;
+
+    Render out{window.area, {window.width, window.height, {}}};
+    out.picture.pixels.reserve(count);
+    const Film::RGBA clear(0.0, 0.0, 0.0, 0.0);
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto& light = film ? film->pixels()[n] : clear;
+        const auto& [heat, scattered] = shine[n];
+        const auto flame = fluidcarve::flame(heat);
+        const auto& [red, green, blue] = fire_colour;
+        const auto shade = [&](double warm, std::uint8_t behind, std::uint8_t glow) {
+            const double seen = daylight * (light.r + ambient_light * light.a) + warm * scattered + of_screen(behind) * (1 - light.a);
+            // Fire outshines what is behind it.
+            return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
+        };
+        out.picture.pixels.push_back({shade(red, render_background.red, flame.red), shade(green, render_background.green, flame.green),
+                                      shade(blue, render_background.blue, flame.blue)});
+    }
+    return out;
+}
+
+}  // namespace fluidcarve
