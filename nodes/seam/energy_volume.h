@@ -57,6 +57,7 @@ public:
     std::span<const std::uint16_t> field(std::size_t t) const { return field_->slab(t); }
     bool has_field() const { return field_.has_value(); }
     float field_weight() const { return weight_; }
+    void set_field_weight(float weight) { weight_ = weight; }
     /// Once energies and field are there: from now on an entry costs, beside its energy, the edge that its removal makes
     /// between the entries on either side; of a column's first and last entry, between itself and the next.
     /// @throws Failure as SlabStore

@@ -56,7 +56,7 @@ nlohmann::ordered_json empty_report(const Seams& seams) {
 }
 
 /// What of the budget goes to the energies; the field and the energies without its edges take as much each.
-std::uint64_t energy_budget(const SeamNode::Params& params, const Context& context) { return context.memory_budget() / (params.cost == Cost::forward ? 3 : 1); }
+std::uint64_t energy_budget(bool forward, const Context& context) { return context.memory_budget() / (forward ? 3 : 1); }
 
 /// Keeps the first of the seams that a report lists.
 void cut_lists(nlohmann::ordered_json& report, std::size_t count) {
@@ -91,15 +91,16 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
                     fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", text(*params.pair_window),
                                 params.pair_window->high < params.window->low ? "lies below" : "overlaps", text(*params.window), params.window->high));
     if (params.pair_still && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
-    const bool forward = params.cost == Cost::forward, field = check.connections("field") > 0;
+    const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
     if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
-    if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, which is not asked for");
-    if (!forward && check.stated("field_weight")) check.fault("field_weight", "parameter 'field_weight' serves `cost: forward`, which is not asked for");
+    if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out");
+    for (const auto* const name : {"field_weight", "empty"})
+        if (!forward && check.stated(name)) check.fault(name, fmt::format("parameter '{}' wants a `field`, in which content and edges are seen", name));
     if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
         check.fault("pair_window",
-                    "cost 'forward' wants a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
+                    "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
     if (forward && (params.still || params.pair_still))
-        check.fault(params.still ? "static" : "pair_static", "cost 'forward' is counted frame by frame and finds no static seams; leave one of the two out");
+        check.fault(params.still ? "static" : "pair_static", "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
 }
 
 SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const Lattice& lattice) {
@@ -163,32 +164,37 @@ void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context&
     }
     if (frame->attract) attracted_ = attracted_.value_or(0) + *frame->attract;
     if (frame->protect) protected_ = protected_.value_or(0) + *frame->protect;
-    if (!energy_) make_room(lattice.shape, params, context, energy_budget(params, context));
+    forward_ = !frame->field.empty();
+    if (!energy_) make_room(lattice.shape, params, context, energy_budget(forward_, context));
     std::ranges::copy(frame->energy, energy_->slab(context.place()).begin());
     if (energy_->has_field()) std::ranges::copy(frame->field, energy_->field(context.place()).begin());
 }
 
 void SeamNode::make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget) {
     energy_.emplace(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
-    energy_->set_rigidity({params.rigidity, params.rigidity_time});
     energy_->set_spread(params.spread);
-    if (params.cost == Cost::forward) energy_->add_field(params.field_weight, budget, context.work_folder());
+    if (forward_) energy_->add_field(0, budget, context.work_folder());
 }
 
 void SeamNode::fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context) {
     const auto& frames = context.frames();
     // An energy that is the same for all frames comes once.
     const auto place_of = [&](std::size_t t) { return std::min(t, lattices_.size() - 1); };
+    // What was found in the whole lattice holds for what earlier seams leave of it, too.
+    const auto prices = [&](const EnergyVolume& whole, EnergyVolume& to) {
+        const float rigid = forward_ ? default_rigidity : 0.0f;
+        set_prices(to, Typical::of(whole), {params.field_weight, params.empty, {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}});
+    };
     if (io.after.empty()) {
         for (auto t = lattices_.size(); t < frames.size(); ++t) {
             std::ranges::copy(energy_->slab(0), energy_->slab(t).begin());
             if (energy_->has_field()) std::ranges::copy(energy_->field(0), energy_->field(t).begin());
         }
-        return;
+        return prices(*energy_, *energy_);
     }
     auto whole = std::move(*energy_);
     const auto& shape = lattices_.front()->shape;
-    const auto held = vertices(shape) * frames.size() * sizeof(std::uint16_t), budget = energy_budget(params, context);
+    const auto held = vertices(shape) * frames.size() * sizeof(std::uint16_t), budget = energy_budget(forward_, context);
     make_room(task.shape, params, context, held > budget ? budget : budget - held);
     for (std::size_t t = 0; t < frames.size(); ++t) {
         const auto place = place_of(t);
@@ -197,6 +203,7 @@ void SeamNode::fill_frames(const Params& params, const Task& task, const Ports& 
         std::ranges::copy(carve_energy(copy(whole.slab(place)), shape, params.axis, before.steps()), energy_->slab(t).begin());
         if (whole.has_field()) std::ranges::copy(carve_field(copy(whole.field(place)), shape, params.axis, before.steps()), energy_->field(t).begin());
     }
+    prices(whole, *energy_);
 }
 
 std::string SeamNode::extension_fault(const Params& params, const Task& task, const Context& context) const {

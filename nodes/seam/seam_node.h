@@ -8,6 +8,7 @@
 #include "nodes/seam/energy_slab.h"
 #include "nodes/seam/find_seams.h"
 #include "nodes/seam/frame_energy.h"
+#include "nodes/seam/prices.h"
 
 #include <nlohmann/json.hpp>
 
@@ -70,11 +71,12 @@ public:
         bool still = false;
         bool pair_still = false;
         Measure measure = Measure::vertex;
-        Cost cost = Cost::backward;
+        Auto<Cost> cost;
         float field_weight = 1;
-        float rigidity = 0;
-        float rigidity_time = 0;
-        int spread = 0;
+        float empty = 1;
+        Auto<float> rigidity;
+        Auto<float> rigidity_time;
+        int spread = 2;
         Anchor anchor;
         Auto<int> bound_passes;
     };
@@ -110,6 +112,7 @@ protected:
     /// @param start_from  for solvers that start from the seam before: Continued::start_from
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from = nullptr);
 
+    static constexpr float default_rigidity = 0.1f;  ///< with a field
     std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< least time from one Context::hold to the next
 
 private:
@@ -125,7 +128,8 @@ private:
     Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
     /// @param budget  bytes of energies, and as many of the field, that may be held in memory
     void make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget);
-    /// Brings energies and fields of all frames to where seams are found: into the space that the seams of `after` leave.
+    /// Brings energies and fields of all frames to where seams are found: into the space that the seams of `after` leave. Sets what
+    /// seams pay, by what the frames are like before.
     void fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context);
     /// What goes wrong where insertions extend the lattices, in words, or empty.
     std::string extension_fault(const Params& params, const Task& task, const Context& context) const;
@@ -143,6 +147,7 @@ private:
     std::optional<EnergyVolume> energy_;  ///< in the whole lattice, until fill_frames
     OneTransform transform_, field_transform_;
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
+    bool forward_ = false;              ///< whether there is a field
     bool any_active_ = false;
     bool any_met_ = false, field_met_ = false;
     openvdb::BBoxd active_box_;        ///< world box of all frames' active voxels
@@ -158,7 +163,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
     const auto params_of = [](const void* params) -> const Params& { return *static_cast<const typename Declare<Node>::Params*>(params); };
     return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
-        .input("field", &Ports::field, "What is looked at for `cost: forward`: the density, or whatever is seen; sampled at the vertices.")
+        .input("field", &Ports::field,
+               "What is looked at: the density, or whatever is seen; sampled at the vertices. With it, seams also pay for the edges that they leave behind "
+               "(`cost: forward`), and empty space has a price (`empty`).")
         .input("protect", &Ports::protect,
                "What no seam may pass: a mask, or the active voxels of any grid (of a level set, its narrow band). A vertex counts where any of the 8 voxels "
                "around it is set; if it stands on a voxel, where that voxel is.")
@@ -184,10 +191,17 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("cost", &Params::cost,
                "backward: a seam costs the energy that it takes away. forward: besides, what it leaves behind: wherever its removal puts two vertices of "
                "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008), whatever `measure` says. Takes three times the "
-               "memory.")
-        .param("field_weight", &Params::field_weight, Unit::none, between(0, 1e4), "What a difference of 1 in `field` costs.")
+               "memory. Auto is forward where a `field` is connected.")
+        .param("field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
+               "How much edges count. At 1 an edge of the mean size that content has costs as much as the mean energy of content; so the same number serves any "
+               "energy, field and resolution.")
+        .param("empty", &Params::empty, Unit::none, between(0, 1e4),
+               "What a vertex costs at which `field` shows nothing (it is below 2 % of its highest value), as a share of the mean price of those at which it shows "
+               "something. 1: as much. Higher: more of the carve goes through the content, which itself becomes narrower or wider. Lower: more is taken from the "
+               "space around it.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
-               "What each step of a seam costs, from a column to its neighbour in space; more keeps seams straighter. Reported energies include it.")
+               "What each step of a seam costs, from a column to its neighbour in space, in mean energies of content; more keeps seams straighter. Reported "
+               "energies include it. Auto is 0.1 with a `field`, 0 without.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")
         .param("spread", &Params::spread, Unit::vertices, between(0, 1000),
                "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "
