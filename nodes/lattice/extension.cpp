@@ -4,23 +4,25 @@
 
 namespace fluidcarve {
 
-void Extension::add(const Lattice& lattice, Axis axis, int vertices, int frame) {
-    if (vertices == 0 || lattice.hash == hash_) return;
+void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int frame) {
+    if ((below == 0 && above == 0) || lattice.hash == hash_) return;
     moves_ = !hash_.empty();
     hash_ = lattice.hash;
     axis_ = axis;
-    vertices_ = vertices;
+    below_ = below;
+    above_ = above;
     planes_ = lattice.shape[2];
-    auto extent = lattice.shape;
-    extent[static_cast<std::size_t>(axis)] += vertices;
+    const auto whole = extended_below(lattice, {axis == Axis::u ? below : 0, axis == Axis::v ? below : 0});
+    auto extent = whole.shape;
+    extent[static_cast<std::size_t>(axis)] += above;
 
     const auto note = [frame](Worst& worst, std::size_t extended, std::size_t own, int plane) {
         if (extended > own && extended - own > worst.count) worst = {extended - own, plane, frame};
     };
-    const auto folds = count_folds(lattice, extent[0], extent[1]);
+    const auto folds = count_folds(whole, extent[0], extent[1]);
     note(folds_, folds.cells, count_folds(lattice, lattice.shape[0], lattice.shape[1]).cells, folds.plane);
     const auto cubes = openvdb::math::Transform::createLinearTransform(lattice.spacing);
-    const auto overlap = count_overlap(Mapping(lattice, extent), *cubes);
+    const auto overlap = count_overlap(Mapping(whole, extent), *cubes);
     if (overlap.voxels > 0) note(overlap_, overlap.voxels, count_overlap(Mapping(lattice), *cubes).voxels, overlap.plane);
 }
 
@@ -31,8 +33,12 @@ std::string Extension::where(const Worst& worst) const {
 
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
-    std::string out = fmt::format("to insert {} the lattice goes on beyond its last vertex along {}, and there",
-                                  vertices_ == 1 ? "1 seam" : fmt::format("{} seams", vertices_), axis_ == Axis::u ? "u" : "v");
+    std::string out = fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there",
+                                  below_ + above_ == 1 ? "1 seam" : fmt::format("{} seams", below_ + above_),
+                                  below_ == 0   ? "last"
+                                  : above_ == 0 ? "first"
+                                                : "first and last",
+                                  axis_ == Axis::u ? "u" : "v");
     if (folds_.count > 0) out += fmt::format(" {} cells are folded{}", folds_.count, where(folds_));
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));

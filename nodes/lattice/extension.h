@@ -7,13 +7,13 @@
 
 namespace fluidcarve {
 
-/// What goes wrong with the cells by which insertions extend a lattice beyond its last vertices (METHOD 2): they fold, or
+/// What goes wrong with the cells by which insertions extend a lattice beyond its first or last vertices (METHOD 2): they fold, or
 /// meet others, though the lattice itself does neither. Gathers over the frames.
 class Extension {
 public:
-    /// @param axis      along which seams are inserted
-    /// @param vertices  how many they add, at least 0
-    void add(const Lattice& lattice, Axis axis, int vertices, int frame);
+    /// @param axis          along which seams are inserted
+    /// @param below, above  how many vertices they add before the first and beyond the last, at least 0
+    void add(const Lattice& lattice, Axis axis, int below, int above, int frame);
     /// The worst of it in words, with its frame if there were lattices of several, or empty.
     std::string fault() const;
 
@@ -27,7 +27,7 @@ private:
     std::string hash_;  ///< of the lattice before
     bool moves_ = false;
     Axis axis_ = Axis::u;
-    int vertices_ = 0, planes_ = 0;
+    int below_ = 0, above_ = 0, planes_ = 0;
     Worst folds_, overlap_;
 };
 

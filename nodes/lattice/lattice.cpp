@@ -54,6 +54,16 @@ Vec3d Lattice::position(const Vec3d& at) const {
     return (1 - c) * on(planes[low]) + c * on(planes[(low + 1) % count]);
 }
 
+Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices) {
+    auto out = lattice;
+    for (std::size_t d = 0; d < 2; ++d) {
+        out.shape[d] += vertices[d];
+        if (vertices[d] == 0) continue;
+        for (auto& plane : out.planes) plane.origin -= vertices[d] * lattice.spacing * (d == 0 ? plane.u : plane.v);
+    }
+    return out;
+}
+
 std::string lattice_hash(const Lattice& lattice) {
     Fnv1a hash;
     for (const int n : lattice.shape) hash.add(static_cast<std::uint64_t>(n));

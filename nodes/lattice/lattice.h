@@ -38,6 +38,9 @@ struct Lattice {
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
 };
 
+/// The lattice with so many vertices more before its first ones along u and v: the same vertices have higher indices.
+Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices);
+
 /// Sixteen hex digits over all fields of a lattice but its description, at full precision.
 std::string lattice_hash(const Lattice& lattice);
 

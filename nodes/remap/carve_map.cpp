@@ -150,15 +150,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
     }
 }
 
-Lattice CarveMap::extended(const Lattice& lattice) const {
-    auto out = lattice;
-    for (std::size_t d = 0; d < 2; ++d) {
-        if (below_[d] == 0) continue;
-        out.shape[d] += below_[d];
-        for (auto& plane : out.planes) plane.origin -= below_[d] * lattice.spacing * (d == 0 ? plane.u : plane.v);
-    }
-    return out;
-}
+Lattice CarveMap::extended(const Lattice& lattice) const { return extended_below(lattice, below_); }
 
 bool CarveMap::soft() const {
     return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.soft() != nullptr; });

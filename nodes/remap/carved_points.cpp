@@ -1,5 +1,7 @@
 #include "nodes/remap/carved_points.h"
 
+#include "nodes/remap/carve_inverse.h"
+#include "nodes/remap/derivative.h"
 #include "nodes/remap/step_columns.h"
 
 #include <tbb/parallel_for.h>
@@ -64,6 +66,58 @@ private:
     double amount_;
 };
 
+/// What a smoothed map makes of points: each goes where its place goes. Where space is pressed together by a factor, one in so many
+/// stays; where it is drawn out, so many more come to be. Which ones, their identities decide.
+class SoftCarve {
+public:
+    SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter) : map_(map), derivative_(mapping, map), jitter_(jitter) {}
+
+    /// The ways of a point and its copies; none if it goes. @param from  lattice index coordinates, that something moves
+    void operator()(const Vec3d& from, std::uint64_t identity, std::vector<Way>& ways) const {
+        ways.clear();
+        auto to = from;
+        for (const auto& step : map_.steps()) {
+            const double u = to[step.axis()];
+            // An insertion writes over what is beyond the lattice's ends.
+            if (step.holds(to) && (u < step.origin() || u > step.last_before()) && step.carves(u, step.scale(to))) return;
+            to[step.axis()] = carved_coordinate(step, to);
+        }
+        if (to == from) {
+            ways.push_back({to, 0});
+            return;
+        }
+        const auto slope = derivative_(within(to));
+        // How many there are in place of one, on average: the density stays what it was.
+        const double wanted = slope ? 1 / std::max(std::abs(slope->det()), 1e-3) : 1;
+        const auto whole = static_cast<std::uint64_t>(wanted);
+        const auto count = whole + (share(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
+        const auto& step = map_.steps().back();
+        for (std::uint64_t copy = 0; copy < count; ++copy) {
+            if (copy == 0) {
+                ways.push_back({to, 0});
+                continue;
+            }
+            const auto seed = mixed(identity) ^ mixed(copy);
+            auto beside = to;
+            beside[step.axis()] += (seed & 1) != 0 ? 0.5 : -0.5;
+            ways.push_back({jitter_(beside, step, {step.start() - 0.5, step.last() + 0.5}, seed), copy});
+        }
+    }
+
+private:
+    /// Evenly from 0 to 1.
+    static double share(std::uint64_t identity) { return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53; }
+    /// Points between an end and where the map is mirrored have the slope of the end.
+    Vec3d within(Vec3d at) const {
+        for (const auto& step : map_.steps()) at[step.axis()] = std::clamp<double>(at[step.axis()], step.low(), step.high());
+        return at;
+    }
+
+    const CarveMap& map_;
+    CarveDerivative derivative_;
+    const Jitter& jitter_;
+};
+
 }  // namespace
 
 void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& places, std::vector<Vec2d>& rooms) {
@@ -107,6 +161,8 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
     const Mapping mapping(map.extended(lattice), map.reach());
     const auto moves = map.moved();
     const Jitter jittered(jitter);
+    std::optional<SoftCarve> soft;
+    if (map.soft()) soft.emplace(mapping, map, jittered);
     constexpr std::size_t grain = 4096;
     struct Part {
         std::vector<PointImage> images;
@@ -119,7 +175,8 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
         const auto from = mapping.locate(positions[n]);
         if (!from || !reaches(moves, *from)) return part.images.push_back({source, false, {}});
         ways = {{*from, 0}};
-        for (std::size_t s = 0; s < map.steps().size(); ++s) {
+        if (soft) (*soft)(*from, identities[n], ways);
+        for (std::size_t s = 0; s < map.steps().size() && !soft; ++s) {
             const auto& step = map.steps()[s];
             next.clear();
             for (const auto& way : ways) {

@@ -27,7 +27,8 @@ struct CarvedPoints {
     bool changed() const { return moved + deleted + copied > 0; }
 };
 
-/// Carves points through all steps of a map, each in the space that those before it leave. Copies are moved by up to `jitter` vertices
+/// Carves points through all steps of a map, each in the space that those before it leave. Through a smoothed one each point goes where its
+/// place goes, and is thinned or doubled by as much as space is pressed together or drawn out there. Copies are moved by up to `jitter` vertices
 /// along each of the lattice's axes, within their seam: by the point's identity alone, whatever the order or number of threads.
 /// @param positions, identities  of each point
 /// @param jitter  0: a copy is exactly one vertex away

@@ -36,11 +36,17 @@ Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const open
     return out;
 }
 
+bool is_staggered(const openvdb::GridBase& grid) {
+    return grid.getGridClass() == openvdb::GRID_STAGGERED && (grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>());
+}
+
 template <class GridT>
 openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
-    const auto aligned = alignment && !map.soft() ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
+    // Smoothed, components on faces go by where they stand, and chains by several interpolations.
+    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear && !is_staggered(*grid));
+    const auto aligned = alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
     return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }
 
@@ -74,9 +80,9 @@ Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap
     if (map.empty()) return volume;
     Volume out = volume;
     for (auto& grid : out.grids) {
-        // The faces of a staggered triplet stand between the voxels, and travel with theirs.
+        // The faces of a staggered triplet stand between the voxels, and travel with theirs where whole vertices move.
         const auto triplet = triplet_of(volume, *grid);
-        grid = carve_any(grid, triplet ? *triplet->cells : grid->transform(), lattice, map, interpolation);
+        grid = carve_any(grid, triplet && !map.soft() ? *triplet->cells : grid->transform(), lattice, map, interpolation);
     }
     return out;
 }

@@ -45,15 +45,56 @@ public:
         window_.move_to(voxels(alignment_, range));
         if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;
 
+        const bool soft = steps_.back().soft() != nullptr;
         Coord line;
         const int p = index_axis_ == 0 ? 1 : 0, q = index_axis_ == 2 ? 1 : 2;
         line[index_axis_] = block[index_axis_] + (direction_ > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
-            for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) carve_line(line, out);
+            for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
+                if (soft) carve_line_softly(line, out);
+                else carve_line(line, out);
+            }
         return true;
     }
 
 private:
+    /// Eight voxels in the direction of rising entries, under a step that is smoothed: each comes from between two on the line.
+    void carve_line_softly(Coord voxel, Leaf& out) {
+        const auto& step = steps_.back();
+        const auto& soft = *step.soft();
+        const auto first = alignment_.vertex(voxel);
+        const bool carved = step.has_column(first[step.lateral_axis()], first.z());
+        const auto column = carved ? soft.column(first[step.lateral_axis()], first.z()) : std::span<const float>();
+        for (int entry = first[step.axis()]; entry < first[step.axis()] + 8; ++entry, voxel[index_axis_] += direction_) {
+            const auto at = [&](int source) {
+                auto moved = voxel;
+                moved[index_axis_] += direction_ * (source - entry);
+                return window_.get(moved);
+            };
+            if (!carved || entry < step.low() || entry > step.high()) {
+                write(out, voxel, window_.get(voxel));
+            } else if (entry < step.start() || entry > step.last()) {
+                write(out, voxel, nothing_);
+            } else {
+                const float d = column[static_cast<std::size_t>(std::clamp(entry, soft.first(), soft.last()) - soft.first())], below = std::floor(d);
+                write(out, voxel, between(d - below, entry + static_cast<int>(below), at));
+            }
+        }
+    }
+
+    /// What stands between an entry and the next. @param part  of the way
+    template <class At>
+    static Voxel between(float part, int entry, At&& at) {
+        if (part == 0) return at(entry);
+        if constexpr (can_blend<Value>) {
+            using Weight = typename openvdb::VecTraits<Value>::ElementType;
+            const Voxel low = at(entry), high = at(entry + 1);
+            return {Value(low.value + (high.value - low.value) * static_cast<Weight>(part)), part < 0.5f ? low.on : high.on};
+        } else {
+            return at(part < 0.5f ? entry : entry + 1);
+        }
+    }
+
     /// Eight voxels in the direction of rising entries, under the last step: the bounds of their column are passed but once.
     void carve_line(Coord voxel, Leaf& out) {
         const auto& step = steps_.back();

@@ -17,7 +17,7 @@ struct ChoiceNames<Rim> {
 inline constexpr auto fade_doc = "For `rim: fade`: from how far on displacements fade. What is further inside is carved as with `rim: cut`.";
 
 /// The parameters `soft` and `soft_time` (Softness).
-inline constexpr double default_soft = 2, default_soft_time = 0;
+inline constexpr double default_soft = 3, default_soft_time = 0;
 inline constexpr auto soft_doc =
     "How softly seams are carved: each squeezes or draws out the space within about so many vertices along u, v and w, in place of cutting one vertex out or "
     "adding one. So nothing is lost, and no step is left. Whatever lies further from all seams is moved by whole vertices. 0: vertices are taken and added whole, "

@@ -54,7 +54,6 @@ void write(const FrameEnergy& frame, BinaryWriter& to) {
     if (frame.active)
         for (const auto& corner : {frame.active->min(), frame.active->max()}) to.bytes(corner.asPointer(), 3 * sizeof(double));
     to.value(frame.met);
-    to.value(frame.field_met);
 }
 
 void read(FrameEnergy& out, BinaryReader& from) {
@@ -77,14 +76,13 @@ void read(FrameEnergy& out, BinaryReader& from) {
         out.active.emplace(low, high);
     }
     out.met = from.value<bool>();
-    out.field_met = from.value<bool>();
 }
 
 }  // namespace
 
 PayloadType frame_energy_type(PayloadType lattice) {
     Filed<FrameEnergy> filed;
-    filed.version = 1 + lattice.version;  // whichever is raised raises the sum
+    filed.version = 2 + lattice.version;  // whichever is raised raises the sum
     filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
         lattice.write(Payload(frame.lattice), stream);
         BinaryWriter to(stream);

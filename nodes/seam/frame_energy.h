@@ -20,7 +20,7 @@ struct FrameEnergy {
     std::optional<std::size_t> protect, attract;                    ///< how many vertices the masks mark; nothing: no mask
     openvdb::math::Transform::ConstPtr transform, field_transform;  ///< of the grids; null: no field
     std::optional<openvdb::BBoxd> active;                           ///< world box of the energy's active voxels; nothing: none
-    bool met = false, field_met = false;                            ///< whether the lattice meets active voxels
+    bool met = false;                                               ///< whether the lattice meets active voxels
 };
 
 /// The payload type `frame_energy`. @param lattice  that of its lattice

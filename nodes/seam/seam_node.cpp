@@ -140,7 +140,6 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
         out->field.resize(out->energy.size());
         sample_field(*io.field, lattice, params.axis, out->field);
         out->field_transform = io.field->transform().copy();
-        out->field_met = meets_active_voxels(*io.field, lattice);
     }
     return out;
 }
@@ -157,7 +156,6 @@ void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context&
     if (frame->field_transform) field_transform_.require("the field", *frame->field_transform, context.frame());
     if (params.count.value == 0) return;
     any_met_ = any_met_ || frame->met;
-    field_met_ = field_met_ || frame->field_met;
     if (frame->active) {
         any_active_ = true;
         active_box_.expand(*frame->active);
@@ -206,13 +204,16 @@ void SeamNode::fill_frames(const Params& params, const Task& task, const Ports& 
     prices(whole, *energy_);
 }
 
-std::string SeamNode::extension_fault(const Params& params, const Task& task, const Context& context) const {
-    if (task.pair_window) return {};
-    const auto axis = static_cast<std::size_t>(params.axis);
-    const int grown = task.shape[axis] + (task.kind == Seams::Kind::insert ? task.count : -task.count);
+std::string SeamNode::extension_fault(const Seams& found, const Ports& io, const Context& context) const {
+    if (found.paired()) return {};
+    const auto axis = static_cast<std::size_t>(found.axis);
+    int first = found.shift_after(found.seams.size());
+    for (const auto& set : io.after)
+        if (set->axis == found.axis) first += set->shift_after(set->seams.size());
+    const int end = first + found.shape_after(found.seams.size())[axis];
     Extension extension;
     for (std::size_t t = 0; t < lattices_.size(); ++t)
-        extension.add(*lattices_[t], params.axis, std::max(0, grown - lattices_[t]->shape[axis]), context.frames()[t]);
+        extension.add(*lattices_[t], found.axis, std::max(0, -first), std::max(0, end - lattices_[t]->shape[axis]), context.frames()[t]);
     return extension.fault();
 }
 
@@ -430,8 +431,6 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         if (any_active_ && !any_met_)
             throw Failure(fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattice.description, text(active_box_)));
         fill_frames(params, task, io, context);
-        if (energy_->has_field() && !field_met_)
-            context.warn("the lattice misses the active voxels of `field` in all frames: without edges there, forward costs are those of the energy alone");
         if (energy_->has_field()) energy_->count_edges(context.memory_budget() / 3, context.work_folder());
         if (protected_ || attracted_) energy_->find_marks();
         // Of a larger set that was not finished there may be more pairs.
@@ -442,7 +441,7 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
             if (marked == std::size_t{0}) context.warn(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed", name, name));
         for (const auto& warning : warnings(report)) context.warn(warning);
     }
-    if (const auto fault = extension_fault(params, task, context); !fault.empty()) context.warn(fault);
+    if (const auto fault = extension_fault(*out, io, context); !fault.empty()) context.warn(fault);
     context.report("seams", report);
     io.seams = std::move(out);
 }

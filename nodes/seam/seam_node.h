@@ -73,10 +73,10 @@ public:
         Measure measure = Measure::vertex;
         Auto<Cost> cost;
         float field_weight = 1;
-        float empty = 1;
+        float empty = 0.9f;
         Auto<float> rigidity;
         Auto<float> rigidity_time;
-        int spread = 2;
+        int spread = 3;
         Anchor anchor;
         Auto<int> bound_passes;
     };
@@ -132,7 +132,7 @@ private:
     /// seams pay, by what the frames are like before.
     void fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context);
     /// What goes wrong where insertions extend the lattices, in words, or empty.
-    std::string extension_fault(const Params& params, const Task& task, const Context& context) const;
+    std::string extension_fault(const Seams& found, const Ports& io, const Context& context) const;
     /// Puts the seams found into `out`, and says in the report what each is like.
     void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, const StartFrom& start_from,
                   Seams& out, nlohmann::ordered_json& report);
@@ -149,7 +149,7 @@ private:
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
     bool forward_ = false;              ///< whether there is a field
     bool any_active_ = false;
-    bool any_met_ = false, field_met_ = false;
+    bool any_met_ = false;
     openvdb::BBoxd active_box_;        ///< world box of all frames' active voxels
     Ref<Seams> before_;                ///< found by an earlier run, or null
     nlohmann::ordered_json reported_;  ///< of those

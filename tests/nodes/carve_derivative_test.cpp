@@ -96,7 +96,7 @@ TEST_CASE("displacements are filtered along the carved axis, narrower at its end
                     gradient[step.axis()] = central([&](int x) { return filtered(step, x, lateral, k); }, e, step.after(), false);
                     gradient[step.lateral_axis()] = central([&](int x) { return filtered(step, e, x, k); }, lateral, step.laterals(), false);
                     gradient.z() = central([&](int x) { return filtered(step, e, lateral, x); }, k, step.slices(), step.closed());
-                    const auto got = smooth.at(at);
+                    const auto got = smooth.at(at, step);
                     INFO("case " << n << ", entry " << e << ", column " << lateral << ", " << k);
                     REQUIRE(got.d == Approx(filtered(step, e, lateral, k)).margin(1e-5));
                     REQUIRE((got.gradient - gradient).length() < 1e-5);
@@ -104,10 +104,10 @@ TEST_CASE("displacements are filtered along the carved axis, narrower at its end
         // Between the vertices, trilinear.
         Vec3d at(0);
         at[step.axis()] = 4.25;
-        const auto low = smooth.at(Vec3d(step.axis() == 0 ? 4 : 0, step.axis() == 1 ? 4 : 0, 0)),
-                   high = smooth.at(Vec3d(step.axis() == 0 ? 5 : 0, step.axis() == 1 ? 5 : 0, 0));
-        CHECK(smooth.at(at).d == Approx(0.75 * low.d + 0.25 * high.d).margin(1e-5));
-        CHECK((smooth.at(at).gradient - (0.75 * low.gradient + 0.25 * high.gradient)).length() < 1e-5);
+        const auto low = smooth.at(Vec3d(step.axis() == 0 ? 4 : 0, step.axis() == 1 ? 4 : 0, 0), step),
+                   high = smooth.at(Vec3d(step.axis() == 0 ? 5 : 0, step.axis() == 1 ? 5 : 0, 0), step);
+        CHECK(smooth.at(at, step).d == Approx(0.75 * low.d + 0.25 * high.d).margin(1e-5));
+        CHECK((smooth.at(at, step).gradient - (0.75 * low.gradient + 0.25 * high.gradient)).length() < 1e-5);
     }
 }
 
@@ -131,8 +131,8 @@ TEST_CASE("the derivative of a chain is the product of its steps', the last carv
     for (int n = 0; n < 300; ++n) {
         std::uniform_real_distribution<double> unit(0, 1);
         const Vec3d at(15 * unit(random), 20 * unit(random), 8 * unit(random));
-        const auto b = second.at(at);
-        const auto a = first.at(at + Vec3d(0, b.d, 0));
+        const auto b = second.at(at, map.steps()[1]);
+        const auto a = first.at(at + Vec3d(0, b.d, 0), map.steps()[0]);
         const Mat3d expected = axes * slope(0, a.gradient) * slope(1, b.gradient) * axes.transpose();
         const auto got = derivative(at);
         REQUIRE((got ? *got : Mat3d::identity()).eq(expected, 1e-9));

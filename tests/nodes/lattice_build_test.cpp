@@ -363,13 +363,13 @@ TEST_CASE("insertions that make a sound lattice fold or meet itself are told wit
     inwards.flip_u = true;
     const auto legs = [&](double apart) { return build_lattice(hairpin(apart), inwards).lattice; };
     Extension sound;
-    sound.add(legs(2), Axis::u, 0, 1);
-    sound.add(legs(2), Axis::u, 2, 1);
-    sound.add(legs(2), Axis::v, 40, 1);
+    sound.add(legs(2), Axis::u, 0, 0, 1);
+    sound.add(legs(2), Axis::u, 0, 2, 1);
+    sound.add(legs(2), Axis::v, 0, 40, 1);
     CHECK(sound.fault().empty());
 
     Extension one;
-    one.add(legs(2), Axis::u, 4, 1);
+    one.add(legs(2), Axis::u, 0, 4, 1);
     const auto lattice = legs(2);
     auto extent = lattice.shape;
     extent[0] += 4;
@@ -384,7 +384,7 @@ TEST_CASE("insertions that make a sound lattice fold or meet itself are told wit
                       "round by its `flip_u` or its rig's `up`, so that it grows to the other side",
                       folds.cells, between(folds.plane), overlap.voxels, between(overlap.plane)));
     Extension moving;
-    for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)}) moving.add(legs(apart), Axis::u, 4, frame);
+    for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)}) moving.add(legs(apart), Axis::u, 0, 4, frame);
     CHECK(moving.fault().find(fmt::format("{} cells are folded in frame 2, ", folds.cells)) != std::string::npos);
     CHECK(moving.fault().find(fmt::format("{} voxels, as large as the spacing, lie in several cells in frame 2, ", overlap.voxels)) != std::string::npos);
 }

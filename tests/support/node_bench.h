@@ -14,17 +14,23 @@ namespace fluidcarve::test {
 /// One node at work without a pipeline: parameters from YAML, ports set by the test.
 class NodeBench {
 public:
+    /// Carves classically where the parameters do not say otherwise: `soft` and `spread` are 0.
     /// @param yaml  the parameters, as in a pipeline: `gain: 2`
     /// @param connected  how many connections each input has
     explicit NodeBench(NodeType type, const std::string& yaml = "{}", const std::map<std::string, std::size_t>& connected = {}) : type_(std::move(type)) {
         const auto params = type_.make_params();
         Problems problems;
+        const auto set = [&](const ParamSpec& spec, const std::string& name, const Value& value) {
+            ValueReader reader(problems, name, spec.range);
+            spec.parse(params.get(), value, reader);
+        };
+        for (const auto* const name : {"soft", "spread"})
+            if (const auto* const spec = type_.param(name)) set(*spec, name, read_yaml(std::make_shared<Source>(Source{"test", "n: 0", ""}), problems).fields.front().value);
         const auto value = read_yaml(std::make_shared<Source>(Source{"test", yaml, ""}), problems);
         for (const auto& field : value.fields) {
             const auto* const spec = type_.param(field.name);
             if (!spec) throw std::logic_error("no parameter " + field.name);
-            ValueReader reader(problems, field.name, spec->range);
-            spec->parse(params.get(), field.value, reader);
+            set(*spec, field.name, field.value);
         }
         for (const auto& problem : problems) faults_ += problem.message + "\n";
         if (faults_.empty() && type_.check) {
