@@ -12,7 +12,7 @@ inline constexpr int plugin_abi = 1;
 
 /// The same for the payload types of nodes/ and the functions around them: raised when Volume, Lattice, Seams, Rig, Points, Mesh, SeamNode or what
 /// they hold change their layout.
-inline constexpr int payload_abi = 1;
+inline constexpr int payload_abi = 2;
 
 /// What a plugin says of itself before any of its code is called. A plugin is a shared library with node types, and payload types
 /// if it has any, of a family of its own; pipelines name its file under `plugins`. It states no more than the family:

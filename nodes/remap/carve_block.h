@@ -125,7 +125,8 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         if (!step.carves(at[axis], scale)) return std::nullopt;
         const auto& table = tables_[n];
         if (step.soft()) {
-            const double by = smooth(n, at), scaled = scale < 1 ? step.drawn(at[axis], at[axis] + by, scale) - at[axis] : by;
+            const double by = smooth(n, at), source = at[axis] + scale * by, held = step.held(source);
+            const double scaled = held == source ? scale * by : held - at[axis];
             at[axis] += scaled;
             out.by[axis] += scaled;
             out.fades = out.fades || scale < 1;

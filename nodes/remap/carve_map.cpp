@@ -42,13 +42,14 @@ void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::
 
 }  // namespace
 
-CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, int origin)
+CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin)
     : axis_(static_cast<int>(seams.axis)),
       before_(seams.carved()),
       laterals_(seams.lateral()),
       slices_(seams.shape[2]),
-      origin_(origin),
-      start_(origin + seams.shift_after(count)),
+      first_lateral_(origin[static_cast<std::size_t>(1 - axis_)]),
+      origin_(origin[static_cast<std::size_t>(axis_)]),
+      start_(origin_ + seams.shift_after(count)),
       inserts_(seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       closed_(seams.closed),
@@ -84,9 +85,12 @@ void CarveStep::soften(const Seams& seams, std::size_t t, const Softness& softne
     std::vector<CarveStep> others;
     others.reserve(static_cast<std::size_t>(2 * reach));
     std::vector<const CarveStep*> steps;
+    std::array<int, 2> origin{};
+    origin[static_cast<std::size_t>(axis_)] = origin_;
+    origin[static_cast<std::size_t>(1 - axis_)] = first_lateral_;
     for (int n = -reach; n <= reach; ++n) {
         const int near = std::clamp(static_cast<int>(t) + n, 0, last);
-        if (near != static_cast<int>(t)) steps.push_back(&others.emplace_back(seams, static_cast<std::size_t>(near), count_, origin_));
+        if (near != static_cast<int>(t)) steps.push_back(&others.emplace_back(seams, static_cast<std::size_t>(near), count_, origin));
         else steps.push_back(this);
     }
     soft_ = std::make_shared<const SmoothDisplacement>(SmoothDisplacement::soft(steps, windows(seams), softness));
@@ -141,7 +145,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
         if (used > set.seams.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.seams.size()));
         auto& begin = origin[static_cast<std::size_t>(set.axis)];
         if (used > 0) {
-            auto& step = steps_.emplace_back(set, t, used, begin);
+            auto& step = steps_.emplace_back(set, t, used, origin);
             if (softness) step.soften(set, t, softness);
             begin = step.start();
         }
@@ -181,7 +185,7 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
         // A point between an entry and a moved one moves in part.
-        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, 0, step->laterals() - 1) ||
+        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, step->first_lateral(), step->last_lateral()) ||
             !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;

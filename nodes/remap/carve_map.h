@@ -25,8 +25,8 @@ class CarveStep {
 public:
     /// @param t       the frame's place in seams.frames
     /// @param count   how many of the seams, from the first
-    /// @param origin  entry at which the space before begins
-    CarveStep(const Seams& seams, std::size_t t, std::size_t count, int origin = 0);
+    /// @param origin  where the space before begins, along u and v
+    CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin = {});
 
     int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
     int lateral_axis() const { return 1 - axis_; }
@@ -37,6 +37,8 @@ public:
     int before() const { return before_; }  ///< vertices along the axis
     int after() const { return paired_ ? before_ : inserts_ ? before_ + count() : before_ - count(); }
     int laterals() const { return laterals_; }
+    int first_lateral() const { return first_lateral_; }
+    int last_lateral() const { return first_lateral_ + laterals_ - 1; }
     int slices() const { return slices_; }
 
     int origin() const { return origin_; }  ///< first entry of the space before
@@ -60,7 +62,7 @@ public:
     /// Whether the step carves at a point of its carved space, or frees it.
     bool holds(const openvdb::Vec3d& at) const {
         const double u = at[axis_], v = at[1 - axis_];
-        return u >= low() && u <= high() && v >= 0 && v <= laterals_ - 1;
+        return u >= low() && u <= high() && v >= first_lateral_ && v <= last_lateral();
     }
     void fade(double vertices) { fade_ = vertices; }  ///< of CarveMap::fade
     bool fades() const { return fade_ > 0; }
@@ -69,26 +71,28 @@ public:
     double scale(const openvdb::Vec3d& at) const {
         if (fade_ == 0) return 1;
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
-        return std::min(1.0, std::min(from_rim(at[1 - axis_], laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
+        return std::min(1.0, std::min(from_rim(at[1 - axis_] - first_lateral_, laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
     }
     /// Where the carved space begins and ends along the axis: what a removal frees, or an insertion adds, is scaled too.
     double begin(double scale) const { return origin_ + scale * (start_ - origin_); }
     double end(double scale) const { return last_before() + scale * (last() - last_before()); }
     /// Whether a point that the step holds lies in its carved space.
     bool carves(double u, double scale) const { return u >= begin(scale) && u <= end(scale); }
+    /// The place from which a smoothed map reads: where it leads beyond the ends of the space before, those hold.
+    double held(double source) const { return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before())); }
     /// The entry `source`, from which a point at `u` on the axis comes where nothing is scaled, drawn towards it; never from
     /// beyond the lattice.
     double drawn(double u, double source, double scale) const {
-        return scale < 1 ? std::clamp(u + scale * (source - u), static_cast<double>(origin_), static_cast<double>(last_before())) : source;
+        return scale < 1 ? held(u + scale * (source - u)) : source;
     }
-    bool has_column(int lateral, int k) const { return lateral >= 0 && lateral < laterals_ && k >= 0 && k < slices_; }
+    bool has_column(int lateral, int k) const { return lateral >= first_lateral_ && lateral <= last_lateral() && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
     /// entry. Of pairs, those of the first window come first.
     /// @param k  may be slices() if closed()
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
         if (k == slices_) k = 0;
         const auto all = paired_ ? 2 * count_ : count_;
-        return {bounds_.data() + (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all, all};
+        return {bounds_.data() + (static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all, all};
     }
     /// How many bounds of a column are not above an entry.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
@@ -115,7 +119,7 @@ private:
     /// The windows of the carved space, in which alone displacements change along the axis.
     std::vector<SmoothDisplacement::Span> windows(const Seams& seams) const;
 
-    int axis_, before_, laterals_, slices_, origin_, start_;
+    int axis_, before_, laterals_, slices_, first_lateral_, origin_, start_;
     bool inserts_, paired_, closed_;
     std::size_t count_;
     int first_moved_, last_moved_;

@@ -55,7 +55,7 @@ public:
             seed = mixed(seed);
             const double by = amount_ * (static_cast<double>(seed >> 11) * 0x1p-52 - 1);
             if (n == step.axis()) out[n] = reflected(at[n] + by, room);
-            else if (n == step.lateral_axis()) out[n] = step.laterals() > 1 ? reflected(at[n] + by, Vec2d(0, step.laterals() - 1)) : at[n];
+            else if (n == step.lateral_axis()) out[n] = step.laterals() > 1 ? reflected(at[n] + by, Vec2d(step.first_lateral(), step.last_lateral())) : at[n];
             else if (step.closed()) out[n] = at[n] + by - step.slices() * std::floor((at[n] + by) / step.slices());
             else out[n] = step.slices() > 1 ? reflected(at[n] + by, Vec2d(0, step.slices() - 1)) : at[n];
         }
@@ -70,25 +70,28 @@ private:
 /// stays; where it is drawn out, so many more come to be. Which ones, their identities decide.
 class SoftCarve {
 public:
-    SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter) : map_(map), derivative_(mapping, map), jitter_(jitter) {}
+    SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter) : mapping_(mapping), map_(map), jitter_(jitter) {}
 
     /// The ways of a point and its copies; none if it goes. @param from  lattice index coordinates, that something moves
     void operator()(const Vec3d& from, std::uint64_t identity, std::vector<Way>& ways) const {
         ways.clear();
         auto to = from;
+        double pressed = 1;
         for (const auto& step : map_.steps()) {
             const double u = to[step.axis()];
             // An insertion writes over what is beyond the lattice's ends.
             if (step.holds(to) && (u < step.origin() || u > step.last_before()) && step.carves(u, step.scale(to))) return;
             to[step.axis()] = carved_coordinate(step, to);
+            if (step.holds(to) && to[step.axis()] != u) pressed *= slope(step, to);
         }
         if (to == from) {
             ways.push_back({to, 0});
             return;
         }
-        const auto slope = derivative_(within(to));
+        // Cells of bent lattices are larger or smaller elsewhere.
+        pressed *= std::abs(position_slope(mapping_, from).det() / position_slope(mapping_, to).det());
         // How many there are in place of one, on average: the density stays what it was.
-        const double wanted = slope ? 1 / std::max(std::abs(slope->det()), 1e-3) : 1;
+        const double wanted = 1 / std::max(pressed, 1e-3);
         const auto whole = static_cast<std::uint64_t>(wanted);
         const auto count = whole + (share(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
         const auto& step = map_.steps().back();
@@ -107,14 +110,15 @@ public:
 private:
     /// Evenly from 0 to 1.
     static double share(std::uint64_t identity) { return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53; }
-    /// Points between an end and where the map is mirrored have the slope of the end.
-    Vec3d within(Vec3d at) const {
-        for (const auto& step : map_.steps()) at[step.axis()] = std::clamp<double>(at[step.axis()], step.low(), step.high());
-        return at;
+    /// Of the map along a step's axis, which is linear between entries.
+    static double slope(const CarveStep& step, const Vec3d& at) {
+        const StepColumns columns(step, at[step.lateral_axis()], at.z());
+        const int entry = std::clamp(static_cast<int>(std::floor(at[step.axis()])), step.start(), std::max(step.start(), step.last() - 1));
+        return 1 + step.scale(at) * (columns.displacement(entry + 1) - columns.displacement(entry));
     }
 
+    const Mapping& mapping_;
     const CarveMap& map_;
-    CarveDerivative derivative_;
     const Jitter& jitter_;
 };
 

@@ -7,6 +7,17 @@ namespace fluidcarve {
 using openvdb::Mat3d;
 using openvdb::Vec3d;
 
+Mat3d position_slope(const Mapping& mapping, const Vec3d& at) {
+    double plane = std::floor(at.z());
+    if (const auto* const slabs = mapping.slabs()) plane = std::min(plane, slabs->size() - 1.0);
+    const auto here = mapping.position(at), low = mapping.position({at.x(), at.y(), plane});
+    Mat3d out;
+    out.setCol(0, mapping.position(at + Vec3d(1, 0, 0)) - here);
+    out.setCol(1, mapping.position(at + Vec3d(0, 1, 0)) - here);
+    out.setCol(2, mapping.position({at.x(), at.y(), plane + 1}) - low);
+    return out;
+}
+
 CarveDerivative::CarveDerivative(const Mapping& mapping, const CarveMap& map) : mapping_(mapping), map_(map) {
     smooth_.reserve(map.steps().size());
     for (const auto& step : map.steps()) smooth_.push_back(step.soft() ? *step.soft() : SmoothDisplacement(step));
@@ -28,25 +39,13 @@ std::optional<Mat3d> CarveDerivative::operator()(const Vec3d& at) const {
         slope.setRow(axis, slope.row(axis) + slope.transpose() * gradient);
     }
     if (slope == Mat3d::identity() && (source == at || !mapping_.slabs())) return std::nullopt;
-    return position_slope(source) * slope * position_slope(at).inverse();
+    return position_slope(mapping_, source) * slope * position_slope(mapping_, at).inverse();
 }
 
 openvdb::BBoxd CarveDerivative::range() const {
     const auto& reach = map_.reach();
     const bool closed = !map_.empty() && map_.steps().front().closed();
     return {Vec3d(0), Vec3d(reach[0] - 1, reach[1] - 1, closed ? reach[2] : reach[2] - 1)};
-}
-
-Mat3d CarveDerivative::position_slope(const Vec3d& at) const {
-    // `g` is linear along u and along v, and along w from plane to plane.
-    double plane = std::floor(at.z());
-    if (const auto* const slabs = mapping_.slabs()) plane = std::min(plane, slabs->size() - 1.0);
-    const auto here = mapping_.position(at), low = mapping_.position({at.x(), at.y(), plane});
-    Mat3d out;
-    out.setCol(0, mapping_.position(at + Vec3d(1, 0, 0)) - here);
-    out.setCol(1, mapping_.position(at + Vec3d(0, 1, 0)) - here);
-    out.setCol(2, mapping_.position({at.x(), at.y(), plane + 1}) - low);
-    return out;
 }
 
 }  // namespace fluidcarve

@@ -11,6 +11,10 @@
 
 namespace fluidcarve {
 
+/// The derivative of `g`: world units by vertices. `g` is linear along u and along v, and along w from plane to plane.
+/// @param at  lattice index coordinates
+openvdb::Mat3d position_slope(const Mapping& mapping, const openvdb::Vec3d& at);
+
 /// The derivative of a carve as a map `psi` from positions in the output to those in the input that they come from,
 /// `psi = g o M1 o ... o Mn o f`, with the displacements of SmoothDisplacement: those of the seams jump.
 class CarveDerivative {
@@ -29,8 +33,6 @@ public:
     openvdb::BBoxd range() const;
 
 private:
-    openvdb::Mat3d position_slope(const openvdb::Vec3d& at) const;
-
     const Mapping& mapping_;
     const CarveMap& map_;
     std::vector<SmoothDisplacement> smooth_;  ///< per step

@@ -250,7 +250,7 @@ private:
                 return out.add(nothing, false, weight);
             }
             if (step.soft()) {
-                l[axis] = step.drawn(u, u + block_.smooth(count - 1, l), scale);
+                l[axis] = step.held(u + scale * block_.smooth(count - 1, l));
                 continue;
             }
 

@@ -20,7 +20,7 @@ CoordBBox within(const CarveStep& step, CoordBBox vertices) {
         high[dimension] = std::min(high[dimension], last);
     };
     clip(step.axis(), step.start(), step.last());
-    clip(step.lateral_axis(), 0, step.laterals() - 1);
+    clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
     if (!step.closed()) clip(2, 0, step.slices() - 1);
     else high.z() = std::min(high.z(), low.z() + step.slices() - 1);
     return vertices;

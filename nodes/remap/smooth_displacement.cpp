@@ -52,6 +52,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int las
     : axis_(step.axis()),
       laterals_(step.laterals()),
       slices_(step.slices()),
+      first_lateral_(step.first_lateral()),
       closed_(step.closed()),
       carved_{step.start(), step.last()},
       first_(first),
@@ -63,7 +64,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
     last_ = first_;
     for (int k = 0; k < slices_; ++k)
-        for (int lateral = 0; lateral < laterals_; ++lateral) last_ = std::max(last_, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
+        for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral) last_ = std::max(last_, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
 
     const auto size = static_cast<std::size_t>(last_ - first_) + 1, laterals = static_cast<std::size_t>(laterals_);
     entries_.resize(size * laterals * static_cast<std::size_t>(slices_));
@@ -73,7 +74,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
         std::vector<int> before(static_cast<std::size_t>(to - from) + 2);
         const auto sum = [&](int entry) { return before[static_cast<std::size_t>(entry - from)]; };
         for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
             const auto bounds = step.bounds(lateral, k);
             std::size_t passed = CarveStep::passed(from, bounds);
             for (int e = from; e <= to; ++e) {
@@ -99,7 +100,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64), [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<double> now(size);
         for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
             std::ranges::fill(now, 0.0);
             for (std::size_t n = 0; n < steps.size(); ++n) {
                 const auto bounds = steps[n]->bounds(lateral, k);
@@ -163,9 +164,9 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
         part[d] = at[axes[d]] - low[d];
     }
     Value out{0, Vec3d(0)};
-    if (low[0] + 2 < first_ && column(0, 0).front() == 0) return out;
+    if (low[0] + 2 < first_ && column(first_lateral_, 0).front() == 0) return out;
 
-    const std::array<int, 3> first{carved_.first, 0, 0}, last{carved_.last, laterals_ - 1, slices_ - 1};
+    const std::array<int, 3> first{carved_.first, first_lateral_, 0}, last{carved_.last, first_lateral_ + laterals_ - 1, slices_ - 1};
     const auto value = [&](std::array<int, 3> vertex) {
         if (closed_) vertex[2] = (vertex[2] + slices_) % slices_;
         const auto d = [&] {

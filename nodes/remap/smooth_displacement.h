@@ -50,7 +50,7 @@ public:
     /// The displacements of entries first() to last() of a column.
     std::span<const float> column(int lateral, int k) const {
         const auto size = static_cast<std::size_t>(last_ - first_) + 1;
-        const auto column = static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k);
+        const auto column = static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k);
         return {entries_.data() + column * size, size};
     }
     int first() const { return first_; }  ///< entries below it move as it does
@@ -70,7 +70,7 @@ private:
     /// Replaces each value by a weighted sum of those before and behind it in a lateral direction. @param along_w  else across
     void smooth_across(std::span<const double> weights, bool along_w);
 
-    int axis_, laterals_, slices_;
+    int axis_, laterals_, slices_, first_lateral_;
     bool closed_;
     Window carved_;               ///< entries of the carved space
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond them, where the map is mirrored there

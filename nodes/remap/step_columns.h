@@ -14,8 +14,8 @@ class StepColumns {
 public:
     /// @param lateral, w  coordinates in the step's lattice, inside it
     StepColumns(const CarveStep& step, double lateral, double w) : step_(step) {
-        const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
-        const int j = cell(lateral, step.laterals() - 2), k = cell(w, step.slices() - (step.closed() ? 1 : 2));
+        const auto cell = [](double x, int first, int last) { return std::clamp(static_cast<int>(std::floor(x)), first, std::max(first, last)); };
+        const int j = cell(lateral, step.first_lateral(), step.last_lateral() - 1), k = cell(w, 0, step.slices() - (step.closed() ? 1 : 2));
         const double b = lateral - j, c = w - k;
         for (std::size_t n = 0; n < 4; ++n) {
             const bool next_j = n & 1, next_k = n & 2;

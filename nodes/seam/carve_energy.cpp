@@ -38,7 +38,7 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
             };
             const auto* const source = from.data() + column(before);
             auto* target = out.data() + column(after);
-            const auto bounds = step.bounds(lateral, k);
+            const auto bounds = step.bounds(step.first_lateral() + lateral, k);
             std::size_t passed = 0;
             for (int entry = step.start(); entry <= step.last(); ++entry, target += after.stride[along]) {
                 while (passed < bounds.size() && bounds[passed] <= entry) ++passed;

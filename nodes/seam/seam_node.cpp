@@ -41,7 +41,7 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
         const auto whole = [&](int axis) { return static_cast<int>(std::floor(at[axis])); };
         const int entry = whole(step->axis()) + step->start();
-        at[step->axis()] += step->start() - step->origin() + 0.5 * step->displacement(entry, whole(step->lateral_axis()), whole(2));
+        at[step->axis()] += step->start() - step->origin() + 0.5 * step->displacement(entry, step->first_lateral() + whole(step->lateral_axis()), whole(2));
     }
     return at;
 }

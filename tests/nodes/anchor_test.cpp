@@ -103,9 +103,9 @@ TEST_CASE("points and bent lattices follow an anchor") {
     for (std::size_t k = 0; k < bent.planes.size(); ++k) {
         const double angle = 0.05 * static_cast<double>(k);
         auto& plane = bent.planes[k];
-        plane.u = Vec3d(std::cos(angle), 0, -std::sin(angle));
-        plane.w = Vec3d(std::sin(angle), 0, std::cos(angle));
-        plane.origin = Vec3d(-20, 0, 0) + 40 * plane.u;
+        plane.u = Vec3d(std::cos(angle), 0, std::sin(angle));
+        plane.w = Vec3d(-std::sin(angle), 0, std::cos(angle));
+        plane.origin = 20 * plane.u;
     }
     bent.hash = lattice_hash(bent);
     for (const auto kind : {Kind::remove, Kind::insert}) {
