@@ -53,7 +53,8 @@ struct Shot {
         static const Registry registry = toy::registry();
         toy::log.reset();
         auto text = yaml;
-        for (auto at = text.find("OUT"); at != std::string::npos; at = text.find("OUT")) text.replace(at, 3, folder + "/out");
+        const auto out = folder + "/out";
+        for (auto at = text.find("OUT"); at != std::string::npos; at = text.find("OUT", at + out.size())) text.replace(at, 3, out);
         std::ofstream(folder + "/p.yaml") << text;
         Problems problems;
         const auto pipeline = build_pipeline(read_document(folder + "/p.yaml", {}, problems), registry, problems);
