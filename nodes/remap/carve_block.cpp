@@ -64,7 +64,8 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         const auto& step = map_.steps()[n];
         auto& table = tables_[n];
         const std::array<int, 3> axes{step.axis(), step.lateral_axis(), 2};
-        const std::array<int, 3> first{step.low(), step.first_lateral(), 0}, last{step.high(), step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
+        const std::array<int, 3> first{step.low(), step.first_lateral(), 0},
+            last{step.high(), step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
         bool meets = true, within = true;
         for (std::size_t d = 0; d < 3; ++d) {
             const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
@@ -76,7 +77,8 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         if (!meets) continue;
         table.fill(step);
         const int axis = step.axis();
-        const bool frees = (step.start() > step.origin() && range.min()[axis] < step.start()) || (step.last() < step.last_before() && range.max()[axis] > step.last());
+        const bool frees =
+            (step.start() > step.origin() && range.min()[axis] < step.start()) || (step.last() < step.last_before() && range.max()[axis] > step.last());
         if (table.low == 0 && table.high == 0 && !frees) continue;
         moved = true;
         frees_ = frees_ || frees;

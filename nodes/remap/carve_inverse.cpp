@@ -20,7 +20,9 @@ double carved_coordinate(const CarveStep& step, const Vec3d& at) {
     int low = scale < 1 ? step.low() : step.start(), high = scale < 1 ? step.high() : step.last();
     const double first = displaced(low), last = displaced(high);
     // A smoothed map goes on beyond its ends and meets those of the space before half a vertex from there.
-    const auto beyond = [&](int entry, double d, int before) { return entry + 0.5 * (u - entry - d) / std::abs(before - entry - d + (before > entry + d ? 0.5 : -0.5)); };
+    const auto beyond = [&](int entry, double d, int before) {
+        return entry + 0.5 * (u - entry - d) / std::abs(before - entry - d + (before > entry + d ? 0.5 : -0.5));
+    };
     const bool squeezed = step.soft() && scale == 1;
     if (low + first > u) return squeezed ? beyond(low, first, step.origin()) : begin;
     if (high + last <= u) return squeezed ? beyond(high, last, step.last_before()) : std::min<double>(high, end);

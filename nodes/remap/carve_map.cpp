@@ -189,9 +189,11 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;
-        frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) || (step->last() < step->last_before() && range.max()[a] > step->last());
+        frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) ||
+                (step->last() < step->last_before() && range.max()[a] > step->last());
         // What a vertex of the carved space comes from lies at most so far below and above.
-        const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0), above = (step->inserts() ? 0 : step->count()) - shift;
+        const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0),
+                  above = (step->inserts() ? 0 : step->count()) - shift;
         range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - std::max(below, 0), step->origin()));
         range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + std::max(above, 0), step->last_before()));
     }

@@ -82,9 +82,7 @@ public:
     double held(double source) const { return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before())); }
     /// The entry `source`, from which a point at `u` on the axis comes where nothing is scaled, drawn towards it; never from
     /// beyond the lattice.
-    double drawn(double u, double source, double scale) const {
-        return scale < 1 ? held(u + scale * (source - u)) : source;
-    }
+    double drawn(double u, double source, double scale) const { return scale < 1 ? held(u + scale * (source - u)) : source; }
     bool has_column(int lateral, int k) const { return lateral >= first_lateral_ && lateral <= last_lateral() && k >= 0 && k < slices_; }
     /// Per seam of the column, rising, the carved entry from which on it displaces; for an insertion that is its new
     /// entry. Of pairs, those of the first window come first.
@@ -92,7 +90,8 @@ public:
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
         if (k == slices_) k = 0;
         const auto all = paired_ ? 2 * count_ : count_;
-        return {bounds_.data() + (static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all, all};
+        return {bounds_.data() + (static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all,
+                all};
     }
     /// How many bounds of a column are not above an entry.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {

@@ -77,7 +77,8 @@ private:
                 write(out, voxel, nothing_);
             } else {
                 const float by = column[static_cast<std::size_t>(std::clamp(entry, soft.first(), soft.last()) - soft.first())];
-                const float d = std::clamp(by, static_cast<float>(step.origin() - entry), static_cast<float>(step.last_before() - entry)), below = std::floor(d);
+                const float d = std::clamp(by, static_cast<float>(step.origin() - entry), static_cast<float>(step.last_before() - entry)),
+                            below = std::floor(d);
                 write(out, voxel, between(d - below, entry + static_cast<int>(below), at));
             }
         }

@@ -31,7 +31,7 @@ public:
     Mirrored(std::span<const double> all, int first) : all_(all), first_(first) {}
     double operator()(int entry, const SmoothDisplacement::Span& span) const {
         double add = 0, sign = 1;
-        const auto &[low, high] = span.entries;
+        const auto& [low, high] = span.entries;
         while (entry < low || entry > high) {
             const bool below = entry < low;
             add += sign * 2 * (below ? span.before : span.behind);
@@ -64,7 +64,8 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
     last_ = first_;
     for (int k = 0; k < slices_; ++k)
-        for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral) last_ = std::max(last_, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
+        for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
+            last_ = std::max(last_, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
 
     const auto size = static_cast<std::size_t>(last_ - first_) + 1, laterals = static_cast<std::size_t>(laterals_);
     entries_.resize(size * laterals * static_cast<std::size_t>(slices_));
@@ -97,32 +98,33 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     SmoothDisplacement out(step, first - 1, last + 1);
     out.ends_ = {spans.front().before, spans.back().behind};
     const auto size = static_cast<std::size_t>(last - first) + 3, laterals = static_cast<std::size_t>(out.laterals_);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64), [&](const tbb::blocked_range<std::size_t>& range) {
-        std::vector<double> now(size);
-        for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
-            std::ranges::fill(now, 0.0);
-            for (std::size_t n = 0; n < steps.size(); ++n) {
-                const auto bounds = steps[n]->bounds(lateral, k);
-                std::size_t passed = 0;
-                for (int e = first; e <= last; ++e) {
-                    while (passed < bounds.size() && bounds[passed] <= e) ++passed;
-                    now[static_cast<std::size_t>(e - first) + 1] += 0.5 * over[n] * steps[n]->displacement(e, passed, bounds);
-                }
-            }
-            now.front() = out.ends_->first;
-            now.back() = out.ends_->second;
-            auto* const to = out.entries_.data() + column * size;
-            std::ranges::transform(now, to, [](double d) { return static_cast<float>(d); });
-            const Mirrored mirrored(now, first - 1);
-            for (const auto& span : spans)
-                for (int e = span.entries.first; e <= span.entries.last; ++e) {
-                    double sum = 0;
-                    for (int x = -reach; x <= reach; ++x) sum += along[static_cast<std::size_t>(x + reach)] * mirrored(e + x, span);
-                    to[e - first + 1] = static_cast<float>(sum);
-                }
-        }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          std::vector<double> now(size);
+                          for (auto column = range.begin(); column < range.end(); ++column) {
+                              const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+                              std::ranges::fill(now, 0.0);
+                              for (std::size_t n = 0; n < steps.size(); ++n) {
+                                  const auto bounds = steps[n]->bounds(lateral, k);
+                                  std::size_t passed = 0;
+                                  for (int e = first; e <= last; ++e) {
+                                      while (passed < bounds.size() && bounds[passed] <= e) ++passed;
+                                      now[static_cast<std::size_t>(e - first) + 1] += 0.5 * over[n] * steps[n]->displacement(e, passed, bounds);
+                                  }
+                              }
+                              now.front() = out.ends_->first;
+                              now.back() = out.ends_->second;
+                              auto* const to = out.entries_.data() + column * size;
+                              std::ranges::transform(now, to, [](double d) { return static_cast<float>(d); });
+                              const Mirrored mirrored(now, first - 1);
+                              for (const auto& span : spans)
+                                  for (int e = span.entries.first; e <= span.entries.last; ++e) {
+                                      double sum = 0;
+                                      for (int x = -reach; x <= reach; ++x) sum += along[static_cast<std::size_t>(x + reach)] * mirrored(e + x, span);
+                                      to[e - first + 1] = static_cast<float>(sum);
+                                  }
+                          }
+                      });
     if (reach > 0) {
         out.smooth_across(along, false);
         out.smooth_across(along, true);

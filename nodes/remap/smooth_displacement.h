@@ -72,10 +72,10 @@ private:
 
     int axis_, laterals_, slices_, first_lateral_;
     bool closed_;
-    Window carved_;               ///< entries of the carved space
+    Window carved_;                                  ///< entries of the carved space
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond them, where the map is mirrored there
-    int first_, last_;            ///< entries beyond which nothing changes along the axis
-    std::vector<float> entries_;  ///< `[column][entry]`, first_ to last_
+    int first_, last_;                               ///< entries beyond which nothing changes along the axis
+    std::vector<float> entries_;                     ///< `[column][entry]`, first_ to last_
 };
 
 }  // namespace fluidcarve

@@ -96,8 +96,7 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
                     // A dimension of one vertex has no rims: its neighbours are as far away as can be.
                     if (carved.dim()[axis] == 1) continue;
                     const double share = share_of(values, lattice, map, before, carved, {axis, high});
-                    const bool own_end =
-                        axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
+                    const bool own_end = axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
                     if (share > 0)
                         out.push_back({grid->getName(), fmt::format("{} = {}", "uvw"[axis], high ? given.shape[static_cast<std::size_t>(axis)] - 1 : 0),
                                        !own_end, share});

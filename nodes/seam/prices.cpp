@@ -59,9 +59,10 @@ Typical Typical::of(const EnergyVolume& energy) {
             for (auto n = c * energy.stride(); n < c * energy.stride() + static_cast<std::size_t>(width); ++n) sum += Bounds{value(n), value(n)};
         });
         if (extent.low == extent.high)
-            throw Failure(fmt::format("`field` is {:g} at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that is "
-                                      "seen, as the density, or leave `field` out",
-                                      extent.low));
+            throw Failure(
+                fmt::format("`field` is {:g} at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that is "
+                            "seen, as the density, or leave `field` out",
+                            extent.low));
         out.content = content_share * std::max(std::abs(extent.low), std::abs(extent.high));
     }
     const auto sums = summed_over<Sums>(energy, [&](Sums& sum, std::size_t c) {
@@ -71,7 +72,9 @@ Typical Typical::of(const EnergyVolume& energy) {
             if (codes[n] >= protected_code || (field ? std::abs(value(n)) <= out.content : codes[n] == 0)) continue;
             ++sum.count;
             sum.energy += decode_energy(codes[n]);
-            if (field) sum.edge += std::abs(value(first + static_cast<std::size_t>(std::min(entry + 1, width - 1))) - value(first + static_cast<std::size_t>(std::max(entry - 1, 0))));
+            if (field)
+                sum.edge += std::abs(value(first + static_cast<std::size_t>(std::min(entry + 1, width - 1))) -
+                                     value(first + static_cast<std::size_t>(std::max(entry - 1, 0))));
         }
     });
     if (sums.energy > 0) out.energy = sums.energy / static_cast<double>(sums.count);

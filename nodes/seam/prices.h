@@ -20,9 +20,9 @@ struct Typical {
 
 /// What seams pay beside the energy, in typical units.
 struct Prices {
-    float edges = 1;                    ///< for a typical edge
-    float empty = 1;                    ///< for a vertex without content, as a share of the mean price of those with content
-    std::array<float, 2> rigidity{};    ///< for a step, in space and in time
+    float edges = 1;                  ///< for a typical edge
+    float empty = 1;                  ///< for a vertex without content, as a share of the mean price of those with content
+    std::array<float, 2> rigidity{};  ///< for a step, in space and in time
 };
 
 /// Sets what seams pay. Where there is a field, each vertex costs a typical energy more, so that seams also spread where the energy is 0; and

@@ -66,9 +66,7 @@ void cut_lists(nlohmann::ordered_json& report, std::size_t count) {
 
 }  // namespace
 
-Shape ParamTraits<Anchor>::shape() {
-    return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}};
-}
+Shape ParamTraits<Anchor>::shape() { return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}}; }
 
 std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
     for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
@@ -80,7 +78,8 @@ std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader
 std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
 
 void SeamNode::check(const Params& params, NodeCheck& check) {
-    if (params.anchor.vertex < 0) check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+    if (params.anchor.vertex < 0)
+        check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
         if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
@@ -100,7 +99,8 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
     if (forward && (params.still || params.pair_still))
-        check.fault(params.still ? "static" : "pair_static", "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
+        check.fault(params.still ? "static" : "pair_static",
+                    "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
 }
 
 SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const Lattice& lattice) {
@@ -114,8 +114,8 @@ SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const La
     out.window = window_of("window", params.window, size, params.axis, !io.after.empty());
     require_room(out.kind, out.count, out.window, size);
     if (params.anchor.vertex > size - 1)
-        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {} vertices along {}{}: 0 to {}", params.anchor.vertex, size, to_text(params.axis),
-                                  io.after.empty() ? "" : " once the seams of `after` are carved", size - 1));
+        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {} vertices along {}{}: 0 to {}", params.anchor.vertex, size,
+                                  to_text(params.axis), io.after.empty() ? "" : " once the seams of `after` are carved", size - 1));
     if (params.pair_window) {
         out.pair_window = window_of("pair_window", params.pair_window, size, params.axis, !io.after.empty());
         require_room(opposite(out.kind), out.count, *out.pair_window, size);

@@ -112,7 +112,7 @@ protected:
     /// @param start_from  for solvers that start from the seam before: Continued::start_from
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from = nullptr);
 
-    static constexpr float default_rigidity = 0.1f;  ///< with a field
+    static constexpr float default_rigidity = 0.1f;                   ///< with a field
     std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< least time from one Context::hold to the next
 
 private:
@@ -147,7 +147,7 @@ private:
     std::optional<EnergyVolume> energy_;  ///< in the whole lattice, until fill_frames
     OneTransform transform_, field_transform_;
     std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
-    bool forward_ = false;              ///< whether there is a field
+    bool forward_ = false;                              ///< whether there is a field
     bool any_active_ = false;
     bool any_met_ = false;
     openvdb::BBoxd active_box_;        ///< world box of all frames' active voxels
@@ -192,13 +192,16 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "backward: a seam costs the energy that it takes away. forward: besides, what it leaves behind: wherever its removal puts two vertices of "
                "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008), whatever `measure` says. Takes three times the "
                "memory. Auto is forward where a `field` is connected.")
-        .param("field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
-               "How much edges count. At 1 an edge of the mean size that content has costs as much as the mean energy of content; so the same number serves any "
-               "energy, field and resolution.")
-        .param("empty", &Params::empty, Unit::none, between(0, 1e4),
-               "What a vertex costs at which `field` shows nothing (it is below 2 % of its highest value), as a share of the mean price of those at which it shows "
-               "something. 1: as much. Higher: more of the carve goes through the content, which itself becomes narrower or wider. Lower: more is taken from the "
-               "space around it.")
+        .param(
+            "field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
+            "How much edges count. At 1 an edge of the mean size that content has costs as much as the mean energy of content; so the same number serves any "
+            "energy, field and resolution.")
+        .param(
+            "empty", &Params::empty, Unit::none, between(0, 1e4),
+            "What a vertex costs at which `field` shows nothing (it is below 2 % of its highest value), as a share of the mean price of those at which it "
+            "shows "
+            "something. 1: as much. Higher: more of the carve goes through the content, which itself becomes narrower or wider. Lower: more is taken from the "
+            "space around it.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "What each step of a seam costs, from a column to its neighbour in space, in mean energies of content; more keeps seams straighter. Reported "
                "energies include it. Auto is 0.1 with a `field`, 0 without.")
@@ -207,9 +210,10 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "
                "axis (Cho et al. 2009), but not out of the window, nor to protected or attracted ones. So seams do not bunch, and each part of the content "
                "gives in proportion to its room. 0: seams run side by side where it is cheapest.")
-        .param("anchor", &Params::anchor,
-               "What stays where it is when seams move the rest: the lattice's low end, its middle, its high end, or what is at a vertex. Content moves by whole "
-               "vertices, in all frames alike; by a vertex is meant where its content is found on average.")
+        .param(
+            "anchor", &Params::anchor,
+            "What stays where it is when seams move the rest: the lattice's low end, its middle, its high end, or what is at a vertex. Content moves by whole "
+            "vertices, in all frames alike; by a vertex is meant where its content is found on average.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
                "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")

@@ -29,11 +29,11 @@ struct Seams {
 
     Axis axis = Axis::u;
     Kind kind = Kind::remove;
-    bool closed = false;         ///< the lattice's last plane is followed by its first
-    std::array<int, 3> shape{};  ///< I, J, K before these seams
-    std::vector<int> frames;     ///< frame numbers; a frame's `t` is its place here
-    std::string lattice;         ///< description of the lattice
-    std::string lattice_hash;    ///< one for all frames; of a lattice that changes one per frame, separated by commas
+    bool closed = false;                        ///< the lattice's last plane is followed by its first
+    std::array<int, 3> shape{};                 ///< I, J, K before these seams
+    std::vector<int> frames;                    ///< frame numbers; a frame's `t` is its place here
+    std::string lattice;                        ///< description of the lattice
+    std::string lattice_hash;                   ///< one for all frames; of a lattice that changes one per frame, separated by commas
     std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing: all, of pairs as far as they reach
     Anchor anchor;
     std::vector<Seam> seams;

@@ -54,8 +54,7 @@ TEST_CASE("forward costs want a field, a field wants forward costs, and neither 
     CHECK(faults("{count: -1, rigidity: 2, rigidity_time: 3}", 0) == "");
     CHECK(faults("{count: -1, cost: forward}", 0) == "cost: cost 'forward' wants a `field`, in which it counts the edges that seams leave behind\n");
     CHECK(faults("{count: -1}", 1) == "");
-    CHECK(faults("{count: -1, cost: backward}", 1) ==
-          "field: input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out\n");
+    CHECK(faults("{count: -1, cost: backward}", 1) == "field: input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out\n");
     CHECK(faults("{count: -1, static: true}", 1) ==
           "static: with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out\n");
     CHECK(faults("{count: -1, field_weight: 2, empty: 1}", 0) ==

@@ -6,9 +6,9 @@
 #include "tests/support/reference_carve.h"
 #include "tests/support/wavy_seams.h"
 
-#include <catch2/catch.hpp>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <tbb/global_control.h>
+#include <catch2/catch.hpp>
 
 #include <random>
 
@@ -169,8 +169,8 @@ TEST_CASE("a soft carve is the same by whole numbers and by sampling, on one thr
     for (auto at = CoordBBox(Coord(0), Coord(23, 19, 17)).begin(); at; ++at)
         REQUIRE(linear->tree().getValue(*at) == Approx(sampled->tree().getValue(*at)).margin(1e-5));
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    CHECK(bytes(carve_grid(grid, lattice, soft_map(lattice, {wavy_seams(lattice, Axis::u, Kind::remove, 10, 4, 2)}, {3, 0}), Interpolation::linear)->baseTree()) ==
-          bytes(linear->baseTree()));
+    CHECK(bytes(carve_grid(grid, lattice, soft_map(lattice, {wavy_seams(lattice, Axis::u, Kind::remove, 10, 4, 2)}, {3, 0}), Interpolation::linear)
+                    ->baseTree()) == bytes(linear->baseTree()));
 }
 
 TEST_CASE("a soft carve keeps the mass of a density within 1 %, in boxes, turned ones and rings, also where seams run at an end") {
@@ -202,7 +202,8 @@ TEST_CASE("points go by the inverse of a soft map, are thinned and doubled to th
         positions.push_back(Vec3d(unit(random), unit(random), unit(random)) * Vec3d(39, 29, 29));
         ids.push_back(static_cast<std::uint64_t>(n));
     }
-    const auto map = soft_map(lattice, {straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{18, 18, 18, 18} : std::vector{17, 18, 19, 20})}, {3, 0});
+    const auto map =
+        soft_map(lattice, {straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{18, 18, 18, 18} : std::vector{17, 18, 19, 20})}, {3, 0});
     const auto carved = carve_points(positions, ids, lattice, map, default_jitter);
     std::vector<double> slices(60, 0.0);
     for (const auto& image : carved.images) ++slices[static_cast<std::size_t>((image.moved ? image.position : positions[image.source]).x())];

@@ -110,7 +110,8 @@ TEST_CASE("seams that hand on what they take do not bunch") {
 TEST_CASE("with a spread, too, many seams at once are the same as few, then more") {
     std::mt19937 random(2);
     const auto energy = noise(random, {14, 6, 5});
-    for (const std::string more : {", spread: 2}", ", spread: 3, window: [2, 11]}", ", spread: 2, static: true}", ", spread: 1, window: [1, 5], pair_window: [8, 12]}"})
+    for (const std::string more :
+         {", spread: 2}", ", spread: 3, window: [2, 11]}", ", spread: 2, static: true}", ", spread: 1, window: [1, 5], pair_window: [8, 12]}"})
         for (const std::string sign : {"-", ""}) {
             const auto find = [&](const std::string& count, const Otherwise& otherwise = {}) {
                 return solve(seam_pyramid(), "{count: " + sign + count + more, {energy, noise(random, {14, 6, 5})}, {box({14, 6, 5})}, {}, 2, {}, otherwise);
@@ -144,8 +145,7 @@ TEST_CASE("a field says where content is: empty space has its price, whatever th
     };
     const auto in_content = [&](float energy_unit, float field_unit, const std::string& empty) {
         const auto [energy, field] = make(energy_unit, field_unit);
-        const auto solved =
-            solve(seam_pyramid(), "{count: -9, spread: 3, empty: " + empty + "}", {energy}, {box({30, 4, 4})}, {{"field", {field}}}, 1);
+        const auto solved = solve(seam_pyramid(), "{count: -9, spread: 3, empty: " + empty + "}", {energy}, {box({30, 4, 4})}, {{"field", {field}}}, 1);
         std::vector<std::uint16_t> entries, sorted;
         for (const auto& seam : solved.seams->seams) entries.push_back(seam.at[0]);
         to_original(entries, sorted);

@@ -63,10 +63,10 @@ TEST_CASE("seams found in a proxy carve the full grids, particles and meshes of 
                                  "  energy: {{type: energy.gradient, field: proxy.density}}\n"
                                  "  box: {{type: lattice.box, min: [{}, {}, {}], max: [{}, {}, {}], spacing: {}}}\n"
                                  "  seams: {{type: seam.pyramid, energy: energy, lattice: box, count: -{}, window: [3, 17]}}\n"
-                                 "  small: {{type: remap.grids, source: proxy, lattice: box, seams: seams}}\n"
-                                 "  large: {{type: remap.grids, source: full, lattice: box, seams: seams}}\n"
-                                 "  motes: {{type: remap.points, source: dust, lattice: box, seams: seams}}\n"
-                                 "  hull: {{type: remap.mesh, source: shell, lattice: box, seams: seams}}\n"
+                                 "  small: {{type: remap.grids, source: proxy, lattice: box, seams: seams, soft: 0}}\n"
+                                 "  large: {{type: remap.grids, source: full, lattice: box, seams: seams, soft: 0}}\n"
+                                 "  motes: {{type: remap.points, source: dust, lattice: box, seams: seams, soft: 0}}\n"
+                                 "  hull: {{type: remap.mesh, source: shell, lattice: box, seams: seams, soft: 0}}\n"
                                  "  a: {{type: vdb.write, source: small, path: \"{}\"}}\n  b: {{type: vdb.write, source: large, path: \"{}\"}}\n"
                                  "  c: {{type: points.write, source: motes, path: \"{}\"}}\n  d: {{type: mesh.write, source: hull, path: \"{}\"}}\n",
                                  first, last, TEST_DATA, 0, 0, 0, 21 * coarse, 21 * coarse, 40 * coarse, coarse, seams, scratch / "small.####.vdb",

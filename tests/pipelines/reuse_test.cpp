@@ -87,34 +87,34 @@ using Ran = std::map<std::string, int>;
 
 TEST_CASE("of the vortex, only what changed is computed, and the plan says so before") {
     Shot shot;
-    CHECK(shot.run().size() == 13);
+    CHECK(shot.run().size() == 11);
     const auto whole = results(shot.folder);
     CHECK(shot.run() == Ran{});
     CHECK(shot.report["seams"]["seams"]["energy"].size() == 6);
 
     // A smaller count is part of the seams that are known, a larger one goes on from them.
-    CHECK(shot.run("--set count=-4") == Ran{{"carved", 4}, {"energy", 3}, {"kept", 1}, {"look", 3}, {"out", 4}, {"sheet", 3}, {"sim", 4}});
+    CHECK(shot.run("--set count=-4") == Ran{{"carved", 4}, {"kept", 1}, {"out", 4}, {"sheet", 3}, {"sim", 4}});
     CHECK(shot.report["seams"]["seams"]["energy"].size() == 4);
     CHECK(shot.run("--set count=-7").count("seams") == 1);
     CHECK(shot.plan["nodes"]["seams"]["why"] == "count changed from -4 to -7");
     CHECK(shot.plan["nodes"]["seams"]["taken"] == json({{"frames", 4}, {"cached", 4}}));
 
-    // Another weight: what is combined, solved, carved and written; not what is combined of.
-    const Ran weighted{{"carved", 4}, {"energy", 4}, {"kept", 1}, {"look", 4}, {"out", 4}, {"seams", 4}, {"sheet", 3}, {"sim", 4}};
-    CHECK(shot.run("--set look.weights='[0.5, 0.3, 0.2]'") == weighted);
-    CHECK(shot.plan["nodes"]["look"]["why"].get<std::string>().starts_with("weights changed from [0.3"));
+    // Another exponent: what is bent, smoothed, solved, carved and written; not the edges that are bent.
+    const Ran bent{{"carved", 4}, {"energy", 4}, {"kept", 1}, {"out", 4}, {"seams", 4}, {"sharp", 4}, {"sheet", 3}, {"sim", 4}};
+    CHECK(shot.run("--set sharp.gamma=1.5") == bent);
+    CHECK(shot.plan["nodes"]["sharp"]["why"] == "gamma changed from 2 to 1.5");
 
     // One frame of the input: its own work, and what gathers it.
     shot.run();
     CHECK(results(shot.folder) == whole);
     fs::copy_file(Shot::data(last + 1), shot.input(43), fs::copy_options::overwrite_existing);
-    auto replaced = weighted;
-    replaced.insert({{"detail", 1}, {"smoke", 1}, {"spin", 1}});
+    auto replaced = bent;
+    replaced.insert({{"edges", 1}});
     CHECK(shot.run() == replaced);
     CHECK(shot.plan["nodes"]["sim"]["why"] == "input frame 43 changed");
     CHECK(results(shot.folder) != whole);
     fs::copy_file(Shot::data(43), shot.input(43), fs::copy_options::overwrite_existing);
-    const Ran carved{{"carved", 4}, {"energy", 3}, {"kept", 1}, {"look", 3}, {"out", 4}, {"sheet", 3}, {"sim", 4}};
+    const Ran carved{{"carved", 4}, {"kept", 1}, {"out", 4}, {"sheet", 3}, {"sim", 4}};
     CHECK(shot.run() == carved);
     CHECK(results(shot.folder) == whole);
 
@@ -136,7 +136,7 @@ TEST_CASE("a run that is killed again and again ends like one that was not, and 
         const double seconds = std::uniform_real_distribution(0.02, 0.5)(random);
         call_shell(fmt::format("{} & process=$!; sleep {:.3f}; kill -9 $process; wait $process", killed.command("--threads 2"), seconds));
         const auto plan = killed.planned("");
-        for (const auto* const name : {"spin", "detail", "smoke", "out"}) {
+        for (const auto* const name : {"edges", "energy", "out"}) {
             INFO(name << " after " << seconds);
             const int cached = plan["nodes"][name]["cached"];
             CHECK(cached >= known[name]);
@@ -155,15 +155,14 @@ TEST_CASE("a run that is killed again and again ends like one that was not, and 
 TEST_CASE("parts of a run in processes of their own, and several at once, add up to one run") {
     Shot whole, parts;
     whole.run();
-    CHECK(parts.run("--to seams.energy -f 41-42") ==
-          Ran{{"detail", 4}, {"energy", 2}, {"look", 2}, {"rig", 1}, {"ring", 1}, {"seams", 2}, {"sim", 4}, {"smoke", 2}, {"spin", 4}});
+    CHECK(parts.run("--to seams.energy -f 41-42") == Ran{{"edges", 4}, {"energy", 2}, {"rig", 1}, {"ring", 1}, {"seams", 2}, {"sharp", 2}, {"sim", 4}});
     const auto rest = parts.run("--to seams.energy -f 43-44");
-    CHECK(rest == Ran{{"energy", 2}, {"look", 2}, {"seams", 2}, {"sim", 2}, {"smoke", 2}});
+    CHECK(rest == Ran{{"energy", 2}, {"seams", 2}, {"sharp", 2}, {"sim", 2}});
     CHECK(parts.run("--only seams") == Ran{{"seams", 4}});
     const auto chunk = [&](const char* frames) { return parts.command(fmt::format("--only out -f {} & ", frames)); };
     const auto together = chunk("41-43") + chunk("42-44") + chunk("41-44") + chunk("43") + "wait";
     CHECK(call_shell(together).code == 0);
-    CHECK(parts.run("--from seams") == Ran{{"carved", 3}, {"energy", 3}, {"kept", 1}, {"look", 3}, {"sheet", 3}, {"sim", 3}});
+    CHECK(parts.run("--from seams") == Ran{{"carved", 3}, {"kept", 1}, {"sheet", 3}, {"sim", 3}});
     CHECK(results(parts.folder) == results(whole.folder));
     const auto all_at_once = Shot();
     std::string four;

@@ -78,8 +78,8 @@ TEST_CASE("a work folder tells of its runs, and is cleaned") {
     REQUIRE(fluidcarve_program(run).code == 0);
     const auto status = fluidcarve_program("status" + work);
     CHECK_THAT(status.out, Catch::StartsWith("pipelines/plume.yaml: done, "));
-    CHECK_THAT(status.out, Catch::Contains("node    type              frames  cached  done  why it runs\n"));
-    CHECK_THAT(status.out, Catch::Contains("spin    energy.vorticity       6       0     6  never run\n"));
+    CHECK_THAT(status.out, Catch::Contains("node    type             frames  cached  done  why it runs\n"));
+    CHECK_THAT(status.out, Catch::Contains("edges   energy.gradient       6       0     6  never run\n"));
     CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": clean\n");
     CHECK_FALSE(std::filesystem::exists(scratch / "work"));
     CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": nothing to clean\n");

@@ -126,9 +126,9 @@ TEST_CASE("a profile is a trace that says which node ran when, on which thread, 
     };
     auto seen = profile();
     for (const auto* frame : {"41", "43", "46"})
-        for (const auto* node : {"sim ", "spin ", "detail ", "carved ", "out "}) CHECK(seen["run"].count(std::string(node) + frame) == 1);
+        for (const auto* node : {"sim ", "edges ", "energy ", "carved ", "out "}) CHECK(seen["run"].count(std::string(node) + frame) == 1);
     CHECK(seen["finish"].count("seams") == 1);
-    CHECK(seen["keep"].count("spin 41") == 1);
+    CHECK(seen["keep"].count("edges 41") == 1);
     fs::remove(scratch / "ring.0042.vdb");
     seen = profile();
     CHECK(seen["run"] == std::set<std::string>{"sim 42", "carved 42", "out 42"});

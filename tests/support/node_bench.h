@@ -25,7 +25,8 @@ public:
             spec.parse(params.get(), value, reader);
         };
         for (const auto* const name : {"soft", "spread"})
-            if (const auto* const spec = type_.param(name)) set(*spec, name, read_yaml(std::make_shared<Source>(Source{"test", "n: 0", ""}), problems).fields.front().value);
+            if (const auto* const spec = type_.param(name))
+                set(*spec, name, read_yaml(std::make_shared<Source>(Source{"test", "n: 0", ""}), problems).fields.front().value);
         const auto value = read_yaml(std::make_shared<Source>(Source{"test", yaml, ""}), problems);
         for (const auto& field : value.fields) {
             const auto* const spec = type_.param(field.name);
