@@ -59,7 +59,8 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
 
 std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const {
     const Columns columns(energy);
-    if (small(energy, window, energy.steps() ? exact_coarse_entries : exact_entries)) return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
+    if (small(energy, window, energy.steps() ? exact_coarse_entries : exact_entries))
+        return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
     std::vector<std::uint16_t> seam;
     {
         const auto coarse = restrict_energy(energy, window);
