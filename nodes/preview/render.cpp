@@ -245,7 +245,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
     const Film::RGBA clear(0.0, 0.0, 0.0, 0.0);
     for (std::size_t n = 0; n < count; ++n) {
         const auto& light = film ? film->pixels()[n] : clear;
-        const auto& [heat, scattered] = shine[n];
+        const double heat = shine[n].fire, scattered = shine[n].smoke;
         const auto flame = fluidcarve::flame(heat);
         const auto& [red, green, blue] = fire_colour;
         const auto shade = [&](double warm, std::uint8_t behind, std::uint8_t glow) {

@@ -83,7 +83,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
 void CarveStep::soften(const Seams& seams, std::size_t t, const Softness& softness) {
     const int reach = static_cast<int>(std::ceil(softness.frames)), last = static_cast<int>(seams.frames.size()) - 1;
     std::vector<CarveStep> others;
-    others.reserve(static_cast<std::size_t>(2 * reach));
+    others.reserve(2 * static_cast<std::size_t>(reach));
     std::vector<const CarveStep*> steps;
     std::array<int, 2> origin{};
     origin[static_cast<std::size_t>(axis_)] = origin_;

@@ -120,7 +120,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
                               for (const auto& span : spans)
                                   for (int e = span.entries.first; e <= span.entries.last; ++e) {
                                       double sum = 0;
-                                      for (int x = -reach; x <= reach; ++x) sum += along[static_cast<std::size_t>(x + reach)] * mirrored(e + x, span);
+                                      for (std::size_t n = 0; n < along.size(); ++n) sum += along[n] * mirrored(e + static_cast<int>(n) - reach, span);
                                       to[e - first + 1] = static_cast<float>(sum);
                                   }
                           }
@@ -146,11 +146,11 @@ void SmoothDisplacement::smooth_across(std::span<const double> weights, bool alo
         for (int lateral = 0; lateral < laterals_; ++lateral) {
             auto* const to = entries_.data() + place(lateral, k);
             std::fill_n(to, size, 0.0f);
-            for (int x = -reach; x <= reach; ++x) {
-                int near = (along_w ? k : lateral) + x;
+            for (std::size_t n = 0; n < weights.size(); ++n) {
+                int near = (along_w ? k : lateral) + static_cast<int>(n) - reach;
                 near = along_w && closed_ ? ((near % count) + count) % count : std::clamp(near, 0, count - 1);
                 const auto* const other = from.data() + (along_w ? place(lateral, near) : place(near, k));
-                const auto weight = static_cast<float>(weights[static_cast<std::size_t>(x + reach)]);
+                const auto weight = static_cast<float>(weights[n]);
                 for (std::size_t e = 0; e < size; ++e) to[e] += weight * other[e];
             }
         }
