@@ -15,10 +15,6 @@ namespace {
 /// Energies of so many entries are cut as a whole.
 constexpr std::size_t exact_entries = std::size_t{1} << 18;
 
-/// The same of a coarse energy in which steps cost something: such cuts take ten times as long, and what is refined later need not be
-/// exact.
-constexpr std::size_t exact_coarse_entries = std::size_t{1} << 13;
-
 /// Beyond so many columns cuts are left to coarser energies, whose seams are the closer the finer the columns are, and a
 /// seam is mostly looked for from the last: they bunch.
 constexpr std::size_t many_columns = std::size_t{1} << 20;
@@ -26,9 +22,9 @@ constexpr std::size_t many_columns = std::size_t{1} << 20;
 /// Of so many seams in a row one is then looked for from coarse to fine.
 constexpr int seams_from_last = 4;
 
-bool small(const EnergyVolume& energy, Window window, std::size_t most = exact_entries) {
+bool small(const EnergyVolume& energy, Window window) {
     const auto columns = Columns(energy).count();
-    return columns == 1 || columns * static_cast<std::size_t>(window.size()) <= most;
+    return columns == 1 || columns * static_cast<std::size_t>(window.size()) <= exact_entries;
 }
 
 }  // namespace
@@ -59,8 +55,7 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
 
 std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const {
     const Columns columns(energy);
-    if (small(energy, window, energy.steps() ? exact_coarse_entries : exact_entries))
-        return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
+    if (small(energy, window)) return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
     std::vector<std::uint16_t> seam;
     {
         const auto coarse = restrict_energy(energy, window);

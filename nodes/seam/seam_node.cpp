@@ -170,7 +170,7 @@ void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context&
 
 void SeamNode::make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget) {
     energy_.emplace(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
-    energy_->set_spread(params.spread);
+    energy_->set_spread(params.spread.value_or(forward_ ? 3 : 0));
     if (forward_) energy_->add_field(0, budget, context.work_folder());
 }
 

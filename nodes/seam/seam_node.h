@@ -76,7 +76,7 @@ public:
         float empty = 0.9f;
         Auto<float> rigidity;
         Auto<float> rigidity_time;
-        int spread = 3;
+        Auto<int> spread;
         Anchor anchor;
         Auto<int> bound_passes;
     };
@@ -209,7 +209,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("spread", &Params::spread, Unit::vertices, between(0, 1000),
                "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "
                "axis (Cho et al. 2009), but not out of the window, nor to protected or attracted ones. So seams do not bunch, and each part of the content "
-               "gives in proportion to its room. 0: seams run side by side where it is cheapest.")
+               "gives in proportion to its room. 0: seams run side by side where it is cheapest. Auto is 3 with a `field`, 0 without.")
         .param(
             "anchor", &Params::anchor,
             "What stays where it is when seams move the rest: the lattice's low end, its middle, its high end, or what is at a vertex. Content moves by whole "
