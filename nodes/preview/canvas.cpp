@@ -89,7 +89,7 @@ void Canvas::lines(const Rect& within, const std::vector<Line>& lines, double wi
     cairo_restore(context);
 }
 
-void Canvas::picture(const Rect& rect, const Picture& picture) {
+void Canvas::picture(const Rect& rect, const Picture& picture, Enlarge enlarge) {
     const Surface image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height));
     if (const auto status = cairo_surface_status(image.get())) throw Failure(fmt::format("cannot draw a picture: {}", cairo_status_to_string(status)));
     cairo_surface_flush(image.get());
@@ -111,7 +111,8 @@ void Canvas::picture(const Rect& rect, const Picture& picture) {
     cairo_translate(context, rect.x, rect.y);
     cairo_scale(context, scale, rect.height / picture.height);
     cairo_set_source_surface(context, image.get(), 0, 0);
-    cairo_pattern_set_filter(cairo_get_source(context), scale == std::round(scale) ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
+    const bool pixels = enlarge == Enlarge::pixels && scale == std::round(scale);
+    cairo_pattern_set_filter(cairo_get_source(context), pixels ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
     // Without it a smooth filter fades into the page at the rim.
     cairo_pattern_set_extend(cairo_get_source(context), CAIRO_EXTEND_PAD);
     cairo_paint(context);

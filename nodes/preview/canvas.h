@@ -51,8 +51,9 @@ public:
     };
     /// Straight lines with round ends, cut off at the border of `within`.
     void lines(const Rect& within, const std::vector<Line>& lines, double width, Colour colour);
-    /// Enlarges by whole steps pixel by pixel, otherwise smoothly.
-    void picture(const Rect& rect, const Picture& picture);
+    enum class Enlarge { pixels, smoothly };
+    /// @param enlarge  pixels: by whole steps pixel by pixel, otherwise smoothly
+    void picture(const Rect& rect, const Picture& picture, Enlarge enlarge = Enlarge::pixels);
     /// @param y  of the baseline
     void text(double x, double y, const std::string& text, const Type& type, Align align = Align::left);
     double text_width(const std::string& text, const Type& type);

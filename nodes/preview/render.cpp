@@ -25,7 +25,7 @@ using Camera = openvdb::tools::OrthographicCamera;
 using openvdb::tools::BoxSampler;
 
 constexpr int most_pixels = 400;  // of the longer side
-constexpr int finest = 4;         // pixels to a voxel
+constexpr int finest = 2;         // pixels to a voxel; the page draws them larger, smoothly
 
 // The media are measured against the mean side of the box, so that a simulation looks the same at any resolution.
 constexpr double smoke_depth = 50;  // optical depth of the thickest smoke over the mean side
@@ -43,10 +43,10 @@ constexpr double light_right = -0.75;
 constexpr double light_up = 0.6;
 constexpr double light_front = 0.32;
 // Steps along a ray in voxels, longer in large boxes, so that time does not grow with the third power of the side.
-constexpr double view_step = 0.75;
+constexpr double view_step = 1;
 constexpr double most_view_steps = 100;  // to a mean side
-constexpr double shadow_step = 2;
-constexpr double most_shadow_steps = 30;
+constexpr double shadow_step = 3;
+constexpr double most_shadow_steps = 20;
 constexpr double hidden = 0.004;  // what lets less light through lets none through
 
 /// Where the camera stands and what it sees.

@@ -116,7 +116,7 @@ private:
         const auto picture = layout_.picture(x, y);
         canvas_.text(x, y - 7, shortened(panel.caption, plain, layout_.column()), plain);
         canvas_.fill(whole, row.scale == SheetRow::Scale::none ? render_background : nothing);
-        if (!panel.render.empty()) canvas_.picture(layout_.place(picture, panel.render.area), panel.render.picture);
+        if (!panel.render.empty()) canvas_.picture(layout_.place(picture, panel.render.area), panel.render.picture, Canvas::Enlarge::smoothly);
         if (!panel.projection.empty()) {
             const auto shown = fitted(panel.projection, layout_.cell(), layout_.cells());
             Picture pixels{shown.cells.size(0), shown.cells.size(1), {}};

@@ -1,6 +1,7 @@
 #include "nodes/remap/carve_inputs.h"
 
 #include "graph/problem.h"
+#include "nodes/remap/rim.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +27,14 @@ void require_still(const Seams& seams) {
                 throw Failure("the source is one file for all frames, but the seams change from frame to frame; read it by a path with a frame token");
 }
 
+void require_reach(const Softness& softness, const Seams& seams, const Lattice& lattice) {
+    const int size = lattice.shape[static_cast<std::size_t>(seams.axis)];
+    // What is left out is no fault of a small lattice.
+    if (softness.vertices > std::max<double>(size, default_soft))
+        throw Failure(
+            fmt::format("soft {:g} is wider than the lattice, which has {} vertices along {}; lower it", softness.vertices, size, to_text(seams.axis)));
+}
+
 }  // namespace
 
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context,
@@ -37,6 +46,7 @@ CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<con
 
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame,
                    const Softness& softness) {
+    for (const auto& set : seams) require_reach(softness, *set, lattice);
     return {lattice, seams, frame, seams_of(count, *seams.back()), softness};
 }
 

@@ -1,5 +1,6 @@
 #include "nodes/remap/derivative.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fluidcarve {
@@ -23,7 +24,7 @@ CarveDerivative::CarveDerivative(const Mapping& mapping, const CarveMap& map) : 
     for (const auto& step : map.steps()) smooth_.push_back(step.soft() ? *step.soft() : SmoothDisplacement(step));
 }
 
-std::optional<Mat3d> CarveDerivative::operator()(const Vec3d& at) const {
+std::optional<CarveDerivative::Image> CarveDerivative::image(const Vec3d& at) const {
     auto source = at;
     auto slope = Mat3d::identity();
     for (auto n = smooth_.size(); n > 0; --n) {
@@ -39,7 +40,11 @@ std::optional<Mat3d> CarveDerivative::operator()(const Vec3d& at) const {
         slope.setRow(axis, slope.row(axis) + slope.transpose() * gradient);
     }
     if (slope == Mat3d::identity() && (source == at || !mapping_.slabs())) return std::nullopt;
-    return position_slope(mapping_, source) * slope * position_slope(mapping_, at).inverse();
+    return Image{source, slope, position_slope(mapping_, source) * slope * position_slope(mapping_, at).inverse()};
+}
+
+bool CarveDerivative::exact() const {
+    return std::ranges::all_of(map_.steps(), [](const CarveStep& step) { return step.soft() != nullptr; });
 }
 
 openvdb::BBoxd CarveDerivative::range() const {

@@ -27,7 +27,23 @@ public:
     /// @param at  carved lattice coordinates within the mapping's extent
     /// @return nothing where it is the identity to the last bit: away from all that moves, and in a straight box wherever
     ///   displacements are alike; nor where a removal frees the place
-    std::optional<openvdb::Mat3d> operator()(const openvdb::Vec3d& at) const;
+    std::optional<openvdb::Mat3d> operator()(const openvdb::Vec3d& at) const {
+        const auto image = this->image(at);
+        return image ? std::optional(image->derivative) : std::nullopt;
+    }
+
+    /// Where a place comes from, and how the space around it is pressed.
+    struct Image {
+        openvdb::Vec3d source;  ///< in the lattice before the carve
+        openvdb::Mat3d slope;   ///< of `source`, lattice by lattice
+        openvdb::Mat3d derivative;
+    };
+    /// The same with its parts; nothing where there is no derivative.
+    std::optional<Image> image(const openvdb::Vec3d& at) const;
+
+    /// Whether the carve itself goes by what is derived here, so that Image::source is where values come from: if all steps are soft.
+    bool exact() const;
+    const Mapping& mapping() const { return mapping_; }
 
     /// A box of carved lattice coordinates outside which there is no derivative.
     openvdb::BBoxd range() const;

@@ -53,7 +53,8 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
                 throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are no cubes or its background is not above 0", grid->getName()));
             }
         }
-        if (std::count(finish.densities.begin(), finish.densities.end(), grid->getName()) > 0) grid = mass_kept(grid, places_of(*grid), *derivative);
+        if (std::count(finish.densities.begin(), finish.densities.end(), grid->getName()) > 0)
+            grid = mass_kept(source.grids[n], grid, places_of(*grid), *derivative);
         if (finish.transform_vectors && (grid->isType<openvdb::Vec3SGrid>() || grid->isType<openvdb::Vec3DGrid>()))
             grid = vectors_turned(grid, places_of(*grid), *derivative);
     }

@@ -18,7 +18,7 @@ namespace {
 /// Nodes of the smallest tiles, which a core's own cache holds.
 constexpr std::size_t tile_nodes = 16384;
 /// How many nodes may be looked at between two searches, as a share of all.
-constexpr double steps_per_search = 0.5;
+constexpr double steps_per_search = 2;
 constexpr std::size_t most_slabs = 16;
 
 std::int64_t steps_between_searches(std::size_t nodes) { return static_cast<std::int64_t>(steps_per_search * static_cast<double>(nodes)) + 64; }

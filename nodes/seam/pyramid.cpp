@@ -12,19 +12,27 @@ namespace fluidcarve {
 
 namespace {
 
-/// Energies of so many entries are cut as a whole.
-constexpr std::size_t exact_entries = std::size_t{1} << 18;
+/// How much is done for a seam.
+struct Effort {
+    std::size_t exact_entries;  ///< energies of so many entries are cut as a whole
+    double tolerance;           ///< with which that is done for coarse ones
+    std::size_t many_columns;   ///< beyond so many cuts are left to coarser energies, whose seams are the closer the finer the columns are
+    int sweeps;                 ///< there, instead
+};
+constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
+/// With a field each cut takes several times as long, and seams of less energy look no better.
+constexpr Effort effort_with_field{std::size_t{1} << 15, 0.02, std::size_t{1} << 14, 2};
 
-/// Beyond so many columns cuts are left to coarser energies, whose seams are the closer the finer the columns are, and a
-/// seam is mostly looked for from the last: they bunch.
-constexpr std::size_t many_columns = std::size_t{1} << 20;
-
-/// Of so many seams in a row one is then looked for from coarse to fine.
+/// Where there are many columns seams are mostly looked for from the last: they bunch. Of so many in a row one is looked for from coarse to fine.
 constexpr int seams_from_last = 4;
 
-bool small(const EnergyVolume& energy, Window window) {
+const Effort& effort_for(const EnergyVolume& energy, Quality quality) {
+    return energy.has_field() && quality != Quality::best ? effort_with_field : most_effort;
+}
+
+bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
     const auto columns = Columns(energy).count();
-    return columns == 1 || columns * static_cast<std::size_t>(window.size()) <= exact_entries;
+    return columns == 1 || columns * static_cast<std::size_t>(window.size()) <= effort.exact_entries;
 }
 
 }  // namespace
@@ -32,17 +40,18 @@ bool small(const EnergyVolume& energy, Window window) {
 void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
     // As far as all steps together may move it.
     const Strip strip(energy, Band::around(seam, 3, window));
-    const auto sweep = [&] {
-        for (int turn = 0; turn < 2; ++turn) {
+    const auto& effort = effort_for(energy, quality_);
+    const auto sweep = [&](int times = 1) {
+        for (int turn = 0; turn < 2 * times; ++turn) {
             tick();
-            sweep_lines(strip, seam, turn);
+            sweep_lines(strip, seam, turn % 2);
         }
     };
     const auto cut = [&](int radius, double tolerance) { seam = cut_seam(strip, seam, radius, tolerance, number, tick).at; };
     switch (quality_) {
         case Quality::draft: return sweep();
         case Quality::normal:
-            if (strip.columns().count() > many_columns) return sweep();
+            if (strip.columns().count() > effort.many_columns) return sweep(effort.sweeps);
             cut(1, 2e-3);
             sweep();
             return cut(1, 2e-3);
@@ -55,7 +64,8 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
 
 std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const {
     const Columns columns(energy);
-    if (small(energy, window)) return cut_seam(energy, Band::whole(columns.count(), window), 0, number, tick).at;
+    const auto& effort = effort_for(energy, quality_);
+    if (small(energy, window, effort)) return cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at;
     std::vector<std::uint16_t> seam;
     {
         const auto coarse = restrict_energy(energy, window);
@@ -70,10 +80,11 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
-    if (small(energy, window)) return exact_seam(energy, window, number, alive);
+    if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
     // What is attracted may be far from the last seam, and what was handed on keeps the next away from it.
-    if (Columns(energy).count() <= many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() || energy.spread() > 0) {
+    if (Columns(energy).count() <= most_effort.many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() ||
+        energy.spread() > 0) {
         best = coarse_to_fine(energy, window, number, alive);
     } else {
         best = std::move(last_);

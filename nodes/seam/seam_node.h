@@ -112,7 +112,7 @@ protected:
     /// @param start_from  for solvers that start from the seam before: Continued::start_from
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from = nullptr);
 
-    static constexpr float default_rigidity = 0.1f;                   ///< with a field
+    static constexpr float default_rigidity = 0.2f;                   ///< with a field
     std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< least time from one Context::hold to the next
 
 private:
@@ -204,7 +204,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "space around it.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "What each step of a seam costs, from a column to its neighbour in space, in mean energies of content; more keeps seams straighter. Reported "
-               "energies include it. Auto is 0.1 with a `field`, 0 without.")
+               "energies include it. Auto is 0.2 with a `field`, 0 without.")
         .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")
         .param("spread", &Params::spread, Unit::vertices, between(0, 1000),
                "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "

@@ -10,6 +10,7 @@
 #include "nodes/io/vdb_file.h"
 #include "nodes/lattice/build.h"
 #include "nodes/remap/remap.h"
+#include "nodes/remap/rim.h"
 #include "nodes/rig/circle.h"
 #include "nodes/seam/energy_code.h"
 #include "nodes/seam/energy_slab.h"
@@ -101,6 +102,11 @@ void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const
     };
     rate("", carve(12));
     rate(", side by side", carve_apart(12, 1));
+    const auto with_map = [&](Softness softness) {
+        const auto seams = std::make_shared<const Seams>(wandering(lattice, 12, evenly(lattice, 12)));
+        return seconds(9, [&] { carve_grid(grid, lattice, CarveMap(lattice, {seams}, 1, std::nullopt, softness), Interpolation::linear); });
+    };
+    line(fmt::format("{}: remap of 12 seams / the same softly", name), with_map({}) / with_map({default_soft, default_soft_time}));
     line(fmt::format("{}: remap of {} seams / of 1", name, std::min(40, lattice.shape[0] / 2)), carve(std::min(40, lattice.shape[0] / 2)) / carve(1));
     scaling(fmt::format("{}: remap of 12 seams", name), [&] { return carve(12); });
 }

@@ -1,8 +1,10 @@
 #include "nodes/remap/carve_inverse.h"
 #include "nodes/remap/carved_points.h"
 #include "nodes/remap/finish.h"
+#include "nodes/remap/grids.h"
 #include "nodes/remap/remap.h"
 #include "tests/support/grid_bytes.h"
+#include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/wavy_seams.h"
 
@@ -189,6 +191,42 @@ TEST_CASE("a soft carve keeps the mass of a density within 1 %, in boxes, turned
     keeps(straight, wavy_seams(straight, Axis::u, kind, 0, 6, 0), 0.01);
     auto wide = make_box(Vec3d(-12, -12, 0), {60, 54, 28}, 1.0, {0, 1, 2});
     keeps(turned(wide, 0.12), wavy_seams(turned(wide, 0.12), Axis::u, kind, 28, 6, 2), 0.01);
+}
+
+TEST_CASE("thin sheets that seams press together keep their mass, and what lies beyond the squeeze keeps its bits") {
+    const auto lattice = make_box(Vec3d(0), {40, 12, 12}, 1.0, {0, 1, 2});
+    const auto grid = FloatGrid::create(0);
+    grid->setName("density");
+    // Sheets of a few voxels, between which eight seams take what is empty.
+    const std::array profile{0.5f, 2.0f, 3.0f, 2.0f, 0.5f};
+    for (int j = 0; j < 12; ++j)
+        for (int k = 0; k < 12; ++k)
+            for (const int first : {2, 13, 20, 33})
+                for (int n = 0; n < 5; ++n) grid->tree().setValue({first + n, j, k}, profile[static_cast<std::size_t>(n)]);
+    const auto map = soft_map(lattice, {straight_seams(lattice, Axis::u, Kind::remove, {18, 18, 18, 18, 11, 11, 11, 11})}, {2, 0});
+    Volume volume;
+    volume.grids = {grid};
+    const auto carved = carve_volume(volume, lattice, map, Interpolation::linear);
+    const auto out = finished(volume, carved, lattice, map, {std::nullopt, {"density"}, false});
+    CHECK(std::abs(sum(*carved.grids[0]) / sum(*grid) - 1) > 0.05);
+    CHECK(sum(*out.grids[0]) == Approx(sum(*grid)).epsilon(0.01));
+    const auto kept = openvdb::gridConstPtrCast<FloatGrid>(out.grids[0]);
+    CHECK(kept->tree().getValue({4, 5, 5}) == 3);
+    CHECK(kept->tree().getValue({27, 5, 5}) == 3);
+    CHECK_FALSE(kept->tree().isValueOn({20, 5, 5}));
+}
+
+TEST_CASE("a softness wider than the lattice is refused, but not the one that is left out") {
+    const auto lattice = make_box(Vec3d(0), {8, 4, 4}, 1.0, {0, 1, 2});
+    const auto carve = [&](const NodeType& type, const char* source, Payload payload, const std::string& yaml) {
+        const auto seams = std::make_shared<Seams>(straight_seams(lattice, Axis::u, Kind::remove, {3}));
+        NodeBench(type, yaml).run({{source, {std::move(payload)}}, {"lattice", {Payload(std::make_shared<Lattice>(lattice))}}, {"seams", {Payload(seams)}}});
+    };
+    const auto volume = std::make_shared<Volume>();
+    volume->grids = {blob({8, 4, 4})};
+    CHECK(failure_of([&] { carve(remap_grids(), "source", Payload(volume), "{soft: 9}"); }) ==
+          "soft 9 is wider than the lattice, which has 8 vertices along u; lower it");
+    carve(remap_grids(), "source", Payload(volume), "{soft: 8}");
 }
 
 TEST_CASE("points go by the inverse of a soft map, are thinned and doubled to their density, and stay where nothing moves") {
