@@ -139,8 +139,8 @@ TEST_CASE("preview render: a picture has the place and orientation of a projecti
         INFO("view " << static_cast<int>(view));
         CHECK(shown.area.first == face_of(box, view).first);
         CHECK(shown.area.last == face_of(box, view).last);
-        CHECK(shown.picture.width == 4 * shown.area.size(0));
-        CHECK(shown.picture.height == 4 * shown.area.size(1));
+        CHECK(shown.picture.width == 2 * shown.area.size(0));
+        CHECK(shown.picture.height == 2 * shown.area.size(1));
         // Interpolation makes the smoke reach half a voxel further.
         const auto found = seen(shown);
         const auto face = face_of(part, view);
@@ -241,8 +241,8 @@ TEST_CASE("preview render: large boxes are seen through fewer pixels") {
         REQUIRE(shown.picture.pixels.size() == static_cast<std::size_t>(shown.picture.width) * shown.picture.height);
         return std::pair{shown.picture.width, shown.area.size(0)};
     };
-    CHECK(size_of(1) == std::pair{4, 1});
-    CHECK(size_of(100) == std::pair{400, 100});
+    CHECK(size_of(1) == std::pair{2, 1});
+    CHECK(size_of(100) == std::pair{200, 100});
     CHECK(size_of(150) == std::pair{300, 150});
     CHECK(size_of(399) == std::pair{399, 399});
     // Cells of four voxels, whole ones.
