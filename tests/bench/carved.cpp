@@ -142,15 +142,15 @@ void make_classical(Document& document, const Registry& registry) {
     set(seams, "type", "seam.greedy");
     const auto& greedy = *registry.node("seam.greedy");
     std::erase_if(seams.fields, [&](const Value::Field& field) {
-        const bool of_forward_cost = field.name == "field" || field.name == "field_weight";
+        const bool of_forward_cost = field.name == "field" || field.name == "field_weight" || field.name == "empty";
         return of_forward_cost || (!is_common_field(field.name) && !greedy.input(field.name) && !greedy.param(field.name));
     });
     for (auto& [name, mark, node] : document.nodes.fields) {
         const auto type = text_of(node, "type");
         const auto* const known = registry.node(type);
         if (!known || !(type.starts_with("seam.") || type.starts_with("remap."))) continue;
-        for (const auto& [param, value] : {std::pair("cost", "backward"), std::pair("rigidity", "0"), std::pair("rigidity_time", "0"), std::pair("spread", "0"),
-                                           std::pair("soft", "0"), std::pair("anchor", "low")})
+        for (const auto& [param, value] :
+             {std::pair("cost", "backward"), std::pair("rigidity", "0"), std::pair("rigidity_time", "0"), std::pair("spread", "0"), std::pair("soft", "0")})
             if (known->param(param)) set(node, param, value);
     }
 }
