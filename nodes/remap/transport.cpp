@@ -34,6 +34,7 @@ public:
         : derivative_(derivative),
           source_(source ? source : &grid),
           values_(source_->getConstAccessor()),
+          exact_(derivative.exact()),
           staggered_(grid.getGridClass() == openvdb::GRID_STAGGERED),
           on_faces_(staggered_ && !places.aligned()),
           places_(std::move(places)),
@@ -64,7 +65,7 @@ private:
     }
 
     void scale(const Coord& first) {
-        const bool around = derivative_.exact() && source_->background() == openvdb::zeroVal<Value>();
+        const bool around = exact_ && source_->background() == openvdb::zeroVal<Value>();
         each(first, Vec3d(0), around, [&](std::size_t z, const CarveDerivative::Image& image) {
             auto& [value, on] = row_[z];
             if (const auto mean = pressed_mean(places_row_.at[z], image)) {
@@ -79,7 +80,7 @@ private:
 
     /// What a voxel gets of all that is pressed into it, along the axis along which it is pressed most; nothing if it is not pressed.
     std::optional<double> pressed_mean(const Vec3d& at, const CarveDerivative::Image& image) {
-        if (!derivative_.exact()) return std::nullopt;
+        if (!exact_) return std::nullopt;
         const int axis = image.slope(0, 0) > image.slope(1, 1) ? 0 : 1;
         const int count = std::min(most_places, 1 + static_cast<int>(std::ceil(places_per_voxel * (image.slope(axis, axis) - 1 - hardly))));
         if (count < 2) return std::nullopt;
@@ -133,6 +134,7 @@ private:
     const CarveDerivative& derivative_;
     const GridT* const source_;
     typename GridT::ConstAccessor values_;
+    const bool exact_;
     const bool staggered_, on_faces_;
     CarvedPlaces places_;
     CarvedPlaces::Row places_row_;

@@ -14,10 +14,10 @@ namespace {
 
 /// How much is done for a seam.
 struct Effort {
-    std::size_t exact_entries;  ///< energies of so many entries are cut as a whole
-    double tolerance;           ///< with which that is done for coarse ones
-    std::size_t many_columns;   ///< beyond so many cuts are left to coarser energies, whose seams are the closer the finer the columns are
-    int sweeps;                 ///< there, instead
+    std::size_t exact_entries;  ///< energies of at most so many are cut as a whole
+    double tolerance;           ///< of such cuts, where the energy is a coarse one; a share of the least
+    std::size_t many_columns;   ///< energies of more are not cut: what coarser ones gave is close enough
+    int sweeps;                 ///< of lines, in place of those cuts
 };
 constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
 /// With a field each cut takes several times as long, and seams of less energy look no better.

@@ -11,8 +11,8 @@ namespace fluidcarve {
 enum class Quality { draft, normal, best };
 
 /// Seams from coarse to fine (METHOD 8): exact in images and where the energy is small, else in energies of half, a quarter, ... of the
-/// resolution first, the coarsest exactly, and from there in narrow bands around what the next coarser one gave, by line
-/// sweeps (strip.h) and minimum cuts (cut_seam.h). Never worse than seam.greedy, whose seam starts beside the coarse one.
+/// resolution first, the coarsest as a whole (exactly, but for energies with a field), and from there in narrow bands around what the next coarser one gave, by
+/// line sweeps (strip.h) and minimum cuts (cut_seam.h). Never worse than seam.greedy, whose seam starts beside the coarse one.
 class Pyramid {
 public:
     /// @param starts  of the greedy search
