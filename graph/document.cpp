@@ -1,7 +1,7 @@
 #include "graph/document.h"
 
-#include "graph/param.h"
-#include "graph/yaml_reader.h"
+#include "graph/text/yaml_reader.h"
+#include "graph/types/param.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/value.h"
+#include "graph/text/value.h"
 
 #include <string>
 #include <vector>

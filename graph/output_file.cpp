@@ -1,6 +1,6 @@
 #include "graph/output_file.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

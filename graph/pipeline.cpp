@@ -1,6 +1,6 @@
 #include "graph/pipeline.h"
 
-#include "graph/placed_check.h"
+#include "graph/types/placed_check.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "graph/document.h"
-#include "graph/load_plugin.h"
-#include "graph/registry.h"
+#include "graph/types/load_plugin.h"
+#include "graph/types/registry.h"
 
 #include <memory>
 #include <string>

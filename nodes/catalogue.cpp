@@ -22,10 +22,12 @@
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
 #include "nodes/io/inspect.h"
+#include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
 #include "nodes/lattice/box.h"
 #include "nodes/lattice/build_node.h"
+#include "nodes/lattice/payload_types.h"
 #include "nodes/lattice/write.h"
 #include "nodes/mask/below_surface.h"
 #include "nodes/mask/box.h"
@@ -38,7 +40,6 @@
 #include "nodes/mesh/payload_type.h"
 #include "nodes/mesh/read.h"
 #include "nodes/mesh/write.h"
-#include "nodes/payloads.h"
 #include "nodes/points/keep_out.h"
 #include "nodes/points/payload_type.h"
 #include "nodes/points/read.h"
@@ -57,13 +58,14 @@
 #include "nodes/sdf/from_mesh.h"
 #include "nodes/sdf/from_points.h"
 #include "nodes/sdf/to_mesh.h"
-#include "nodes/seam/dynamic_node.h"
-#include "nodes/seam/graph_cut_node.h"
-#include "nodes/seam/greedy_node.h"
-#include "nodes/seam/payload_types.h"
-#include "nodes/seam/pyramid_node.h"
-#include "nodes/seam/seams_read.h"
-#include "nodes/seam/seams_write.h"
+#include "nodes/seam/dynamic.h"
+#include "nodes/seam/energy/frame.h"
+#include "nodes/seam/graph_cut.h"
+#include "nodes/seam/greedy.h"
+#include "nodes/seam/pyramid.h"
+#include "nodes/seams/payload_type.h"
+#include "nodes/seams/read.h"
+#include "nodes/seams/write.h"
 
 namespace fluidcarve {
 
@@ -73,6 +75,8 @@ Registry builtin_registry() {
     add_rig_payload(out);
     add_mesh_payload(out);
     add_lattice_payloads(out);
+    add_seams_payload(out);
+    add_frame_energy_payload(out);
     add_points_payload(out);
     add_energy_payload(out);
     out.add(vdb_inspector());

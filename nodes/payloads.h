@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/payload.h"
+#include "graph/types/payload.h"
 
 #include <openvdb/openvdb.h>
 
@@ -8,8 +8,6 @@
 #include <vector>
 
 namespace fluidcarve {
-
-class Registry;
 
 using FloatGrid = openvdb::FloatGrid;
 using VectorGrid = openvdb::Vec3SGrid;
@@ -31,8 +29,5 @@ struct Volume {
     /// "density, velocity", for messages.
     std::string names() const;
 };
-
-/// Registers `float`, `vector`, `grid` and `volume`, and what converts to what: any grid to a volume of one.
-void add_payloads(Registry& registry);
 
 }  // namespace fluidcarve

@@ -1,6 +1,6 @@
 #include "nodes/catalogue.h"
-#include "runtime/commands.h"
-#include "runtime/run.h"
+#include "runtime/run/run.h"
+#include "runtime/verbs/commands.h"
 
 #include <cstdio>
 

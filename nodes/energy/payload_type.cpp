@@ -1,6 +1,6 @@
 #include "nodes/energy/payload_type.h"
 
-#include "graph/registry.h"
+#include "graph/types/registry.h"
 #include "nodes/energy/term_ranges.h"
 #include "nodes/io/binary.h"
 

@@ -1,6 +1,6 @@
 #include "nodes/energy/term_ranges.h"
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 #include "nodes/field/active_range.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "nodes/expression/ax_node.h"
 
-#include "graph/module.h"
-#include "graph/placed_check.h"
+#include "graph/types/module.h"
+#include "graph/types/placed_check.h"
 #include "nodes/expression/evaluate.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "nodes/expression/evaluate.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/field/collocate.h"
 #include "nodes/field/same_transform.h"
 

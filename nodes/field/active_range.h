@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/param.h"
+#include "graph/types/param.h"
 #include "nodes/payloads.h"
 
 #include <limits>

@@ -1,6 +1,6 @@
 #include "nodes/field/stencil.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/field/same_transform.h"
 
 #include <fmt/format.h>

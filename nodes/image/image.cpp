@@ -1,6 +1,6 @@
 #include "nodes/image/image.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "nodes/image/image_volume.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/image/upright.h"
 
 #include <fmt/format.h>

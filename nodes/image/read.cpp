@@ -1,6 +1,6 @@
 #include "nodes/image/read.h"
 
-#include "graph/module.h"
+#include "graph/types/module.h"
 #include "nodes/image/image_volume.h"
 #include "nodes/io/file_sequence.h"
 

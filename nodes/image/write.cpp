@@ -1,7 +1,7 @@
 #include "nodes/image/write.h"
 
-#include "graph/module.h"
 #include "graph/output_file.h"
+#include "graph/types/module.h"
 #include "nodes/image/image_volume.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <algorithm>
 #include <bit>

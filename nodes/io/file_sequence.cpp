@@ -1,7 +1,7 @@
 #include "nodes/io/file_sequence.h"
 
-#include "graph/node_type.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
+#include "graph/types/node_type.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "graph/context.h"
-#include "graph/param.h"
+#include "graph/types/context.h"
+#include "graph/types/param.h"
 
 #include <functional>
 #include <string>

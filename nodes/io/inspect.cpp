@@ -1,11 +1,11 @@
 #include "nodes/io/inspect.h"
 
-#include "graph/one_line.h"
+#include "graph/text/one_line.h"
 #include "nodes/field/same_transform.h"
+#include "nodes/grid_types.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"
-#include "nodes/remap/grid_types.h"
 
 #include <openvdb/points/PointDataGrid.h>
 

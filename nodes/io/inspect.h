@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/registry.h"
+#include "graph/types/registry.h"
 
 namespace fluidcarve {
 

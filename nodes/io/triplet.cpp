@@ -1,6 +1,6 @@
 #include "nodes/io/triplet.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/io/origin.h"
 
 namespace fluidcarve {

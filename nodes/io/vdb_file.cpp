@@ -1,7 +1,7 @@
 #include "nodes/io/vdb_file.h"
 
 #include "graph/output_file.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"

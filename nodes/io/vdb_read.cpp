@@ -2,9 +2,9 @@
 
 #include "nodes/field/same_transform.h"
 #include "nodes/io/file_sequence.h"
+#include "nodes/io/openvdb_types.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
-#include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/payload.h"
+#include "graph/types/payload.h"
 
 #include <openvdb/openvdb.h>
 

@@ -1,6 +1,6 @@
 #include "nodes/lattice/build.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/lattice/directions.h"
 #include "nodes/rig/transform.h"
 

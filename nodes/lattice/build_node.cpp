@@ -1,6 +1,6 @@
 #include "nodes/lattice/build_node.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/overlap.h"
 

@@ -1,6 +1,6 @@
 #include "nodes/lattice/resample.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/rig/path.h"
 

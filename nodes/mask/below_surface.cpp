@@ -1,6 +1,6 @@
 #include "nodes/mask/below_surface.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/field/same_transform.h"
 
 #include <array>

@@ -1,6 +1,6 @@
 #include "nodes/mask/mesh.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
 #include "nodes/mask/threshold.h"
 #include "nodes/mesh/topology.h"

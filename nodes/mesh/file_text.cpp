@@ -1,6 +1,6 @@
 #include "nodes/mesh/file_text.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "nodes/mesh/mesh_file.h"
 
 #include "graph/output_file.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>

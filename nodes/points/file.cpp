@@ -1,6 +1,7 @@
 #include "nodes/points/file.h"
+#include "nodes/io/openvdb_types.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/io/profile.h"
 #include "nodes/points/point_grid.h"
 

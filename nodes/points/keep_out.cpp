@@ -1,6 +1,6 @@
 #include "nodes/points/keep_out.h"
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 
 #include <openvdb/tools/Interpolation.h>
 

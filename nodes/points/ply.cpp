@@ -1,8 +1,8 @@
 #include "nodes/points/ply.h"
 
-#include "graph/one_line.h"
 #include "graph/output_file.h"
-#include "graph/problem.h"
+#include "graph/text/one_line.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

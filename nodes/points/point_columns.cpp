@@ -1,6 +1,6 @@
 #include "nodes/points/point_grid.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointDataGrid.h>

@@ -1,12 +1,16 @@
 #pragma once
 
-#include "nodes/points/points.h"
+#include "nodes/points/ply.h"
+#include "nodes/points/point_image.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace fluidcarve {
-
-/// OpenVDB's name of the type of grids with points.
-inline constexpr auto point_grid_type = "Tree_ptdataidx32_5_4_3";
-inline bool is_point_grid(const openvdb::GridBase& grid) { return grid.type() == point_grid_type; }
 
 // All grids below are point grids.
 

@@ -2,6 +2,7 @@
 
 #include "nodes/io/origin.h"
 #include "nodes/points/ply.h"
+#include "nodes/points/point_image.h"
 
 #include <cstdint>
 #include <memory>
@@ -26,13 +27,6 @@ struct Points {
     /// A number per point that depends on nothing else: its attribute `id` if that is a whole number, which follows it through the
     /// frames, else made of its position.
     std::vector<std::uint64_t> identities() const;
-};
-
-/// A point of a changed list: which one of the source it is, or is a copy of.
-struct PointImage {
-    std::uint32_t source = 0;
-    bool moved = false;            ///< false: it stays where it is, bit for bit
-    openvdb::Vec3d position{0.0};  ///< world, if it moved
 };
 
 /// The source with only these of its points. Attributes, groups and text tables stay with their points.

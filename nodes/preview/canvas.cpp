@@ -1,7 +1,7 @@
 #include "nodes/preview/canvas.h"
 
 #include "graph/output_file.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "nodes/preview/projection.h"
+#include "nodes/preview/view.h"
+
+#include <openvdb/openvdb.h>
 
 #include <tbb/parallel_for.h>
 

@@ -10,8 +10,6 @@ namespace fluidcarve {
 
 namespace {
 
-int floor_div(int a, int b) { return a / b - (a % b < 0 ? 1 : 0); }
-
 Projection blank(int cell, const Area& cells, Projection::Keep keep) {
     Projection out{cell, cells, {}, keep};
     out.values.assign(static_cast<std::size_t>(cells.size(0)) * cells.size(1), std::numeric_limits<float>::quiet_NaN());
@@ -43,38 +41,6 @@ Projection project(const Grid& grid, View view, const openvdb::CoordBBox& box, i
 }
 
 }  // namespace
-
-std::array<int, 2> picture_axes(View view) {
-    switch (view) {
-        case View::x: return {1, 2};
-        case View::y: return {0, 2};
-        case View::z: break;
-    }
-    return {0, 1};
-}
-
-void Area::include(const Area& other) {
-    if (other.empty()) return;
-    if (empty()) *this = other;
-    for (const int side : {0, 1}) {
-        first[side] = std::min(first[side], other.first[side]);
-        last[side] = std::max(last[side], other.last[side]);
-    }
-}
-
-Area face_of(const openvdb::CoordBBox& box, View view) {
-    const auto [right, up] = picture_axes(view);
-    return {{box.min()[right], box.min()[up]}, {box.max()[right], box.max()[up]}};
-}
-
-Area in_cells(const Area& area, int cell) {
-    Area out;
-    for (const int side : {0, 1}) {
-        out.first[side] = floor_div(area.first[side], cell);
-        out.last[side] = floor_div(area.last[side], cell);
-    }
-    return out;
-}
 
 void Projection::see(int right, int up, float value) {
     auto& seen = values[place(right, up)];

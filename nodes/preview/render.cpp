@@ -1,6 +1,6 @@
 #include "nodes/preview/render.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>

@@ -1,6 +1,6 @@
 #include "nodes/preview/seam_lines.h"
 
-#include "nodes/remap/carve_map.h"
+#include "nodes/seams/carve_map.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "nodes/preview/projection.h"
-#include "nodes/seam/seams.h"
+#include "nodes/seams/seams.h"
 
 #include <array>
 #include <vector>

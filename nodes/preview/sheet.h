@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 
 namespace fluidcarve {
 

@@ -1,6 +1,6 @@
 #include "nodes/remap/carve_inputs.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/remap/rim.h"
 
 #include <fmt/format.h>

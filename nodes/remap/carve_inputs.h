@@ -1,8 +1,8 @@
 #pragma once
 
-#include "graph/context.h"
-#include "graph/param.h"
-#include "nodes/remap/carve_map.h"
+#include "graph/types/context.h"
+#include "graph/types/param.h"
+#include "nodes/seams/carve_map.h"
 
 namespace fluidcarve {
 

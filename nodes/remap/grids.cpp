@@ -1,10 +1,10 @@
 #include "nodes/remap/grids.h"
 
 #include "nodes/remap/carve_inputs.h"
-#include "nodes/remap/finish.h"
-#include "nodes/remap/remap.h"
+#include "nodes/remap/finish/finish.h"
+#include "nodes/remap/finish/tears.h"
+#include "nodes/remap/grid.h"
 #include "nodes/remap/rim.h"
-#include "nodes/remap/tears.h"
 
 namespace fluidcarve {
 

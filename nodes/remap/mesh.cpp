@@ -1,8 +1,8 @@
 #include "nodes/remap/mesh.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/remap/carve_inputs.h"
-#include "nodes/remap/carve_mesh.h"
+#include "nodes/remap/geometry/mesh.h"
 #include "nodes/remap/rim.h"
 
 #include <fmt/format.h>

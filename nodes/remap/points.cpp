@@ -1,7 +1,7 @@
 #include "nodes/remap/points.h"
 
 #include "nodes/remap/carve_inputs.h"
-#include "nodes/remap/carved_points.h"
+#include "nodes/remap/geometry/points.h"
 #include "nodes/remap/rim.h"
 
 #include <nlohmann/json.hpp>

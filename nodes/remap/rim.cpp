@@ -1,6 +1,6 @@
 #include "nodes/remap/rim.h"
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 
 namespace fluidcarve {
 

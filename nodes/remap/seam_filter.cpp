@@ -1,12 +1,12 @@
 #include "nodes/remap/seam_filter.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/io/triplet.h"
-#include "nodes/remap/blocks.h"
 #include "nodes/remap/carve_inputs.h"
-#include "nodes/remap/carved_places.h"
-#include "nodes/remap/seam_cells.h"
-#include "nodes/remap/value_blend.h"
+#include "nodes/remap/voxels/blend.h"
+#include "nodes/remap/voxels/blocks.h"
+#include "nodes/remap/voxels/places.h"
+#include "nodes/remap/voxels/seam_cells.h"
 
 #include <fmt/format.h>
 

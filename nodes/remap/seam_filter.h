@@ -1,8 +1,8 @@
 #pragma once
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 #include "nodes/field/filter.h"
-#include "nodes/remap/carve_map.h"
+#include "nodes/seams/carve_map.h"
 
 namespace fluidcarve {
 

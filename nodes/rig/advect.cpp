@@ -1,6 +1,6 @@
 #include "nodes/rig/advect.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/rig/rig.h"
 
 #include <fmt/format.h>

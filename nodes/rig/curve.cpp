@@ -1,6 +1,6 @@
 #include "nodes/rig/curve.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/rig/curve_file.h"
 #include "nodes/rig/rig.h"
 

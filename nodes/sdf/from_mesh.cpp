@@ -1,6 +1,6 @@
 #include "nodes/sdf/from_mesh.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"

@@ -1,10 +1,11 @@
 #include "nodes/seam/dynamic.h"
 
-#include "graph/problem.h"
-#include "nodes/seam/columns.h"
-#include "nodes/seam/cut_seam.h"
-#include "nodes/seam/free_line.h"
-#include "nodes/seam/strip.h"
+#include "graph/text/problem.h"
+#include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/seam_node.h"
+#include "nodes/seam/search/columns.h"
+#include "nodes/seam/search/free_line.h"
+#include "nodes/seam/search/strip.h"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,20 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
     }
     const auto sum = energy.attracts() ? energy_of(energy, at) : least;
     return {std::move(at), sum, sum};
+}
+
+namespace {
+
+struct Dynamic : SeamNode {
+    void finish(const Params& params, Ports& io, Context& context) { solve(params, io, context, dynamic_seam); }
+};
+
+}  // namespace
+
+NodeType seam_dynamic() {
+    Declare<Dynamic> node("seam.dynamic",
+                          "Seams of least energy in images, exactly, by dynamic programming: for lattices one vertex thick, in one frame or static.");
+    return declare_solver(node);
 }
 
 }  // namespace fluidcarve

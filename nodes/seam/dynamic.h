@@ -1,6 +1,7 @@
 #pragma once
 
-#include "nodes/seam/find_seams.h"
+#include "graph/types/node_type.h"
+#include "nodes/seam/search/find_seams.h"
 
 namespace fluidcarve {
 
@@ -11,5 +12,8 @@ bool in_open_line(const EnergyVolume& energy);
 /// Shamir 2007). Ties as greedy_seam. Through a ring by a minimum cut.
 /// @throws Failure if columns stand beside each other in more than one dimension
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick);
+
+/// `seam.dynamic`: dynamic_seam as a node.
+NodeType seam_dynamic();
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "nodes/seam/find_seams.h"
+#include "graph/types/node_type.h"
+#include "nodes/seam/search/find_seams.h"
 
 namespace fluidcarve {
 
@@ -23,5 +24,8 @@ enum class Guide {
 /// Deterministic. Takes 0.4 s for 322 x 105 x 331 vertices, 84 frames and 16 starts on two cores.
 /// @param starts  at least 1; more than the window has entries means all of them
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide = Guide::cone);
+
+/// `seam.greedy`: greedy_seam as a node.
+NodeType seam_greedy();
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "nodes/seam/find_seams.h"
+#include "graph/types/node_type.h"
+#include "nodes/seam/search/find_seams.h"
 
 #include <cstdint>
 #include <span>
@@ -32,5 +33,8 @@ private:
     int starts_;
     std::vector<std::uint16_t> last_;  ///< the seam before, if there is one
 };
+
+/// `seam.pyramid`: Pyramid as a node.
+NodeType seam_pyramid();
 
 }  // namespace fluidcarve

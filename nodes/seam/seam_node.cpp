@@ -1,10 +1,10 @@
 #include "nodes/seam/seam_node.h"
 
-#include "nodes/seam/carve_energy.h"
-#include "nodes/seam/column_places.h"
-#include "nodes/seam/lower_bound.h"
-#include "nodes/seam/marks.h"
-#include "nodes/seam/strip.h"
+#include "nodes/seam/energy/carve.h"
+#include "nodes/seam/energy/column_places.h"
+#include "nodes/seam/energy/marks.h"
+#include "nodes/seam/search/bound.h"
+#include "nodes/seam/search/strip.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,14 +1,14 @@
 #pragma once
 
-#include "graph/node_type.h"
+#include "graph/types/node_type.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/lattice/extension.h"
 #include "nodes/payloads.h"
-#include "nodes/remap/carve_map.h"
-#include "nodes/seam/energy_slab.h"
-#include "nodes/seam/find_seams.h"
-#include "nodes/seam/frame_energy.h"
-#include "nodes/seam/prices.h"
+#include "nodes/seam/energy/frame.h"
+#include "nodes/seam/energy/prices.h"
+#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/search/find_seams.h"
+#include "nodes/seams/carve_map.h"
 
 #include <nlohmann/json.hpp>
 

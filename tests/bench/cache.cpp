@@ -1,8 +1,8 @@
 #include "tests/bench/cache.h"
 
 #include "nodes/catalogue.h"
-#include "runtime/file_hashes.h"
-#include "runtime/run.h"
+#include "runtime/keep/file_hashes.h"
+#include "runtime/run/run.h"
 #include "tests/bench/measure.h"
 #include "tests/support/scratch.h"
 

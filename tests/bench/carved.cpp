@@ -3,7 +3,7 @@
 #include "graph/document.h"
 #include "graph/pipeline.h"
 #include "nodes/catalogue.h"
-#include "runtime/run.h"
+#include "runtime/run/run.h"
 #include "tests/support/scratch.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "tests/bench/cut.h"
 
-#include "nodes/seam/cut.h"
+#include "nodes/seam/cut/cut.h"
 #include "tests/bench/measure.h"
 #include "tests/support/synthetic_energy.h"
 

@@ -1,10 +1,10 @@
 #include "tests/bench/images.h"
 
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy_code.h"
+#include "nodes/seam/energy/code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
-#include "nodes/seam/strip.h"
+#include "nodes/seam/search/strip.h"
 #include "tests/bench/plot.h"
 
 #include <filesystem>

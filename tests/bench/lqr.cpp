@@ -1,11 +1,11 @@
 #include "tests/bench/lqr.h"
 
-#include "graph/module.h"
+#include "graph/types/module.h"
 #include "nodes/energy/image.h"
 #include "nodes/image/image_volume.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy_slab.h"
+#include "nodes/seam/energy/slab.h"
 #include "tests/bench/measure.h"
 
 #include <lqr.h>

@@ -3,10 +3,10 @@
 #include "nodes/io/vdb_file.h"
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/mapping.h"
-#include "nodes/remap/carve_map.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy_slab.h"
-#include "nodes/seam/seam_file.h"
+#include "nodes/seam/energy/slab.h"
+#include "nodes/seams/carve_map.h"
+#include "nodes/seams/seam_file.h"
 #include "tests/bench/measure.h"
 #include "tests/support/program.h"
 

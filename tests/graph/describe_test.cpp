@@ -1,5 +1,5 @@
-#include "graph/describe.h"
-#include "graph/schema.h"
+#include "graph/views/describe.h"
+#include "graph/views/schema.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-#include "graph/drawing.h"
-#include "graph/layout.h"
+#include "graph/views/drawing.h"
+#include "graph/views/layout.h"
 #include "tests/support/well_formed.h"
 
 #include <catch2/catch.hpp>

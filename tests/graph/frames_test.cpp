@@ -1,4 +1,4 @@
-#include "graph/frames.h"
+#include "graph/types/frames.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "graph/load_plugin.h"
+#include "graph/types/load_plugin.h"
 #include "graph/pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"

@@ -1,5 +1,5 @@
-#include "graph/module.h"
-#include "graph/problem.h"
+#include "graph/types/module.h"
+#include "graph/text/problem.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "graph/origins.h"
+#include "graph/views/origins.h"
 
 #include "graph/pipeline.h"
 #include "tests/support/scratch.h"

@@ -1,4 +1,4 @@
-#include "graph/yaml_reader.h"
+#include "graph/text/yaml_reader.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "graph/plugin.h"
+#include "graph/types/plugin.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/mesh/mesh.h"
 #include "nodes/payloads.h"

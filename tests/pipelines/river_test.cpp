@@ -2,13 +2,13 @@
 #include "nodes/lattice/build.h"
 #include "nodes/mesh/mesh_file.h"
 #include "nodes/points/file.h"
-#include "nodes/remap/carve_map.h"
-#include "nodes/remap/carved_points.h"
+#include "nodes/remap/geometry/points.h"
 #include "nodes/rig/curve_file.h"
 #include "nodes/rig/transform.h"
 #include "nodes/sdf/from_mesh.h"
 #include "nodes/sdf/from_points.h"
-#include "nodes/seam/seam_file.h"
+#include "nodes/seams/carve_map.h"
+#include "nodes/seams/seam_file.h"
 #include "tests/support/program.h"
 
 #include <openvdb/tools/Interpolation.h>

@@ -1,4 +1,4 @@
-#include "runtime/cache.h"
+#include "runtime/keep/cache.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

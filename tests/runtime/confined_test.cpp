@@ -1,4 +1,4 @@
-#include "runtime/confined.h"
+#include "runtime/verbs/confined.h"
 
 #include <catch2/catch.hpp>
 

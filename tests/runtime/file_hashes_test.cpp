@@ -1,4 +1,4 @@
-#include "runtime/file_hashes.h"
+#include "runtime/keep/file_hashes.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
-#include "runtime/html_report.h"
+#include "runtime/page/html_report.h"
 
-#include "runtime/plot.h"
+#include "runtime/page/plot.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 #include "tests/support/well_formed.h"

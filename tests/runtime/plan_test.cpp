@@ -1,4 +1,4 @@
-#include "runtime/plan.h"
+#include "runtime/plan/plan.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

@@ -1,6 +1,6 @@
-#include "runtime/profile.h"
+#include "runtime/tell/profile.h"
 
-#include "runtime/run.h"
+#include "runtime/run/run.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/report.h"
+#include "runtime/tell/report.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

@@ -1,6 +1,6 @@
-#include "runtime/forecast.h"
-#include "runtime/run.h"
-#include "runtime/status.h"
+#include "runtime/run/forecast.h"
+#include "runtime/run/run.h"
+#include "runtime/run/status.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

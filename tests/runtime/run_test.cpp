@@ -1,4 +1,4 @@
-#include "runtime/run.h"
+#include "runtime/run/run.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "nodes/seam/band.h"
-#include "nodes/seam/energy_code.h"
-#include "nodes/seam/energy_volume.h"
+#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/search/band.h"
 
 #include <algorithm>
 #include <array>

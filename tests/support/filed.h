@@ -1,7 +1,7 @@
 #pragma once
 
-#include "graph/problem.h"
-#include "graph/registry.h"
+#include "graph/text/problem.h"
+#include "graph/types/registry.h"
 #include "nodes/catalogue.h"
 
 #include <catch2/catch.hpp>

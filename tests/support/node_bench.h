@@ -1,7 +1,7 @@
 #pragma once
 
-#include "graph/node_type.h"
-#include "graph/yaml_reader.h"
+#include "graph/text/yaml_reader.h"
+#include "graph/types/node_type.h"
 
 #include <map>
 #include <set>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/seams.h"
+#include "nodes/seams/seams.h"
 
 #include <cstdint>
 #include <utility>

@@ -2,7 +2,7 @@
 
 #include "nodes/lattice/mapping.h"
 #include "nodes/payloads.h"
-#include "nodes/seam/seams.h"
+#include "nodes/seams/seams.h"
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>

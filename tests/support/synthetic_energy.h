@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nodes/seam/energy_code.h"
-#include "nodes/seam/energy_volume.h"
+#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/volume.h"
 
 #include <tbb/parallel_for.h>
 

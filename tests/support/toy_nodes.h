@@ -1,8 +1,8 @@
 #pragma once
 
 #include "graph/output_file.h"
-#include "graph/problem.h"
-#include "graph/registry.h"
+#include "graph/text/problem.h"
+#include "graph/types/registry.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/remap/carve_map.h"
+#include "nodes/seams/carve_map.h"
 #include "tests/support/seams_through.h"
 
 #include <cmath>

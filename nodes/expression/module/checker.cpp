@@ -1,6 +1,6 @@
 #include "nodes/expression/module/checker.h"
 
-#include "graph/problem.h"
+#include "graph/text/problem.h"
 
 #include <fmt/format.h>
 

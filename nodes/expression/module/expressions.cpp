@@ -1,5 +1,5 @@
-#include "graph/module.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
+#include "graph/types/module.h"
 #include "nodes/expression/expression.h"
 #include "nodes/expression/module/checker.h"
 #include "nodes/expression/module/rewriter.h"

@@ -1,7 +1,7 @@
 // The module `images`: all that knows OpenImageIO, whose hundreds of libraries take half a second to open.
 
-#include "graph/module.h"
-#include "graph/problem.h"
+#include "graph/text/problem.h"
+#include "graph/types/module.h"
 #include "nodes/image/image.h"
 
 #include <OpenImageIO/imageio.h>

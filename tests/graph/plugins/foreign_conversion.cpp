@@ -1,4 +1,4 @@
-#include "graph/plugin.h"
+#include "graph/types/plugin.h"
 #include "tests/support/toy_nodes.h"
 
 const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};

@@ -1,3 +1,3 @@
-#include "graph/plugin.h"
+#include "graph/types/plugin.h"
 
 const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};

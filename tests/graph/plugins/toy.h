@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/plugin.h"
+#include "graph/types/plugin.h"
 
 #include <memory>
 

@@ -1,0 +1,286 @@
+#include "graph/types/frames.h"
+
+#include <fmt/format.h>
+
+#include <glob.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+constexpr std::int64_t most_frames = 1'000'000;
+constexpr int most_digits = 10;
+
+bool digit(char c) { return c >= '0' && c <= '9'; }
+bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool word(char c) { return letter(c) || digit(c); }
+
+std::string_view trimmed(std::string_view text) {
+    constexpr auto blanks = " \t\r\n";
+    const auto first = text.find_first_not_of(blanks);
+    return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// Takes a whole number off the front of `text`.
+std::optional<std::int64_t> take_number(std::string_view& text) {
+    int out = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+    if (error != std::errc{}) return std::nullopt;
+    text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+    return out;
+}
+
+/// Whether it was a number's size that was wrong: some digits are more than a frame can have.
+bool beyond_counting(std::string_view text) {
+    while (!text.empty()) {
+        int ignored = 0;
+        const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), ignored);
+        if (error == std::errc::result_out_of_range) return true;
+        text.remove_prefix(error == std::errc{} ? static_cast<std::size_t>(stop - text.data()) : 1);
+    }
+    return false;
+}
+
+/// One part between commas.
+struct FrameRange {
+    std::int64_t first = 0;
+    std::int64_t last = 0;
+    std::int64_t step = 1;
+    char kind = 'x';
+
+    /// At least as many as it names.
+    std::int64_t most() const { return std::abs(last - first) / (kind == 'x' ? step : 1) + 1; }
+    void add_to(std::vector<int>& frames) const {
+        // Staggering changes the order in which frames are made, not which.
+        const std::int64_t stride = (last < first ? -1 : 1) * (kind == 'x' ? step : 1);
+        for (std::int64_t n = 0; n < most(); ++n)
+            if (kind != 'y' || n % step != 0) frames.push_back(static_cast<int>(first + stride * n));
+    }
+};
+
+std::optional<FrameRange> parse_range(std::string_view part, std::string& fault) {
+    const auto wrong = [&](std::string_view why) { return fault = fmt::format("'{}' {}", part.substr(0, 60), why), std::nullopt; };
+    const auto form =
+        beyond_counting(part) ? "has a number beyond 2147483647, the most that a frame can be" : "is no frame or range; write 1001, 1001-1084 or 1001-1084x2";
+    auto rest = part;
+    FrameRange out;
+    const auto first = take_number(rest);
+    if (!first) return wrong(form);
+    out.first = out.last = *first;
+    if (rest.empty()) return out;
+    if (rest.front() != '-') return wrong(form);
+    rest.remove_prefix(1);
+    const auto last = take_number(rest);
+    if (!last) return wrong(form);
+    out.last = *last;
+    if (rest.empty()) return out;
+    out.kind = rest.front();
+    if (out.kind != 'x' && out.kind != 'y' && out.kind != ':') return wrong(form);
+    rest.remove_prefix(1);
+    const auto step = take_number(rest);
+    if (!step || !rest.empty()) return wrong(form);
+    if (*step == 0) return wrong("has a step of 0; the least is 1");
+    // OpenCue writes descending ranges with a negative step.
+    if (*step < 0 && out.last >= out.first) return wrong("has a negative step, but does not descend");
+    out.step = std::abs(*step);
+    return out;
+}
+
+/// The token at the front of `text`, if there is one.
+struct Token {
+    std::size_t length = 0;  ///< 0: none
+    int digits = 0;          ///< 0: it only looks like a token
+};
+
+std::size_t count(std::string_view text, std::size_t from, bool (*wanted)(char)) {
+    std::size_t n = from;
+    while (n < text.size() && wanted(text[n])) ++n;
+    return n - from;
+}
+
+/// Digits that a width's text asks for; 0 if it can't be a width.
+int width_of(std::string_view text) {
+    int out = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+    return error == std::errc{} && stop == text.data() + text.size() && out <= most_digits ? out : 0;
+}
+
+Token percent_token(std::string_view text) {
+    const auto wide = count(text, 1, digit);
+    const auto end = 1 + wide;
+    if (end >= text.size()) return {};
+    if (text[end] == 'd') {
+        if (wide == 0) return {2, 1};
+        // %4d would pad with blanks.
+        return {end + 1, text[1] == '0' ? width_of(text.substr(1, wide)) : 0};
+    }
+    const bool other_format = wide > 0 && text[1] == '0' && std::string_view("iuxXof").find(text[end]) != std::string_view::npos;
+    return other_format ? Token{end + 1, 0} : Token{};
+}
+
+Token dollar_token(std::string_view text) {
+    if (text.starts_with("${")) return {2, 0};
+    if (text.starts_with("$F")) {
+        const auto wide = count(text, 2, digit);
+        if (wide > 0) return {2 + wide, width_of(text.substr(2, wide))};
+        if (text.size() == 2 || !letter(text[2])) return {2, 1};
+    }
+    return text.size() > 1 && letter(text[1]) ? Token{1 + count(text, 1, word), 0} : Token{};
+}
+
+Token angle_token(std::string_view text) {
+    const auto inside = text.substr(1, count(text, 1, word));
+    const auto end = 1 + inside.size();
+    const bool closed = end < text.size() && text[end] == '>';
+    if (closed && inside == "frame") return {end + 1, 1};
+    if (closed && inside.starts_with("frame0")) return {end + 1, width_of(inside.substr(5))};
+    if (closed && !inside.empty() && letter(inside[0])) return {end + 1, 0};
+    return inside.starts_with("frame") ? Token{end, 0} : Token{};
+}
+
+Token token_at(std::string_view text) {
+    switch (text.front()) {
+        case '#': {
+            const auto wide = text.find_first_not_of('#') == std::string_view::npos ? text.size() : text.find_first_not_of('#');
+            return {wide, wide <= most_digits ? static_cast<int>(wide) : 0};
+        }
+        case '@': {
+            // fileseq's other padding; a single one is common in names.
+            const auto wide = text.find_first_not_of('@') == std::string_view::npos ? text.size() : text.find_first_not_of('@');
+            return wide > 1 ? Token{wide, 0} : Token{};
+        }
+        case '%': return percent_token(text);
+        case '$': return dollar_token(text);
+        case '<': return angle_token(text);
+        default: return {};
+    }
+}
+
+std::string in_folder(const std::string& folder, const std::string& path) {
+    return folder.empty() || path.starts_with('/') ? path : folder + (folder.ends_with('/') ? "" : "/") + path;
+}
+
+std::string escaped_for_glob(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        if (std::string_view("*?[]\\").find(c) != std::string_view::npos) out += '\\';
+        out += c;
+    }
+    return out;
+}
+
+}  // namespace
+
+FrameSet::FrameSet(std::vector<int> frames) : frames_(std::move(frames)) {
+    std::sort(frames_.begin(), frames_.end());
+    frames_.erase(std::unique(frames_.begin(), frames_.end()), frames_.end());
+}
+
+std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& fault) {
+    if (trimmed(text).empty()) return fault = "no frame is named; write 1001, 1001-1084 or 1001-1084x2", std::nullopt;
+    std::vector<int> frames;
+    std::int64_t total = 0;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const auto end = std::min(text.find(',', begin), text.size());
+        const auto range = parse_range(trimmed(text.substr(begin, end - begin)), fault);
+        if (!range) return std::nullopt;
+        // Counted with repeats, so that no text takes long.
+        total += range->most();
+        if (total > most_frames) return fault = fmt::format("'{}' names more than {} frames", trimmed(text).substr(0, 60), most_frames), std::nullopt;
+        range->add_to(frames);
+        begin = end + 1;
+    }
+    if (frames.empty()) return fault = fmt::format("'{}' leaves no frame", trimmed(text).substr(0, 60)), std::nullopt;
+    return FrameSet(std::move(frames));
+}
+
+bool FrameSet::contains(int frame) const { return std::binary_search(frames_.begin(), frames_.end(), frame); }
+
+std::optional<std::size_t> FrameSet::place(int frame) const {
+    const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame);
+    if (found == frames_.end() || *found != frame) return std::nullopt;
+    return static_cast<std::size_t>(found - frames_.begin());
+}
+
+std::string FrameSet::text() const {
+    const auto size = frames_.size();
+    const auto step_at = [&](std::size_t n) { return std::int64_t{frames_[n + 1]} - frames_[n]; };
+    const auto part = [&](std::size_t from, std::size_t length) {
+        if (length == 1) return fmt::format("{}", frames_[from]);
+        const auto step = step_at(from);
+        return fmt::format("{}-{}", frames_[from], frames_[from + length - 1]) + (step == 1 ? "" : fmt::format("x{}", step));
+    };
+    // From the back: the cheapest text of each tail. A regular run may leave its last frame to the next.
+    struct Choice {
+        std::size_t cost = 0, run = 0, taken = 1;
+    };
+    std::vector<Choice> tails(size + 1);
+    for (std::size_t n = size; n-- > 0;) {
+        auto& tail = tails[n];
+        tail.run = n + 1 == size ? 1 : n + 2 == size || step_at(n) != step_at(n + 1) ? 2 : tails[n + 1].run + 1;
+        tail.cost = std::numeric_limits<std::size_t>::max();
+        for (const auto length : {tail.run, tail.run - 1, std::size_t{1}}) {
+            if (length != 1 && length < 3) continue;
+            const auto cost = part(n, length).size() + 1 + tails[n + length].cost;
+            if (cost < tail.cost) tail.cost = cost, tail.taken = length;
+        }
+    }
+    std::string out;
+    for (std::size_t n = 0; n < size; n += tails[n].taken) out += (n == 0 ? "" : ",") + part(n, tails[n].taken);
+    return out;
+}
+
+PathPattern::PathPattern(std::string text, std::string folder) : text_(std::move(text)), folder_(std::move(folder)) {
+    const std::string_view all = text_;
+    std::string literal;
+    for (std::size_t n = 0; n < all.size();) {
+        const auto token = token_at(all.substr(n));
+        if (token.digits > 0) {
+            if (!literal.empty()) parts_.push_back({std::exchange(literal, {}), 0});
+            parts_.push_back({{}, token.digits});
+            per_frame_ = true;
+            n += token.length;
+            continue;
+        }
+        if (token.length > 0 && bad_token_.empty()) bad_token_ = all.substr(n, token.length);
+        const auto length = std::max<std::size_t>(token.length, 1);
+        literal += all.substr(n, length);
+        n += length;
+    }
+    if (!literal.empty()) parts_.push_back({std::move(literal), 0});
+}
+
+std::string PathPattern::at(int frame) const {
+    std::string out;
+    for (const auto& part : parts_) out += part.digits == 0 ? part.text : fmt::format("{:0{}}", frame, part.digits);
+    return in_folder(folder_, out);
+}
+
+bool PathPattern::exists() const {
+    if (!per_frame_) {
+        std::error_code ignored;
+        return std::filesystem::exists(in_folder(folder_, text_), ignored);
+    }
+    std::string pattern;
+    for (const auto& part : parts_) {
+        if (part.digits == 0) {
+            pattern += escaped_for_glob(part.text);
+            continue;
+        }
+        pattern += "[-0-9]";
+        for (int n = 1; n < part.digits; ++n) pattern += "[0-9]";
+        pattern += "*";
+    }
+    glob_t found{};
+    const int status = glob(in_folder(escaped_for_glob(folder_), pattern).c_str(), GLOB_NOSORT, nullptr, &found);
+    globfree(&found);
+    return status == 0;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,62 @@
+#include "graph/types/module.h"
+
+#include "graph/text/problem.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Folders that may hold modules: by this library, and by the program that it serves.
+std::vector<fs::path> folders() {
+    std::vector<fs::path> out;
+    std::error_code error;
+    Dl_info self{};
+    std::vector<fs::path> homes;
+    if (dladdr(reinterpret_cast<const void*>(&module_table), &self) != 0) homes.push_back(fs::weakly_canonical(self.dli_fname, error).parent_path());
+    homes.push_back(fs::read_symlink("/proc/self/exe", error).parent_path());
+    for (const auto& home : homes)
+        for (const auto& folder : {home, (home / "../lib/fluidcarve").lexically_normal()})
+            if (std::find(out.begin(), out.end(), folder) == out.end()) out.push_back(folder);
+    return out;
+}
+
+const void* open(const std::string& name) {
+    const auto file = fmt::format("fluidcarve_{}.so", name);
+    std::string looked;
+    for (const auto& folder : folders()) {
+        const auto path = (folder / file).string();
+        looked += (looked.empty() ? "" : ", ") + folder.string();
+        if (!fs::exists(path)) continue;
+        void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!library) throw Failure(fmt::format("the module '{}' can't be opened: {}; install what it needs, or build it again", name, dlerror()));
+        const auto* const module = static_cast<const Module*>(dlsym(library, "fluidcarve_module"));
+        if (!module) throw Failure(fmt::format("{} is no module of fluidcarve; build it again", path));
+        if (module->version != std::string(FLUIDCARVE_VERSION))
+            throw Failure(
+                fmt::format("{} belongs to fluidcarve {}, but this is {}; build or install both together", path, module->version, FLUIDCARVE_VERSION));
+        return module->table;
+    }
+    throw Failure(fmt::format("the module '{}' is missing: there is no {} in {}; build or install it beside the program", name, file, looked));
+}
+
+}  // namespace
+
+const void* module_table(const std::string& name) {
+    static std::mutex mutex;
+    static std::map<std::string, const void*> opened;
+    const std::lock_guard lock(mutex);
+    const auto found = opened.find(name);
+    return found != opened.end() ? found->second : opened.emplace(name, open(name)).first->second;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,173 @@
+#include "graph/types/param.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+std::string number_text(double value) { return fmt::format("{}", value); }
+
+/// A finite number, and nothing else in the text.
+std::optional<double> parse_number(std::string_view text) {
+    // A plus sign is not from_chars' own.
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    double out = 0;
+    const auto* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, out);
+    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
+}
+
+/// Two or three numbers in brackets, each checked against the reader's range.
+template <std::size_t N>
+std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader, const char* wanted) {
+    if (value.kind != Value::Kind::list || value.items.size() != N) return reader.unwanted(value, wanted), std::nullopt;
+    std::array<double, N> out{};
+    bool good = true;
+    for (std::size_t n = 0; n < N; ++n) {
+        const auto number = reader.number(value.items[n], false);
+        good = good && number;
+        out[n] = number.value_or(0);
+    }
+    return good ? std::optional(out) : std::nullopt;
+}
+
+template <class P>
+std::optional<P> read_path(const Value& value, ValueReader& reader, std::string folder) {
+    if (value.kind != Value::Kind::scalar || value.text.empty()) return reader.unwanted(value, "a path"), std::nullopt;
+    P path(value.text, std::move(folder));
+    if (path.bad_token().empty()) return path;
+    const auto best = nearest(path.bad_token(), {"####", "%04d", "$F4", "<frame04>", "<frame>"});
+    const auto remedy = best.empty() ? "use ####, %04d, $F4 or <frame>" : fmt::format("did you mean '{}'?", best);
+    return reader.fault(value, fmt::format("has '{}', which is no frame token; {}", path.bad_token(), remedy)), std::nullopt;
+}
+
+}  // namespace
+
+int Count::of(int size) const { return static_cast<int>(std::lround(percent ? value / 100 * size : value)); }
+
+std::string to_text(Unit unit) {
+    switch (unit) {
+        case Unit::none: return "";
+        case Unit::world: return "world units";
+        case Unit::voxels: return "voxels";
+        case Unit::vertices: return "vertices";
+        case Unit::seams: return "seams";
+        case Unit::frames: return "frames";
+        case Unit::per_world: return "1/world unit";
+        case Unit::world_per_second: return "world units per second";
+        case Unit::pixels: return "pixels";
+    }
+    return "";
+}
+
+std::string to_text(const Shape& shape) {
+    switch (shape.kind) {
+        case Shape::Kind::boolean: return "true or false";
+        case Shape::Kind::integer: return "a whole number";
+        case Shape::Kind::number: return "a number";
+        case Shape::Kind::text: return "a text";
+        case Shape::Kind::input_path:
+        case Shape::Kind::output_path: return "a path";
+        case Shape::Kind::count: return "a whole number of seams or a percentage such as -10%";
+        case Shape::Kind::vector: return "[x, y, z]";
+        case Shape::Kind::interval: return "[low, high]";
+        case Shape::Kind::choice: return fmt::format("one of {}", fmt::join(shape.choices, ", "));
+        case Shape::Kind::list: return "a list, each " + to_text(shape.of.at(0));
+        case Shape::Kind::map: {
+            if (!shape.of.empty()) return "a map, each " + to_text(shape.of[0]);
+            std::string fields;
+            for (const auto& [name, field] : shape.fields) fields += (fields.empty() ? "" : ", ") + name + ": " + to_text(field);
+            return "{" + fields + "}";
+        }
+        case Shape::Kind::automatic: return "auto or " + to_text(shape.of.at(0));
+        case Shape::Kind::any_of: break;
+    }
+    std::string out;
+    for (const auto& each : shape.of) out += (out.empty() ? "" : ", or ") + to_text(each);
+    return out;
+}
+
+void ValueReader::unwanted(const Value& value, const std::string& wanted) { fault(value, fmt::format("wants {}, not {}", wanted, value.describe())); }
+
+void ValueReader::fault(const Value& value, const std::string& message) {
+    if (value.kind != Value::Kind::unresolved) problems_.push_back({value.mark, what_ + " " + message, {}, {}});
+}
+
+std::optional<double> ValueReader::number(const Value& value, bool whole) {
+    const char* const wanted = whole ? "a whole number" : "a number";
+    const auto parsed = value.kind == Value::Kind::scalar ? parse_number(value.text) : std::nullopt;
+    if (!parsed || (whole && *parsed != std::trunc(*parsed))) return unwanted(value, wanted), std::nullopt;
+    const double out = *parsed;
+    constexpr double most = std::numeric_limits<int>::max();
+    if (whole && std::abs(out) > most) return unwanted(value, fmt::format("a whole number from {} to {}", -most, most)), std::nullopt;
+    if (out < range_.min || out > range_.max) {
+        const auto bounds = std::isinf(range_.max)   ? fmt::format("at least {}", range_.min)
+                            : std::isinf(range_.min) ? fmt::format("at most {}", range_.max)
+                                                     : fmt::format("from {} to {}", range_.min, range_.max);
+        return fault(value, fmt::format("must be {}, not {}", bounds, value.text)), std::nullopt;
+    }
+    return out;
+}
+
+std::optional<bool> ParamTraits<bool>::parse(const Value& value, ValueReader& reader) {
+    if (value.kind == Value::Kind::scalar && value.text == "true") return true;
+    if (value.kind == Value::Kind::scalar && value.text == "false") return false;
+    return reader.unwanted(value, "true or false"), std::nullopt;
+}
+
+std::optional<int> ParamTraits<int>::parse(const Value& value, ValueReader& reader) {
+    const auto number = reader.number(value, true);
+    return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
+}
+
+std::string ParamTraits<double>::text(double value) { return number_text(value); }
+std::string ParamTraits<float>::text(float value) { return fmt::format("{}", value); }
+
+std::optional<float> ParamTraits<float>::parse(const Value& value, ValueReader& reader) {
+    const auto number = reader.number(value, false);
+    if (number && std::abs(*number) > std::numeric_limits<float>::max()) return reader.unwanted(value, "a number up to 3.4e38"), std::nullopt;
+    return number ? std::optional(static_cast<float>(*number)) : std::nullopt;
+}
+
+std::optional<std::string> ParamTraits<std::string>::parse(const Value& value, ValueReader& reader) {
+    if (value.kind == Value::Kind::scalar) return value.text;
+    return reader.unwanted(value, "a text"), std::nullopt;
+}
+
+std::optional<Vec3> ParamTraits<Vec3>::parse(const Value& value, ValueReader& reader) { return numbers<3>(value, reader, "[x, y, z]"); }
+
+std::string ParamTraits<Vec3>::text(const Vec3& value) {
+    return fmt::format("[{}, {}, {}]", number_text(value[0]), number_text(value[1]), number_text(value[2]));
+}
+
+std::optional<Interval> ParamTraits<Interval>::parse(const Value& value, ValueReader& reader) {
+    const auto pair = numbers<2>(value, reader, "[low, high]");
+    if (!pair) return std::nullopt;
+    if ((*pair)[0] > (*pair)[1]) return reader.fault(value, fmt::format("has its low end {} above its high end {}", (*pair)[0], (*pair)[1])), std::nullopt;
+    return Interval{(*pair)[0], (*pair)[1]};
+}
+
+std::string ParamTraits<Interval>::text(const Interval& value) { return fmt::format("[{}, {}]", number_text(value.low), number_text(value.high)); }
+
+std::optional<Count> ParamTraits<Count>::parse(const Value& value, ValueReader& reader) {
+    const bool percent = value.text.ends_with('%');
+    const auto number = value.kind == Value::Kind::scalar ? parse_number(std::string_view(value.text).substr(0, value.text.size() - percent)) : std::nullopt;
+    if (!number || (!percent && *number != std::trunc(*number)) || std::abs(*number) > 1e6) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    return Count{*number, percent};
+}
+
+std::string ParamTraits<Count>::text(const Count& value) { return fmt::format("{}{}", value.value, value.percent ? "%" : ""); }
+
+std::optional<InputPath> ParamTraits<InputPath>::parse(const Value& value, ValueReader& reader) {
+    const auto beside = read_path<InputPath>(value, reader, value.mark.source ? value.mark.source->folder : std::string());
+    if (!beside || beside->exists()) return beside;
+    InputPath here(value.text);
+    return here.exists() ? here : beside;
+}
+
+std::optional<OutputPath> ParamTraits<OutputPath>::parse(const Value& value, ValueReader& reader) { return read_path<OutputPath>(value, reader, {}); }
+
+}  // namespace fluidcarve

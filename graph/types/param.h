@@ -1,0 +1,226 @@
+#pragma once
+
+#include "graph/text/value.h"
+#include "graph/types/frames.h"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+using Vec3 = std::array<double, 3>;
+
+/// A number of seams: whole, or a percentage of the carved axis. Negative removes, positive inserts.
+struct Count {
+    double value = 0;
+    bool percent = false;
+    /// @param size  vertices along the carved axis
+    int of(int size) const;
+};
+
+/// A file that the pipeline reads: relative to the text that states it, then to the current folder.
+struct InputPath : PathPattern {
+    using PathPattern::PathPattern;
+};
+
+/// A file that the pipeline writes: relative to the current folder.
+struct OutputPath : PathPattern {
+    using PathPattern::PathPattern;
+};
+
+/// `auto`, or a value.
+template <class T>
+using Auto = std::optional<T>;
+
+/// `[low, high]`, low <= high.
+struct Interval {
+    double low = 0;
+    double high = 0;
+};
+
+/// The unit of a parameter, for people.
+enum class Unit { none, world, voxels, vertices, seams, frames, per_world, world_per_second, pixels };
+std::string to_text(Unit unit);
+
+/// Inclusive bounds of a number, or of each number in a value.
+struct Range {
+    double min = -std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
+};
+constexpr Range at_least(double min) { return {min, std::numeric_limits<double>::infinity()}; }
+constexpr Range between(double min, double max) { return {min, max}; }
+constexpr Range any_number() { return {}; }
+
+/// What a parameter's value looks like: from it come messages, listing and JSON schema.
+struct Shape {
+    enum class Kind { boolean, integer, number, text, input_path, output_path, count, vector, interval, choice, list, map, automatic, any_of };
+    Kind kind = Kind::text;
+    std::vector<std::string> choices;                        ///< choice
+    std::vector<Shape> of;                                   ///< list, map, automatic: one; any_of: the alternatives
+    std::vector<std::pair<std::string, Shape>> fields = {};  ///< map with fixed fields
+};
+/// For people: "a number", "a list of [low, high]", "linear | quadratic".
+std::string to_text(const Shape& shape);
+
+/// Collects what is wrong with one field's value.
+class ValueReader {
+public:
+    ValueReader(Problems& problems, std::string what, Range range) : problems_(problems), what_(std::move(what)), range_(range) {}
+    /// Records "<what> wants <wanted>, not <value>" at the value's place.
+    void unwanted(const Value& value, const std::string& wanted);
+    /// Records "<what> <message>" at the value's place.
+    void fault(const Value& value, const std::string& message);
+    /// A number within the range, else a problem.
+    std::optional<double> number(const Value& value, bool whole);
+
+private:
+    Problems& problems_;
+    std::string what_;
+    Range range_;
+};
+
+/// How a C++ type is read from a Value. Specialise it to give a node a parameter type of its own:
+///   static Shape shape();
+///   static std::optional<T> parse(const Value&, ValueReader&);   nothing returned: a problem was recorded
+///   static std::string text(const T&);                           as YAML, for the stated default
+template <class T>
+struct ParamTraits;
+
+/// Names of an enum's values in YAML; specialise with
+///   static constexpr std::array names = {std::pair{"linear", Interpolation::linear}, ...};
+template <class E>
+struct ChoiceNames;
+
+template <>
+struct ParamTraits<bool> {
+    static Shape shape() { return {Shape::Kind::boolean, {}, {}}; }
+    static std::optional<bool> parse(const Value& value, ValueReader& reader);
+    static std::string text(bool value) { return value ? "true" : "false"; }
+};
+template <>
+struct ParamTraits<int> {
+    static Shape shape() { return {Shape::Kind::integer, {}, {}}; }
+    static std::optional<int> parse(const Value& value, ValueReader& reader);
+    static std::string text(int value) { return std::to_string(value); }
+};
+template <>
+struct ParamTraits<double> {
+    static Shape shape() { return {Shape::Kind::number, {}, {}}; }
+    static std::optional<double> parse(const Value& value, ValueReader& reader) { return reader.number(value, false); }
+    static std::string text(double value);
+};
+template <>
+struct ParamTraits<float> {
+    static Shape shape() { return {Shape::Kind::number, {}, {}}; }
+    static std::optional<float> parse(const Value& value, ValueReader& reader);
+    static std::string text(float value);
+};
+template <>
+struct ParamTraits<std::string> {
+    static Shape shape() { return {Shape::Kind::text, {}, {}}; }
+    static std::optional<std::string> parse(const Value& value, ValueReader& reader);
+    static std::string text(const std::string& value) { return value; }
+};
+template <>
+struct ParamTraits<Vec3> {
+    static Shape shape() { return {Shape::Kind::vector, {}, {}}; }
+    static std::optional<Vec3> parse(const Value& value, ValueReader& reader);
+    static std::string text(const Vec3& value);
+};
+template <>
+struct ParamTraits<Interval> {
+    static Shape shape() { return {Shape::Kind::interval, {}, {}}; }
+    static std::optional<Interval> parse(const Value& value, ValueReader& reader);
+    static std::string text(const Interval& value);
+};
+template <>
+struct ParamTraits<Count> {
+    static Shape shape() { return {Shape::Kind::count, {}, {}}; }
+    static std::optional<Count> parse(const Value& value, ValueReader& reader);
+    static std::string text(const Count& value);
+};
+template <>
+struct ParamTraits<InputPath> {
+    static Shape shape() { return {Shape::Kind::input_path, {}, {}}; }
+    static std::optional<InputPath> parse(const Value& value, ValueReader& reader);
+    static std::string text(const InputPath& value) { return value.text(); }
+};
+template <>
+struct ParamTraits<OutputPath> {
+    static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
+    static std::optional<OutputPath> parse(const Value& value, ValueReader& reader);
+    static std::string text(const OutputPath& value) { return value.text(); }
+};
+
+template <class T>
+struct ParamTraits<std::optional<T>> {
+    static Shape shape() { return {Shape::Kind::automatic, {}, {ParamTraits<T>::shape()}}; }
+    static std::optional<std::optional<T>> parse(const Value& value, ValueReader& reader) {
+        if (value.kind == Value::Kind::scalar && value.text == "auto") return std::optional<std::optional<T>>(std::in_place, std::nullopt);
+        if (auto got = ParamTraits<T>::parse(value, reader)) return std::optional<std::optional<T>>(std::in_place, std::move(*got));
+        return std::nullopt;
+    }
+    static std::string text(const std::optional<T>& value) { return value ? ParamTraits<T>::text(*value) : "auto"; }
+};
+
+template <class T>
+struct ParamTraits<std::vector<T>> {
+    static Shape shape() { return {Shape::Kind::list, {}, {ParamTraits<T>::shape()}}; }
+    static std::optional<std::vector<T>> parse(const Value& value, ValueReader& reader) {
+        if (value.kind != Value::Kind::list) return reader.unwanted(value, to_text(shape())), std::nullopt;
+        std::vector<T> out;
+        for (const auto& item : value.items)
+            if (auto got = ParamTraits<T>::parse(item, reader)) out.push_back(std::move(*got));
+        return out.size() == value.items.size() ? std::optional(std::move(out)) : std::nullopt;
+    }
+    static std::string text(const std::vector<T>& value) {
+        std::string out;
+        for (const auto& item : value) out += (out.empty() ? "" : ", ") + ParamTraits<T>::text(item);
+        return "[" + out + "]";
+    }
+};
+
+template <class T>
+struct ParamTraits<std::map<std::string, T>> {
+    static Shape shape() { return {Shape::Kind::map, {}, {ParamTraits<T>::shape()}}; }
+    static std::optional<std::map<std::string, T>> parse(const Value& value, ValueReader& reader) {
+        if (value.kind != Value::Kind::map) return reader.unwanted(value, to_text(shape())), std::nullopt;
+        std::map<std::string, T> out;
+        for (const auto& field : value.fields)
+            if (auto got = ParamTraits<T>::parse(field.value, reader)) out.emplace(field.name, std::move(*got));
+        return out.size() == value.fields.size() ? std::optional(std::move(out)) : std::nullopt;
+    }
+    static std::string text(const std::map<std::string, T>& value) {
+        std::string out;
+        for (const auto& [name, item] : value) out += (out.empty() ? "" : ", ") + name + ": " + ParamTraits<T>::text(item);
+        return "{" + out + "}";
+    }
+};
+
+template <class E>
+requires std::is_enum_v<E>
+struct ParamTraits<E> {
+    static Shape shape() {
+        Shape out{Shape::Kind::choice, {}, {}};
+        for (const auto& [name, value] : ChoiceNames<E>::names) out.choices.emplace_back(name);
+        return out;
+    }
+    static std::optional<E> parse(const Value& value, ValueReader& reader) {
+        for (const auto& [name, choice] : ChoiceNames<E>::names)
+            if (value.kind == Value::Kind::scalar && value.text == name) return choice;
+        return reader.unwanted(value, to_text(shape())), std::nullopt;
+    }
+    static std::string text(E value) {
+        for (const auto& [name, choice] : ChoiceNames<E>::names)
+            if (choice == value) return name;
+        return {};
+    }
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,101 @@
+#include "graph/types/registry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace fluidcarve {
+
+const InputSpec* NodeType::input(std::string_view name) const {
+    const auto found = std::find_if(inputs.begin(), inputs.end(), [&](const InputSpec& each) { return each.name == name; });
+    return found == inputs.end() ? nullptr : &*found;
+}
+
+const ParamSpec* NodeType::param(std::string_view name) const {
+    const auto found = std::find_if(params.begin(), params.end(), [&](const ParamSpec& each) { return each.name == name; });
+    return found == params.end() ? nullptr : &*found;
+}
+
+bool is_common_field(std::string_view name) { return std::find(common_fields.begin(), common_fields.end(), name) != common_fields.end(); }
+
+std::vector<std::string> NodeType::field_names() const {
+    std::vector<std::string> out;
+    for (const auto& input : inputs) out.push_back(input.name);
+    for (const auto& param : params) out.push_back(param.name);
+    return out;
+}
+
+void Registry::add(NodeType type) {
+    const auto refuse = [&](const std::string& why) { throw std::logic_error(fmt::format("node type '{}': {}", type.name, why)); };
+    if (type.name.find('.') == std::string::npos) refuse("a name is family.verb");
+    if (type.doc.empty()) refuse("no doc");
+    std::vector<std::string> seen;
+    const auto take = [&](const std::string& name, const std::string& doc) {
+        if (name.empty() || is_common_field(name)) refuse(fmt::format("'{}' can't name a field", name));
+        if (doc.empty()) refuse(fmt::format("'{}' has no doc", name));
+        if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse(fmt::format("two fields are called '{}'", name));
+        seen.push_back(name);
+    };
+    for (const auto& input : type.inputs) {
+        take(input.name, input.doc);
+        payload(input.type);
+    }
+    for (const auto& param : type.params) take(param.name, param.doc);
+    seen.clear();
+    for (const auto& output : type.outputs) {
+        take(output.name, output.doc);
+        payload(output.type);
+    }
+    if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
+}
+
+void Registry::add(PayloadType type) {
+    for (const auto& known : payloads_)
+        if (known.name == type.name || known.type == type.type) throw std::logic_error(fmt::format("payload type '{}' is registered twice", type.name));
+    payloads_.push_back(std::move(type));
+}
+
+void Registry::add(Conversion conversion) { conversions_.push_back(std::move(conversion)); }
+
+const NodeType* Registry::node(std::string_view name) const {
+    const auto found = nodes_.find(name);
+    return found == nodes_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> Registry::node_names() const {
+    std::vector<std::string> out;
+    for (const auto& [name, type] : nodes_) out.push_back(name);
+    return out;
+}
+
+const PayloadType& Registry::payload(std::type_index type) const {
+    for (const auto& known : payloads_)
+        if (known.type == type) return known;
+    throw std::logic_error(fmt::format("payload type {} is not registered", type.name()));
+}
+
+const Conversion* Registry::conversion(std::type_index from, std::type_index to) const {
+    for (const auto& known : conversions_)
+        if (known.from == from && known.to == to) return &known;
+    return nullptr;
+}
+
+bool Registry::accepts(std::type_index to, std::type_index from) const { return to == from || conversion(from, to); }
+
+Payload Registry::convert(const Payload& payload, std::type_index to) const {
+    if (!payload || payload.type() == to) return payload;
+    return conversion(payload.type(), to)->convert(payload);
+}
+
+std::string Registry::accepted_names(std::type_index to) const {
+    std::vector<std::string> all{payload(to).name};
+    for (const auto& known : conversions_)
+        if (known.to == to) all.push_back(payload(known.from).name);
+    if (all.size() == 1) return all[0];
+    const auto last = all.back();
+    all.pop_back();
+    return fmt::format("{} or {}", fmt::join(all, ", "), last);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,141 @@
+#include "graph/views/origins.h"
+
+#include "graph/text/one_line.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string dump(const Json& json, int indent = -1) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+
+/// A text as YAML, in quotes where it would mean something else without them.
+std::string scalar_yaml(const std::string& text) {
+    const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    const bool marked = text.find_first_of(",[]{}") != std::string::npos || text.find(": ") != std::string::npos || text.find(" #") != std::string::npos;
+    const bool sign = !text.empty() && std::string("-?:").find(text[0]) != std::string::npos && (text.size() == 1 || text[1] == ' ');
+    const bool plain = !text.empty() && text != "~" && text != "null" && text != "Null" && text != "NULL" && !marked && !sign &&
+                       std::string(" #&*!|>'\"%@`").find(text[0]) == std::string::npos && text.back() != ' ' && text.back() != ':' &&
+                       std::none_of(text.begin(), text.end(), control);
+    return plain ? text : dump(text);
+}
+
+std::string yaml(const Value& value) {
+    std::string out;
+    const auto put = [&](const std::string& each) { out += (out.empty() ? "" : ", ") + each; };
+    switch (value.kind) {
+        case Value::Kind::list:
+            for (const auto& item : value.items) put(yaml(item));
+            return "[" + out + "]";
+        case Value::Kind::map:
+            for (const auto& field : value.fields) put(scalar_yaml(field.name) + ": " + yaml(field.value));
+            return "{" + out + "}";
+        case Value::Kind::scalar: return scalar_yaml(value.text);
+        case Value::Kind::null:
+        case Value::Kind::unresolved: break;
+    }
+    return "~";
+}
+
+class Finder {
+public:
+    explicit Finder(const Document& document) : document_(document) {}
+
+    ValueOrigin stated(const Value& value) const {
+        ValueOrigin out{yaml(value), place(value.mark), {}};
+        add_names(value, out.with);
+        return out;
+    }
+
+    static ValueOrigin fallback(const std::string& yaml) { return {yaml.empty() ? scalar_yaml(yaml) : yaml, "default", {}}; }
+
+    Origins::Fields of_node(const NodeType& type, const Value& node) const {
+        Origins::Fields out;
+        const auto add = [&](const std::string& name) {
+            const auto* const field = node.find(name);
+            if (field) out.emplace_back(name, stated(field->value));
+            return field != nullptr;
+        };
+        add("type");
+        for (const auto& input : type.inputs) add(input.name);
+        for (const auto& param : type.params)
+            if (!add(param.name)) out.emplace_back(param.name, fallback(param.fallback));
+        for (const auto& field : node.fields)
+            if (field.name != "type" && !type.input(field.name) && !type.param(field.name)) add(field.name);
+        return out;
+    }
+
+private:
+    std::string place(const Mark& mark) const {
+        const auto is = [&](const Mark& file) { return file.source == mark.source; };
+        const bool file = std::any_of(document_.sources.begin(), document_.sources.end(), is);
+        return file ? fmt::format("{}:{}", mark.source->name, mark.line) : mark.source->name;
+    }
+
+    /// Names inside the value and all its parts, each once.
+    void add_names(const Value& value, std::vector<std::string>& names) const {
+        for (const auto& [in, name] : document_.insertions)
+            if (in.source == value.mark.source && in.line == value.mark.line && in.column == value.mark.column &&
+                std::find(names.begin(), names.end(), name) == names.end())
+                names.push_back(name);
+        for (const auto& item : value.items) add_names(item, names);
+        for (const auto& field : value.fields) add_names(field.value, names);
+    }
+
+    const Document& document_;
+};
+
+std::string line(const std::string& name, const ValueOrigin& origin) {
+    const auto from = origin.from == "default" ? origin.from : "from " + origin.from;
+    const auto with = origin.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(origin.with, ", "));
+    return one_line(fmt::format("{} = {}, {}{}", name, origin.value, from, with)) + "\n";
+}
+
+Json json_of(const ValueOrigin& origin) {
+    Json out{{"value", origin.value}, {"from", origin.from}};
+    if (!origin.with.empty()) out["with"] = origin.with;
+    return out;
+}
+
+Json json_of(const Origins::Fields& fields) {
+    auto out = Json::object();
+    for (const auto& [name, origin] : fields) out[name] = json_of(origin);
+    return out;
+}
+
+}  // namespace
+
+Origins origins_of(const Document& document, const Registry& registry) {
+    const Finder find(document);
+    Origins out;
+    out.frames = document.frames.kind == Value::Kind::null ? Finder::fallback("1") : find.stated(document.frames);
+    for (const auto& param : document.params.fields) out.params.emplace_back(param.name, find.stated(param.value));
+    for (const auto& node : document.nodes.fields)
+        out.nodes.emplace_back(node.name, find.of_node(*registry.node(node.value.find("type")->value.text), node.value));
+    return out;
+}
+
+std::string to_text(const Origins& origins) {
+    auto out = line("frames", origins.frames);
+    if (!origins.params.empty()) out += "\nparams:\n";
+    for (const auto& [name, origin] : origins.params) out += "  " + line(name, origin);
+    out += "\nnodes:\n";
+    for (const auto& [node, fields] : origins.nodes) {
+        out += "  " + node + ":\n";
+        for (const auto& [name, origin] : fields) out += "    " + line(name, origin);
+    }
+    return out;
+}
+
+std::string to_json(const Origins& origins) {
+    Json out{{"frames", json_of(origins.frames)}, {"params", json_of(origins.params)}, {"nodes", Json::object()}};
+    for (const auto& [node, fields] : origins.nodes) out["nodes"][node] = json_of(fields);
+    return dump(out, 2) + "\n";
+}
+
+}  // namespace fluidcarve

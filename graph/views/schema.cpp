@@ -1,0 +1,218 @@
+#include "graph/views/schema.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json defined(const std::string& definition) { return {{"$ref", "#/definitions/" + definition}}; }
+
+Json any_of(std::vector<Json> alternatives) { return {{"anyOf", std::move(alternatives)}}; }
+
+/// A number, or a text that `check` reads as one: it looks at the declaration, not at quotes.
+Json number(const char* type, const Range& range) {
+    Json out{{"type", type}};
+    if (std::isfinite(range.min)) out["minimum"] = range.min;
+    if (std::isfinite(range.max)) out["maximum"] = range.max;
+    return any_of({out, defined("number_text")});
+}
+
+Json numbers(std::size_t size, const Range& range) {
+    return {{"type", "array"}, {"items", any_of({number("number", range), defined("insertion")})}, {"minItems", size}, {"maxItems", size}};
+}
+
+Json value_of(const Shape& shape, const Range& range);
+
+Json form_of(const Shape& shape, const Range& range) {
+    switch (shape.kind) {
+        case Shape::Kind::boolean: return any_of({Json{{"type", "boolean"}}, Json{{"enum", {"true", "false"}}}});
+        case Shape::Kind::integer: return number("integer", range);
+        case Shape::Kind::number: return number("number", range);
+        case Shape::Kind::count: return any_of({number("integer", range), Json{{"type", "string"}, {"pattern", "^[-+]?[0-9]+(\\.[0-9]*)?%$"}}});
+        case Shape::Kind::vector: return numbers(3, range);
+        case Shape::Kind::interval: return numbers(2, range);
+        case Shape::Kind::choice: return {{"enum", shape.choices}};
+        case Shape::Kind::automatic: return any_of({Json{{"const", "auto"}}, form_of(shape.of.at(0), range)});
+        case Shape::Kind::list: return {{"type", "array"}, {"items", value_of(shape.of.at(0), range)}};
+        case Shape::Kind::input_path:
+        case Shape::Kind::output_path: return {{"type", "string"}};
+        // An unquoted 12 or true is a text too where a text is wanted.
+        case Shape::Kind::text: return {{"type", {"string", "number", "boolean"}}};
+        case Shape::Kind::any_of: {
+            std::vector<Json> alternatives;
+            for (const auto& each : shape.of) alternatives.push_back(form_of(each, range));
+            return any_of(std::move(alternatives));
+        }
+        case Shape::Kind::map: break;
+    }
+    Json out{{"type", "object"}};
+    if (!shape.of.empty()) return out["additionalProperties"] = value_of(shape.of[0], range), out;
+    out["properties"] = Json::object();
+    for (const auto& [name, field] : shape.fields) out["properties"][name] = value_of(field, range);
+    out["additionalProperties"] = false;
+    return out;
+}
+
+/// Any value may be left to a param.
+Json value_of(const Shape& shape, const Range& range) {
+    const bool text = shape.kind == Shape::Kind::text || shape.kind == Shape::Kind::input_path || shape.kind == Shape::Kind::output_path;
+    return text ? form_of(shape, range) : any_of({form_of(shape, range), defined("insertion")});
+}
+
+/// The stated default as JSON; nothing where YAML's form of it is not JSON's.
+Json default_of(const ParamSpec& spec) {
+    switch (spec.shape.kind) {
+        case Shape::Kind::text:
+        case Shape::Kind::input_path:
+        case Shape::Kind::output_path:
+        case Shape::Kind::choice: return spec.fallback;
+        default: break;
+    }
+    auto parsed = Json::parse(spec.fallback, nullptr, false);
+    if (!parsed.is_discarded()) return parsed;
+    const bool scalar = spec.fallback.find_first_of("[{") == std::string::npos;
+    return scalar && !spec.fallback.empty() ? Json(spec.fallback) : Json();
+}
+
+std::string description_of(const ParamSpec& spec) {
+    auto out = spec.doc;
+    if (spec.unit != Unit::none) out += fmt::format(" Unit: {}.", to_text(spec.unit));
+    if (!spec.required && !spec.fallback.empty()) out += fmt::format(" Default: {}.", spec.fallback);
+    return out;
+}
+
+Json field_of(const InputSpec& input, const Registry& registry) {
+    Json out;
+    if (input.arity == InputSpec::Arity::list) out = any_of({defined("port"), Json{{"type", "array"}, {"items", defined("port")}, {"minItems", 1}}});
+    else if (input.arity == InputSpec::Arity::named) out = {{"type", "object"}, {"additionalProperties", defined("port")}};
+    else out = {{"allOf", Json::array({defined("port")})}};  // beside a $ref, draft 7 sees no description
+    out["description"] = fmt::format("{} Takes {}.", input.doc, registry.accepted_names(input.type));
+    return out;
+}
+
+/// Which fields a node of the type may have.
+Json fields_of(const NodeType& type, const Registry& registry) {
+    Json properties{{"type", {{"const", type.name}, {"description", type.doc}}}};
+    for (const auto& input : type.inputs) properties[input.name] = field_of(input, registry);
+    for (const auto& param : type.params) {
+        auto& property = properties[param.name] = value_of(param.shape, param.range);
+        property["description"] = description_of(param);
+        if (param.required) continue;
+        if (auto fallback = default_of(param); !fallback.is_null()) property["default"] = std::move(fallback);
+    }
+    for (const auto* const name : {"cache", "doc"}) properties[name] = defined(name);
+    return {{"type", "object"}, {"description", type.doc}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+}
+
+Json required_of(const NodeType& type) {
+    auto out = Json::array({"type"});
+    for (const auto& input : type.inputs)
+        if (!input.optional) out.push_back(input.name);
+    for (const auto& param : type.params)
+        if (param.required) out.push_back(param.name);
+    return out;
+}
+
+/// The same fields, each of which may be null.
+Json fields_to_change(const NodeType& type) {
+    Json properties{{"type", Json::object()}};
+    for (const auto* const name : {"cache", "doc"}) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
+    for (const auto& name : type.field_names()) properties[name] = any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
+    return {{"properties", std::move(properties)}, {"additionalProperties", false}};
+}
+
+Json if_type(const std::string& name, Json then) {
+    return {{"if", {{"properties", {{"type", {{"const", name}}}}}, {"required", {"type"}}}}, {"then", std::move(then)}};
+}
+
+/// @param whole  false: a node that changes one of an extended file
+Json node_of(const Registry& registry, bool whole) {
+    Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
+    if (whole) out["required"] = {"type"};
+    out["properties"] = {{"type", {{"enum", registry.node_names()}, {"description", "What the node does; `fluidcarve nodes` lists all types."}}}};
+    out["allOf"] = Json::array();
+    for (const auto& [name, type] : registry.nodes())
+        out["allOf"].push_back(
+            if_type(name, whole ? Json{{"allOf", Json::array({defined(name), Json{{"required", required_of(type)}}})}} : fields_to_change(type)));
+    return out;
+}
+
+Json param_of(bool whole) {
+    const auto shape = [](Shape::Kind kind) { return Shape{kind, {}, {}}; };
+    const std::pair<const char*, Shape> types[] = {{"bool", shape(Shape::Kind::boolean)}, {"int", shape(Shape::Kind::integer)},
+                                                   {"float", shape(Shape::Kind::number)}, {"vector", shape(Shape::Kind::vector)},
+                                                   {"string", shape(Shape::Kind::text)},  {"path", shape(Shape::Kind::output_path)},
+                                                   {"count", shape(Shape::Kind::count)}};
+    auto names = Json::array();
+    auto defaults = Json::array();
+    for (const auto& [name, form] : types) {
+        names.push_back(name);
+        defaults.push_back(if_type(name, {{"properties", {{"default", value_of(form, any_number())}}}}));
+    }
+    Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
+    if (whole) out["required"] = {"type"};
+    out["properties"] = {
+        {"type", {{"enum", names}, {"description", "What values the param takes; count is a whole number or a percentage of the carved axis."}}},
+        {"default", {{"description", "The value, where neither the environment nor --set gives another."}}},
+        {"min", {{"type", "number"}, {"description", "The least value."}}},
+        {"max", {{"type", "number"}, {"description", "The greatest value."}}},
+        {"doc", {{"type", "string"}, {"description", "What the param is for."}}}};
+    out["additionalProperties"] = false;
+    out["allOf"] = std::move(defaults);
+    return out;
+}
+
+}  // namespace
+
+std::string schema(const Registry& registry) {
+    const auto map_of = [](const std::string& definition) { return Json{{"additionalProperties", defined(definition)}}; };
+    constexpr auto frames = "^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?)*\\s*$";
+
+    Json definitions{
+        {"insertion",
+         {{"description", "Text with ${name}: a param, or an environment variable named under `env`."}, {"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
+        {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
+        {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
+        {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
+        {"doc", {{"description", "Words for people."}, {"type", "string"}}},
+        {"param", param_of(true)},
+        {"param_change", param_of(false)},
+        {"node", node_of(registry, true)},
+        {"node_change", node_of(registry, false)}};
+    definitions["cache"]["description"] =
+        "Whether results are kept in the work folder; of a writer, whether files that are current stay. Left out: as is worth it.";
+    for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
+
+    Json properties{
+        {"fluidcarve", {{"const", 1}, {"description", "Format version."}}},
+        {"plugins",
+         {{"type", Json::array({"array", "null"})},
+          {"items", {{"type", "string"}}},
+          {"description", "Files with node types of their own, loaded by --allow-plugins; `fluidcarve schema --plugin FILE` knows these types too."}}},
+        {"params", {{"type", "object"}, {"description", "What a shot may change, by --set NAME=VALUE; used as ${name}."}}},
+        {"env", {{"type", "array"}, {"items", {{"type", "string"}}}, {"description", "Environment variables that ${NAME} may name."}}},
+        {"extends", {{"type", "string"}, {"description", "A pipeline file that this one changes, by name: params, nodes and their fields."}}},
+        {"frames",
+         {{"anyOf", Json::array({Json{{"type", "integer"}}, Json{{"type", "string"}, {"pattern", frames}}, defined("insertion"), Json{{"type", "null"}}})},
+          {"description", "The sequence: 1001-1084, 1-10,20-30, 1-100x2. Without it there is one frame, 1."}}},
+        {"nodes", {{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}, {"description", "name: {type: ..., <port or parameter>: ...}"}}}};
+
+    const Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
+                   {"title", "fluidcarve pipeline"},
+                   {"type", "object"},
+                   {"required", {"fluidcarve"}},
+                   {"properties", std::move(properties)},
+                   {"additionalProperties", false},
+                   {"if", {{"required", {"extends"}}}},
+                   {"then", {{"properties", {{"params", map_of("param_change")}, {"nodes", map_of("node_change")}}}}},
+                   {"else", {{"required", {"nodes"}}, {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
+                   {"definitions", std::move(definitions)}};
+    return out.dump(2) + "\n";
+}
+
+}  // namespace fluidcarve

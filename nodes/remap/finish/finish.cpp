@@ -1,0 +1,73 @@
+#include "nodes/remap/finish/finish.h"
+
+#include "graph/text/problem.h"
+#include "nodes/io/triplet.h"
+#include "nodes/remap/finish/level_set.h"
+#include "nodes/remap/finish/transport.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+namespace {
+
+bool is_level_set(const openvdb::GridBase& grid) {
+    return grid.getGridClass() == openvdb::GRID_LEVEL_SET && (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>());
+}
+
+void require_densities(const Volume& volume, const std::vector<std::string>& names) {
+    for (const auto& name : names) {
+        const auto grid = volume.find(name);
+        if (!grid)
+            throw Failure(fmt::format("no grid '{}' to conserve; there are {}: name those that hold amounts per volume in `densities:`", name, volume.names()));
+        if ((!grid->isType<openvdb::FloatGrid>() && !grid->isType<openvdb::DoubleGrid>()) || is_level_set(*grid))
+            throw Failure(fmt::format("grid '{}' is no density ({}, class {}); take it out of `densities:`", name, grid->type(),
+                                      openvdb::GridBase::gridClassToString(grid->getGridClass())));
+    }
+}
+
+}  // namespace
+
+Volume finished(const Volume& source, const Volume& carved, const Lattice& given, const CarveMap& map, const Finish& finish) {
+    if (map.empty()) return carved;
+    require_densities(carved, finish.densities);
+    const auto lattice = map.extended(given);
+    std::optional<Mapping> mapping;
+    std::optional<CarveDerivative> derivative;
+    if (!finish.densities.empty() || finish.transform_vectors) {
+        mapping.emplace(lattice, map.reach());
+        derivative.emplace(*mapping, map);
+    }
+    const auto places_of = [&](const openvdb::GridBase& grid) { return CarvedPlaces(lattice, map.reach(), grid.transform(), grid.transform()); };
+
+    Volume out = carved;
+    for (std::size_t n = 0; n < out.grids.size(); ++n) {
+        auto& grid = out.grids[n];
+        if (is_level_set(*grid) && finish.renormalize.value_or(true) && grid != source.grids[n]) {
+            const auto places = places_of(*grid);
+            if (can_renormalize(*grid)) {
+                if (finish.renormalize || !places.aligned()) grid = renormalized(grid, places, map);
+            } else if (finish.renormalize) {
+                throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are no cubes or its background is not above 0", grid->getName()));
+            }
+        }
+        if (std::count(finish.densities.begin(), finish.densities.end(), grid->getName()) > 0)
+            grid = mass_kept(source.grids[n], grid, places_of(*grid), *derivative);
+        if (finish.transform_vectors && (grid->isType<openvdb::Vec3SGrid>() || grid->isType<openvdb::Vec3DGrid>()))
+            grid = vectors_turned(grid, places_of(*grid), *derivative);
+    }
+    if (!finish.transform_vectors) return out;
+
+    for (const auto& grid : carved.grids) {
+        const auto triplet = triplet_of(carved, *grid);
+        if (!triplet || triplet->components[0] != grid) continue;
+        const auto whole = merged(*triplet);
+        const auto parts = split(vectors_turned(whole, places_of(*whole), *derivative));
+        for (std::size_t c = 0; c < 3; ++c) *std::find(out.grids.begin(), out.grids.end(), openvdb::GridBase::ConstPtr(triplet->components[c])) = parts[c];
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,119 @@
+#include "nodes/remap/finish/tears.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace fluidcarve {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+/// Vertices of a rim that are looked at, about.
+constexpr double most_vertices_of_rim = 4096;
+
+/// A face of the carved box of vertices.
+struct Rim {
+    int axis;
+    bool high;
+};
+
+/// Where the content of a carved vertex comes from; nothing if a removal frees it.
+std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
+    for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
+        const int axis = step->axis(), entry = vertex[axis], lateral = vertex[step->lateral_axis()];
+        if (!step->has_column(lateral, vertex.z()) || entry < step->low() || entry > step->high()) continue;
+        if (entry < step->start() || entry > step->last()) return std::nullopt;
+        vertex[axis] += step->displacement(entry, lateral, vertex.z()) / 2;
+    }
+    return vertex;
+}
+
+/// Whether a displacement ends at a rim with a jump. Towards the end of its own axis at which the lattice is anchored it has none.
+bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
+    const auto moves_end = [&](int axis) {
+        return std::ranges::any_of(map.steps(), [&](const CarveStep& step) {
+            return step.axis() == axis && (rim.high ? step.last() != step.last_before() : step.start() != step.origin());
+        });
+    };
+    for (int axis = 0; axis < 2; ++axis)
+        if (by[axis] != 0 && (axis == rim.axis ? moves_end(axis) : !map.fades())) return true;
+    return false;
+}
+
+template <class GridT>
+double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map, const openvdb::CoordBBox& before, const openvdb::CoordBBox& carved,
+                const Rim& rim) {
+    const int a = rim.axis == 0 ? 1 : 0, b = rim.axis == 2 ? 1 : 2;
+    const auto size = carved.dim();
+    const int stride = static_cast<int>(std::ceil(std::sqrt(std::max(1.0, static_cast<double>(size[a]) * size[b] / most_vertices_of_rim))));
+    auto values = grid.getConstAccessor();
+    const auto holds = [&](const Vec3d& at) {
+        typename GridT::ValueType value;
+        return values.probeValue(Coord::round(grid.worldToIndex(lattice.position(at))), value) && value != grid.background();
+    };
+    // A vertex away, but at least a voxel.
+    const double beyond = std::max(1.0, grid.voxelSize().x() / lattice.spacing);
+    int all = 0, torn = 0;
+    Coord vertex;
+    vertex[rim.axis] = (rim.high ? carved.max() : carved.min())[rim.axis];
+    for (vertex[a] = carved.min()[a]; vertex[a] <= carved.max()[a]; vertex[a] += stride)
+        for (vertex[b] = carved.min()[b]; vertex[b] <= carved.max()[b]; vertex[b] += stride) {
+            ++all;
+            const auto from = origin_of(map, vertex);
+            if (!from || !jumps(map, rim, *from - vertex)) continue;
+            const auto inside = from->asVec3d();
+            auto outside = inside;
+            outside[rim.axis] = rim.high ? before.max()[rim.axis] + beyond : before.min()[rim.axis] - beyond;
+            torn += holds(inside) && holds(outside);
+        }
+    return static_cast<double>(torn) / all;
+}
+
+}  // namespace
+
+std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const CarveMap& map) {
+    const auto lattice = map.extended(given);
+    openvdb::CoordBBox before({0, 0, 0}, {lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1});
+    for (int axis = 0; axis < 2; ++axis) before.min()[axis] = lattice.shape[static_cast<std::size_t>(axis)] - given.shape[static_cast<std::size_t>(axis)];
+    auto carved = before;
+    for (const auto& step : map.steps()) {
+        carved.min()[step.axis()] = step.start();
+        carved.max()[step.axis()] = step.last();
+    }
+    const auto is_density = [](const auto& grid) { return grid->getName() == "density"; };
+    const bool by_density = std::any_of(volume.grids.begin(), volume.grids.end(), is_density);
+    std::vector<Tear> out;
+    for (const auto& grid : volume.grids) {
+        if (by_density && !is_density(grid)) continue;
+        const auto look = [&](const auto& values) {
+            for (int axis = 0; axis < (lattice.closed ? 2 : 3); ++axis)
+                for (const bool high : {false, true}) {
+                    // A dimension of one vertex has no rims: its neighbours are as far away as can be.
+                    if (carved.dim()[axis] == 1) continue;
+                    const double share = share_of(values, lattice, map, before, carved, {axis, high});
+                    const bool own_end = axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
+                    if (share > 0)
+                        out.push_back({grid->getName(), fmt::format("{} = {}", "uvw"[axis], high ? given.shape[static_cast<std::size_t>(axis)] - 1 : 0),
+                                       !own_end, share});
+                }
+        };
+        if (const auto floats = openvdb::GridBase::grid<openvdb::FloatGrid>(grid)) look(*floats);
+        else if (const auto doubles = openvdb::GridBase::grid<openvdb::DoubleGrid>(grid)) look(*doubles);
+    }
+    return out;
+}
+
+std::string to_text(const Tear& tear) {
+    const auto share = tear.share >= 0.1 ? "more than 10 %" : tear.share >= 0.01 ? "1 to 10 %" : "less than 1 %";
+    return fmt::format(
+        "grid '{}' crosses the lattice's rim {} along {} of it, and is moved on the inner side only: it may tear there; let the lattice reach "
+        "further{}",
+        tear.grid, tear.rim, share, tear.faded_away ? ", or set `rim: fade`" : "");
+}
+
+}  // namespace fluidcarve

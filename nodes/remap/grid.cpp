@@ -1,0 +1,90 @@
+#include "nodes/remap/grid.h"
+
+#include "graph/text/problem.h"
+#include "nodes/grid_types.h"
+#include "nodes/io/openvdb_types.h"
+#include "nodes/io/triplet.h"
+#include "nodes/lattice/alignment.h"
+#include "nodes/remap/geometry/points.h"
+#include "nodes/remap/voxels/aligned.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+/// The lattice's vertices as voxels, where each is one and neighbours are neighbours.
+std::optional<Alignment> one_to_one(const Lattice& lattice, const openvdb::math::Transform& transform) {
+    auto out = align(lattice, transform);
+    if (out && !out->one_to_one()) out.reset();
+    return out;
+}
+
+/// The lattice with its vertices right on the voxels that they are taken for.
+Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform) {
+    const auto first = transform.indexToWorld(alignment.origin);
+    std::array<openvdb::Vec3d, 3> step;
+    for (std::size_t n = 0; n < 3; ++n) step[n] = transform.indexToWorld(alignment.origin + alignment.step[n]) - first;
+    auto out = lattice;
+    out.spacing = step[0].length();
+    for (std::size_t k = 0; k < out.planes.size(); ++k)
+        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0].unit(), step[1].unit(), step[2].unit()};
+    return out;
+}
+
+bool is_staggered(const openvdb::GridBase& grid) {
+    return grid.getGridClass() == openvdb::GRID_STAGGERED && (grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>());
+}
+
+template <class GridT>
+openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
+                                  const CarveMap& map, Interpolation interpolation) {
+    const auto grid = openvdb::GridBase::grid<GridT>(base);
+    // Smoothed, components on faces go by where they stand, and chains by several interpolations.
+    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear && !is_staggered(*grid));
+    const auto aligned = alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
+    return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
+}
+
+/// @param cells  the transform of the voxels that the grid's values belong to
+openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const openvdb::math::Transform& cells, const Lattice& whole, const CarveMap& map,
+                                      Interpolation interpolation) {
+    const auto given = map.extended(whole);
+    const auto alignment = one_to_one(given, cells);
+    const auto lattice = alignment && (map.fades() || map.soft()) ? on_voxels(given, *alignment, cells) : given;
+#define FLUIDCARVE_TRY(GridT) \
+    if (grid->isType<GridT>()) return carve<GridT>(grid, alignment, lattice, map, interpolation);
+    FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
+#undef FLUIDCARVE_TRY
+    if (is_point_grid(*grid)) {
+        require_sound(*grid, "the source");
+        const auto points = carve_points(point_positions(*grid), point_identities(*grid), whole, map, default_jitter);
+        return points.changed() ? with_images(*grid, points.images) : grid;
+    }
+    throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those",
+                              grid->getName(), grid->type()));
+}
+
+}  // namespace
+
+openvdb::GridBase::ConstPtr carve_grid(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {
+    if (map.empty()) return grid;
+    return carve_any(grid, grid->transform(), lattice, map, interpolation);
+}
+
+Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {
+    if (map.empty()) return volume;
+    Volume out = volume;
+    for (auto& grid : out.grids) {
+        // The faces of a staggered triplet stand between the voxels, and travel with theirs where whole vertices move.
+        const auto triplet = triplet_of(volume, *grid);
+        grid = carve_any(grid, triplet && !map.soft() ? *triplet->cells : grid->transform(), lattice, map, interpolation);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "nodes/payloads.h"
+#include "nodes/remap/voxels/sampled.h"
+#include "nodes/seams/carve_map.h"
+
+namespace fluidcarve {
+
+/// Carves a grid (METHOD 4): in whole numbers where its voxels are the lattice's vertices (remap_aligned.h) and the map
+/// does not fade, else by sampling (remap_sampled.h). Name, class, transform, half flag and all other metadata stay.
+/// @return the grid itself if nothing changes
+/// @throws Failure if values of its type can't be carved
+openvdb::GridBase::ConstPtr carve_grid(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, Interpolation interpolation);
+
+/// Carves all grids of a volume; those that do not change are shared.
+Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap& map, Interpolation interpolation);
+
+}  // namespace fluidcarve

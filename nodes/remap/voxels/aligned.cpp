@@ -1,0 +1,179 @@
+#include "nodes/remap/voxels/aligned.h"
+
+#include "nodes/grid_types.h"
+#include "nodes/remap/voxels/blend.h"
+#include "nodes/remap/voxels/blocks.h"
+
+#include <cmath>
+#include <memory>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+CoordBBox voxels(const Alignment& alignment, const BBoxd& range) {
+    const auto at = [&](const openvdb::Vec3d& p, auto&& round) { return alignment.voxel(round(p.x()), round(p.y()), round(p.z())); };
+    const auto a = at(range.min(), [](double x) { return static_cast<int>(std::floor(x)); }),
+               b = at(range.max(), [](double x) { return static_cast<int>(std::ceil(x)); });
+    return {Coord::minComponent(a, b), Coord::maxComponent(a, b)};
+}
+
+template <class GridT>
+class Worker {
+    using TreeT = typename GridT::TreeType;
+    using Leaf = typename TreeT::LeafNodeType;
+    using Value = typename TreeT::ValueType;
+    using Voxel = typename BlockWindow<TreeT>::Voxel;
+
+public:
+    Worker(const GridT& grid, const Alignment& alignment, const CarveMap& map)
+        : alignment_(alignment), map_(map), steps_(map.steps()), window_(grid.tree()), nothing_{grid.background(), false} {
+        const auto& along = alignment.step[static_cast<std::size_t>(steps_.back().axis())];
+        index_axis_ = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
+        direction_ = along[index_axis_];
+    }
+
+    bool operator()(const Coord& block, Leaf& out) {
+        const auto a = alignment_.vertex(block), b = alignment_.vertex(block.offsetBy(7));
+        BBoxd range(Coord::minComponent(a, b).asVec3d(), Coord::maxComponent(a, b).asVec3d());
+        bool frees = false;
+        if (!map_.trace(range, frees)) return false;
+        window_.move_to(voxels(alignment_, range));
+        if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;
+
+        const bool soft = steps_.back().soft() != nullptr;
+        Coord line;
+        const int p = index_axis_ == 0 ? 1 : 0, q = index_axis_ == 2 ? 1 : 2;
+        line[index_axis_] = block[index_axis_] + (direction_ > 0 ? 0 : 7);
+        for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
+            for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
+                if (soft) carve_line_softly(line, out);
+                else carve_line(line, out);
+            }
+        return true;
+    }
+
+private:
+    /// Eight voxels in the direction of rising entries, under a step that is smoothed: each comes from between two on the line.
+    void carve_line_softly(Coord voxel, Leaf& out) {
+        const auto& step = steps_.back();
+        const auto& soft = *step.soft();
+        const auto first = alignment_.vertex(voxel);
+        const bool carved = step.has_column(first[step.lateral_axis()], first.z());
+        const auto column = carved ? soft.column(first[step.lateral_axis()], first.z()) : std::span<const float>();
+        for (int entry = first[step.axis()]; entry < first[step.axis()] + 8; ++entry, voxel[index_axis_] += direction_) {
+            const auto at = [&](int source) {
+                auto moved = voxel;
+                moved[index_axis_] += direction_ * (source - entry);
+                return window_.get(moved);
+            };
+            if (!carved || entry < step.low() || entry > step.high()) {
+                write(out, voxel, window_.get(voxel));
+            } else if (entry < step.start() || entry > step.last()) {
+                write(out, voxel, nothing_);
+            } else {
+                const float by = column[static_cast<std::size_t>(std::clamp(entry, soft.first(), soft.last()) - soft.first())];
+                const float d = std::clamp(by, static_cast<float>(step.origin() - entry), static_cast<float>(step.last_before() - entry)),
+                            below = std::floor(d);
+                write(out, voxel, between(d - below, entry + static_cast<int>(below), at));
+            }
+        }
+    }
+
+    /// What stands between an entry and the next. @param part  of the way
+    template <class At>
+    static Voxel between(float part, int entry, At&& at) {
+        if (part == 0) return at(entry);
+        if constexpr (can_blend<Value>) {
+            using Weight = typename openvdb::VecTraits<Value>::ElementType;
+            const Voxel low = at(entry), high = at(entry + 1);
+            return {Value(low.value + (high.value - low.value) * static_cast<Weight>(part)), part < 0.5f ? low.on : high.on};
+        } else {
+            return at(part < 0.5f ? entry : entry + 1);
+        }
+    }
+
+    /// Eight voxels in the direction of rising entries, under the last step: the bounds of their column are passed but once.
+    void carve_line(Coord voxel, Leaf& out) {
+        const auto& step = steps_.back();
+        const auto rest = steps_.size() - 1;
+        const int axis = step.axis();
+        const auto first = alignment_.vertex(voxel);
+        const bool carved = step.has_column(first[step.lateral_axis()], first.z());
+        const auto bounds = carved ? step.bounds(first[step.lateral_axis()], first.z()) : std::span<const std::uint16_t>();
+        auto passed = CarveStep::passed(first[axis], bounds);
+
+        for (int entry = first[axis]; entry < first[axis] + 8; ++entry, voxel[index_axis_] += direction_) {
+            while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
+            const auto at = [&](int source) {
+                auto moved = voxel;
+                moved[index_axis_] += direction_ * (source - entry);
+                return rest == 0 ? window_.get(moved) : resolve(rest, alignment_.vertex(moved));
+            };
+            if (!carved || entry < step.low() || entry > step.high()) write(out, voxel, at(entry));
+            else if (entry < step.start() || entry > step.last()) write(out, voxel, nothing_);
+            else write(out, voxel, displaced(entry, step.displacement(entry, passed, bounds), at));
+        }
+    }
+
+    /// What stands at a vertex after the first `count` steps.
+    Voxel resolve(std::size_t count, Coord vertex) const {
+        for (; count > 0; --count) {
+            const auto& step = steps_[count - 1];
+            const int axis = step.axis(), entry = vertex[axis];
+            if (!step.has_column(vertex[step.lateral_axis()], vertex.z()) || entry < step.low() || entry > step.high()) continue;
+            if (entry < step.start() || entry > step.last()) return nothing_;
+            const int d = step.displacement(entry, vertex[step.lateral_axis()], vertex.z());
+            if (d % 2 != 0)
+                return displaced(entry, d, [&](int source) {
+                    vertex[axis] = source;
+                    return resolve(count - 1, vertex);
+                });
+            vertex[axis] += d / 2;
+        }
+        return window_.get(alignment_.voxel(vertex.x(), vertex.y(), vertex.z()));
+    }
+
+    template <class At>
+    static Voxel displaced(int entry, int d, At&& at) {
+        if (d % 2 == 0) return at(entry + d / 2);
+        const Voxel low = at(entry + (d - 1) / 2);
+        const Voxel high = at(entry + (d + 1) / 2);
+        // In a mask the state is the value.
+        if constexpr (std::is_same_v<typename TreeT::BuildType, openvdb::ValueMask>) return low;
+        else return {inserted_value(low.value, high.value), low.on || high.on};
+    }
+
+    static void write(Leaf& out, const Coord& at, const Voxel& voxel) {
+        const auto offset = Leaf::coordToOffset(at);
+        out.setValueOnly(offset, voxel.value);
+        out.setActiveState(offset, voxel.on);
+    }
+
+    const Alignment& alignment_;
+    const CarveMap& map_;
+    const std::vector<CarveStep>& steps_;
+    BlockWindow<TreeT> window_;
+    const Voxel nothing_;
+    int index_axis_, direction_;
+};
+
+}  // namespace
+
+template <class GridT>
+typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid, const Alignment& alignment, const CarveMap& map) {
+    if (map.empty()) return grid;
+    return rewrite_blocks<GridT>(grid, voxels(alignment, map.moved()), [&] {
+        return [worker = std::make_shared<Worker<GridT>>(*grid, alignment, map)](const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+    });
+}
+
+#define FLUIDCARVE_INSTANTIATE(GridT) template GridT::ConstPtr carve_aligned<GridT>(const GridT::ConstPtr&, const Alignment&, const CarveMap&);
+FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_INSTANTIATE)
+#undef FLUIDCARVE_INSTANTIATE
+
+}  // namespace fluidcarve

@@ -1,0 +1,115 @@
+#include "nodes/remap/voxels/carve_block.h"
+
+#include "nodes/lattice/snap.h"
+
+#include <cmath>
+
+namespace fluidcarve {
+
+template <class Column>
+void CarveBlock::Table::each_column(const CarveStep& step, const Column& column) const {
+    for (int k = first[2]; k < first[2] + size[2]; ++k)
+        for (int j = first[1]; j < first[1] + size[1]; ++j)
+            column(std::min(j, step.last_lateral()), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
+}
+
+void CarveBlock::Table::fill_smooth(const CarveStep& step) {
+    const auto& soft = *step.soft();
+    smooth.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
+    auto out = smooth.begin();
+    each_column(step, [&](int lateral, int k) {
+        const auto column = soft.column(lateral, k);
+        for (int i = first[0]; i < first[0] + size[0]; ++i) *out++ = column[static_cast<std::size_t>(std::clamp(i, soft.first(), soft.last()) - soft.first())];
+    });
+    const auto [least, most] = std::ranges::minmax(smooth);
+    low = static_cast<int>(std::floor(2 * least));
+    high = static_cast<int>(std::ceil(2 * most));
+}
+
+void CarveBlock::Table::fill(const CarveStep& step) {
+    if (step.soft()) return fill_smooth(step);
+    all.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
+    auto out = all.begin();
+    low = std::numeric_limits<int>::max();
+    high = std::numeric_limits<int>::min();
+    const int end = first[0] + size[0];
+    each_column(step, [&](int lateral, int k) {
+        const auto bounds = step.bounds(lateral, k);
+        auto passed = CarveStep::passed(first[0], bounds);
+        if (passed == 0 ? end <= bounds.front() : passed == bounds.size() && first[0] > bounds.back()) {
+            const int d = step.displacement(first[0], passed, bounds);
+            low = std::min(low, d);
+            high = std::max(high, d);
+            out = std::fill_n(out, size[0], d);
+            return;
+        }
+        for (int i = first[0]; i < end; ++i) {
+            while (passed < bounds.size() && bounds[passed] <= i) ++passed;
+            const int d = step.displacement(i, passed, bounds);
+            low = std::min(low, d);
+            high = std::max(high, d);
+            *out++ = d;
+        }
+    });
+}
+
+bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
+    auto range = carved;
+    least_ = most_ = openvdb::Vec2d(0);
+    frees_ = false;
+    fades_ = false;
+    rigid_ = openvdb::Vec2d(0);
+    bool moved = false;
+    for (auto n = tables_.size(); n-- > 0;) {
+        const auto& step = map_.steps()[n];
+        auto& table = tables_[n];
+        const std::array<int, 3> axes{step.axis(), step.lateral_axis(), 2};
+        const std::array<int, 3> first{step.low(), step.first_lateral(), 0},
+            last{step.high(), step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
+        bool meets = true, within = true;
+        for (std::size_t d = 0; d < 3; ++d) {
+            const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
+            meets = meets && to >= begin && from <= end;
+            within = within && (d == 2 || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
+            table.first[d] = static_cast<int>(std::clamp(from, begin, end));
+            table.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - table.first[d];
+        }
+        if (!meets) continue;
+        table.fill(step);
+        const int axis = step.axis();
+        const bool frees =
+            (step.start() > step.origin() && range.min()[axis] < step.start()) || (step.last() < step.last_before() && range.max()[axis] > step.last());
+        if (table.low == 0 && table.high == 0 && !frees) continue;
+        moved = true;
+        frees_ = frees_ || frees;
+        // Scales are concave: the least is at a corner.
+        bool fades = false;
+        for (int corner = 0; step.fades() && corner < 4; ++corner) {
+            openvdb::Vec3d at(0, 0, corner & 1 ? range.min().z() : range.max().z());
+            at[axes[1]] = corner & 2 ? range.min()[axes[1]] : range.max()[axes[1]];
+            fades = fades || step.scale(at) < 1;
+        }
+        fades_ = fades_ || fades;
+        double low = 0.5 * table.low, high = 0.5 * table.high;
+        if (table.low == table.high && table.low % 2 == 0 && within && !frees && !fades) {
+            if (rigid_) (*rigid_)[axis] += low;
+        } else {
+            rigid_.reset();
+            // Values are blended at the entries beside a point, and an inserted one is read at both neighbours.
+            low = std::floor(low) - 1;
+            high = std::ceil(high) + 1;
+            // What this step does not hold stays, and what fades is drawn towards where it goes.
+            if (!within || fades) {
+                low = std::min(0.0, low);
+                high = std::max(0.0, high);
+            }
+        }
+        range.min()[axis] += low;
+        range.max()[axis] += high;
+        least_[axis] += low;
+        most_[axis] += high;
+    }
+    return moved;
+}
+
+}  // namespace fluidcarve

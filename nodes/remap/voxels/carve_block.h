@@ -1,0 +1,147 @@
+#pragma once
+
+#include "nodes/seams/carve_map.h"
+
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// A carve map in a box of lattice coordinates, as a block of voxels has: which entries are displaced there, and by how
+/// much, looked up once.
+class CarveBlock {
+public:
+    /// The cell of a step's carved space that holds a point: which columns weigh in, and how their entries are displaced.
+    struct Cell {
+        struct Column {
+            double weight;
+            int low, high;  ///< displacements of the entries below and above, half vertices
+        };
+        std::array<Column, 4> columns;
+        std::size_t count;
+        double fraction;  ///< between the entries
+        bool rigid;       ///< all displacements are the same
+    };
+
+    /// @param map  must outlive this
+    explicit CarveBlock(const CarveMap& map) : map_(map), tables_(map.steps().size()) {}
+
+    /// Turns to a box of carved coordinates, which may reach beyond the lattice; `w` of a closed lattice as Mapping::range
+    /// gives it.
+    /// @return false if nothing in it moves
+    bool move_to(const openvdb::BBoxd& range);
+
+    /// Bounds of how far along u and v what is read lies from where it goes, vertices.
+    const openvdb::Vec2d& least() const { return least_; }
+    const openvdb::Vec2d& most() const { return most_; }
+    /// Whether part of the box becomes background.
+    bool frees() const { return frees_; }
+    /// Vertices along u and v by which all points are displaced, if all are by the same: whole ones.
+    const std::optional<openvdb::Vec2d>& rigid() const { return rigid_; }
+    /// Whether some displacements are scaled down (CarveMap::fade).
+    bool fades() const { return fades_; }
+
+    /// @param step  its place in the map
+    /// @param at    coordinates in that step's carved space, inside it, that come from the box
+    Cell cell(std::size_t step, const openvdb::Vec3d& at) const;
+    /// The displacement of a smoothed step, vertices: trilinear, whole where its cell's corners are.
+    double smooth(std::size_t step, const openvdb::Vec3d& at) const;
+    struct Rigid {
+        openvdb::Vec2d by{0, 0};  ///< vertices along u and v
+        bool fades = false;       ///< scaled down
+    };
+    /// How a point of the box is displaced, if all corners of its cells are by the same, or smoothly.
+    std::optional<Rigid> rigid_at(openvdb::Vec3d at) const;
+
+private:
+    /// Displacements of a box of vertices under one step.
+    struct Table {
+        std::array<int, 3> first{}, size{};  ///< along the carved axis, the lateral one, and w
+        std::vector<int> all;                ///< `[w][lateral][entry]`, half vertices; beyond a rim those of the rim
+        std::vector<float> smooth;           ///< the same of a smoothed step, vertices
+        int low = 0, high = 0;               ///< bounds of all, half vertices
+        void fill(const CarveStep& step);
+        /// Where the displacement of the lowest entry of a cell stands. Those beside it follow.
+        int cell(int i, int j, int k, int slices) const {
+            const int along_w = k < first[2] ? k + slices - first[2] : k - first[2];
+            return (along_w * size[1] + j - first[1]) * size[0] + i - first[0];
+        }
+
+    private:
+        template <class Column>
+        void each_column(const CarveStep& step, const Column& column) const;
+        void fill_smooth(const CarveStep& step);
+    };
+
+    const CarveMap& map_;
+    std::vector<Table> tables_;  ///< per step
+    openvdb::Vec2d least_, most_;
+    bool frees_ = false, fades_ = false;
+    std::optional<openvdb::Vec2d> rigid_;
+};
+
+inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d& at) const {
+    const auto& table = tables_[step];
+    const auto& of = map_.steps()[step];
+    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
+    const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
+    Cell out;
+    out.fraction = u - i;
+    out.count = 0;
+    out.rigid = true;
+    const int* const corner = table.all.data() + table.cell(i, j, k, of.slices());
+    const double to_j = v - j, to_k = w - k;
+    for (int n = 0; n < 4; ++n) {
+        const double weight = (n & 1 ? to_j : 1 - to_j) * (n & 2 ? to_k : 1 - to_k);
+        if (weight == 0) continue;
+        const int* const entry = corner + ((n >> 1) * table.size[1] + (n & 1)) * table.size[0];
+        auto& column = out.columns[out.count++];
+        column = {weight, entry[0], out.fraction > 0 ? entry[1] : entry[0]};
+        out.rigid = out.rigid && column.low == out.columns[0].low && column.high == out.columns[0].low;
+    }
+    return out;
+}
+
+inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) const {
+    const auto& table = tables_[step];
+    const auto& of = map_.steps()[step];
+    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
+    const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
+    const float* const a = table.smooth.data() + table.cell(i, j, k, of.slices());
+    const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
+    const auto x = static_cast<float>(u - i), y = static_cast<float>(v - j), z = static_cast<float>(w - k);
+    // What is alike stays so to the last bit.
+    const auto mix = [](float from, float to, float part) { return from + (to - from) * part; };
+    return mix(mix(mix(a[0], a[1], x), mix(b[0], b[1], x), y), mix(mix(c[0], c[1], x), mix(d[0], d[1], x), y), z);
+}
+
+inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) const {
+    Rigid out;
+    for (auto n = tables_.size(); n-- > 0;) {
+        const auto& step = map_.steps()[n];
+        const int axis = step.axis();
+        if (!step.holds(at)) continue;
+        const double scale = step.scale(at);
+        if (!step.carves(at[axis], scale)) return std::nullopt;
+        const auto& table = tables_[n];
+        if (step.soft()) {
+            const double by = smooth(n, at), source = at[axis] + scale * by, held = step.held(source);
+            const double scaled = held == source ? scale * by : held - at[axis];
+            at[axis] += scaled;
+            out.by[axis] += scaled;
+            out.fades = out.fades || scale < 1;
+            continue;
+        }
+        const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step.slices());
+        const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
+        const int by = a[0];
+        if (((by & 1) | (a[1] ^ by) | (b[0] ^ by) | (b[1] ^ by) | (c[0] ^ by) | (c[1] ^ by) | (d[0] ^ by) | (d[1] ^ by)) != 0) return std::nullopt;
+        const double whole = 0.5 * by, scaled = scale < 1 ? step.drawn(at[axis], at[axis] + whole, scale) - at[axis] : whole;
+        at[axis] += scaled;
+        out.by[axis] += scaled;
+        out.fades = out.fades || scale < 1;
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

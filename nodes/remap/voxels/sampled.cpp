@@ -1,0 +1,327 @@
+#include "nodes/remap/voxels/sampled.h"
+
+#include "nodes/grid_types.h"
+#include "nodes/lattice/block_places.h"
+#include "nodes/remap/voxels/blend.h"
+#include "nodes/remap/voxels/blocks.h"
+#include "nodes/remap/voxels/carve_block.h"
+#include "nodes/remap/voxels/cubic.h"
+#include "nodes/remap/voxels/windows.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+/// Voxels beside a position that linear interpolation reads; what the others read beyond is searched.
+constexpr int support = 1;
+/// Voxels up to which it pays to copy all that a block of 512 may read. More are read one by one.
+constexpr std::size_t most_copied = 32 * 512;
+
+template <class GridT>
+class Worker {
+    using TreeT = typename GridT::TreeType;
+    using Leaf = typename TreeT::LeafNodeType;
+    using Value = typename TreeT::ValueType;
+    static constexpr bool is_vector = openvdb::VecTraits<Value>::IsVec;
+
+public:
+    Worker(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded)
+        : grid_(grid),
+          places_(places),
+          map_(map),
+          block_(map),
+          interpolation_(interpolation),
+          staggered_(is_vector && can_blend<Value> && grid.getGridClass() == openvdb::GRID_STAGGERED),
+          blocks_(grid.tree()),
+          values_(grid.getConstAccessor()) {
+        if (unfaded) unfaded_.emplace(unfaded->tree());
+    }
+
+    bool operator()(const Coord& block, Leaf& out) {
+        if (!block_.move_to(places_.move_to(block)) || (unfaded_ && !block_.fades())) return false;
+        auto sources = places_.reach(block_.least(), block_.most());
+        sources.expand(support);
+        auto all = sources;
+        all.expand(CoordBBox::createCube(block, 8));
+        blocks_.move_to(all);
+        if (blocks_.uniform() && (!block_.frees() || (!blocks_.tile().on && same_bits(blocks_.tile().value, grid_.background())))) return false;
+        if (unfaded_) unfaded_->move_to(CoordBBox::createCube(block, 8));
+        if (sources.volume() <= most_copied) window_.move_to(blocks_, sources);
+        else window_.clear();
+
+        for (openvdb::Index n = 0; n < Leaf::SIZE; n += 8) {
+            const auto first = out.offsetToGlobalCoord(n);
+            std::array<Voxel, 8> row;
+            blocks_.read(first, row);
+            if constexpr (is_vector && can_blend<Value>) {
+                if (staggered_) carve_faces(first, row);
+                else carve_centres(first, row);
+            } else {
+                carve_centres(first, row);
+            }
+            blocks_.write(out, n, row);
+        }
+        return true;
+    }
+
+private:
+    using Voxel = typename BlockWindow<TreeT>::Voxel;
+
+    template <class Part>
+    using Parts = std::array<std::pair<Part, bool>, 8>;
+
+    void carve_centres(const Coord& first, std::array<Voxel, 8>& row) {
+        Parts<Value> parts;
+        for (std::size_t z = 0; z < 8; ++z) parts[z] = {row[z].value, row[z].on};
+        const auto faded = carve_row(
+            first, Vec3d(0), grid_.background(), [](const Value& got) { return got; }, parts);
+        if (unfaded_) unfaded_->read(first, row);
+        for (std::size_t z = 0; z < 8; ++z)
+            if (!unfaded_ || (faded >> z & 1) != 0) row[z] = {parts[z].first, parts[z].second};
+    }
+
+    /// Component c of a staggered grid stands half a voxel below its voxel's centre along axis c.
+    void carve_faces(const Coord& first, std::array<Voxel, 8>& row) {
+        using Element = typename openvdb::VecTraits<Value>::ElementType;
+        const auto own = row;
+        if (unfaded_) unfaded_->read(first, row);
+        const auto cut = row;
+        for (auto& voxel : row) voxel.on = false;
+        for (int c = 0; c < 3; ++c) {
+            Vec3d offset(0);
+            offset[c] = -0.5;
+            Parts<Element> parts;
+            for (std::size_t z = 0; z < 8; ++z) parts[z] = {own[z].value[c], own[z].on};
+            const auto faded = carve_row(
+                first, offset, grid_.background()[c], [c](const Value& got) { return got[c]; }, parts);
+            for (std::size_t z = 0; z < 8; ++z) {
+                const bool taken = !unfaded_ || (faded >> z & 1) != 0;
+                if (taken) row[z].value[c] = parts[z].first;
+                row[z].on = row[z].on || (taken ? parts[z].second : cut[z].on);
+            }
+        }
+    }
+
+    /// Carves all of each value in a row of voxels, or a component.
+    /// @param offset   from a voxel to where the part stands
+    /// @param nothing  the background's part
+    /// @param parts    values and states as they are; become the carved ones
+    /// @return bit z: what voxel z is made of was scaled down on the way
+    template <class Part, class Pick>
+    unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, const Pick& pick, Parts<Part>& parts) {
+        if (places_.interior() && block_.rigid()) {
+            read_row(places_.shift(first, offset, *block_.rigid(), positions_), pick, parts);
+            return 0;
+        }
+        places_.locate(first, offset, found_);
+        unsigned moved = 0, faded = 0;
+        for (int z = 0; z < 8; ++z) {
+            if ((found_.inside >> z & 1) == 0) continue;
+            const auto p = first.offsetBy(0, 0, z).asVec3d();
+            const auto& place = found_.places[static_cast<std::size_t>(z)];
+            if (const auto rigid = block_.rigid_at(place.at)) {
+                if (rigid->fades) faded |= 1u << z;
+                if (rigid->by == openvdb::Vec2d(0)) continue;
+                positions_.set(static_cast<std::size_t>(z), places_.moved(p, place, rigid->by));
+                moved |= 1u << z;
+                continue;
+            }
+            fades_ = false;
+            Blend<Part> blend;
+            auto& part = parts[static_cast<std::size_t>(z)];
+            Reader<Part, Pick> read(*this, p, place, part, pick);
+            gather<Part>(map_.steps().size(), place.at, 1.0, nothing, blend, read);
+            part = {blend.value(), blend.on()};
+            if (fades_) faded |= 1u << z;
+        }
+        read_row(moved, pick, parts);
+        return faded;
+    }
+
+    /// Reads what stands at the positions.
+    /// @param lanes  bit z: voxel z is read
+    template <class Part, class Pick>
+    void read_row(unsigned lanes, const Pick& pick, Parts<Part>& parts) {
+        if constexpr (can_blend<Value>) {
+            if (interpolation_ == Interpolation::linear && lanes != 0) {
+                // What is not read must stand somewhere.
+                for (auto idle = ~lanes & 0xff; idle != 0; idle &= idle - 1)
+                    positions_.set(static_cast<std::size_t>(std::countr_zero(idle)), positions_.at(static_cast<std::size_t>(std::countr_zero(lanes))));
+                window_.find(positions_.xyz, cells_);
+                if (cells_.held) {
+                    for (std::size_t z = 0; z < 8; ++z) {
+                        if ((lanes >> z & 1) == 0) continue;
+                        parts[z] = {window_.between(static_cast<std::size_t>(cells_.lowest[z]), cells_.t(z), pick),
+                                    window_.on(static_cast<std::size_t>(cells_.nearest[z]))};
+                    }
+                    return;
+                }
+            }
+        }
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto z = static_cast<std::size_t>(std::countr_zero(lanes));
+            parts[z] = read(positions_.at(z), pick);
+        }
+    }
+
+    /// Reads the field displaced by `G(l') - G(l)` from voxel position `p`; undisplaced, the voxel's own value. Columns
+    /// that move alike ask for the same position: the last few are kept.
+    template <class Part, class Pick>
+    class Reader {
+    public:
+        Reader(Worker& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
+            : worker_(worker), p_(p), place_(place), own_(own), pick_(pick) {}
+        std::pair<Part, bool> operator()(const Vec3d& source) {
+            if (source == place_.at) return own_;
+            for (std::size_t n = 0; n < std::min(count_, kept_.size()); ++n)
+                if (kept_[n].source == source) return kept_[n].read;
+            auto& next = kept_[count_++ % kept_.size()];
+            next = {source, worker_.read(worker_.places_.moved(p_, place_, openvdb::Vec2d(source.x() - place_.at.x(), source.y() - place_.at.y())), pick_)};
+            return next.read;
+        }
+
+    private:
+        struct Kept {
+            Vec3d source;
+            std::pair<Part, bool> read;
+        };
+        Worker& worker_;
+        const Vec3d p_;
+        const BlockPlaces::Place& place_;
+        const std::pair<Part, bool> own_;
+        const Pick& pick_;
+        std::array<Kept, 4> kept_;
+        std::size_t count_ = 0;
+    };
+
+    /// Value and state at index coordinates.
+    template <class Pick>
+    auto read(const Vec3d& at, const Pick& pick) {
+        using Part = std::decay_t<decltype(pick(std::declval<Value>()))>;
+        const auto q = snapped(at);
+        const auto low = voxel_below(q);
+        const auto t = q - low.asVec3d();
+        const Coord nearest(low.x() + (t.x() >= 0.5), low.y() + (t.y() >= 0.5), low.z() + (t.z() >= 0.5));
+        if (!window_.holds_cell(low)) return std::pair<Part, bool>(pick(sample(q, nearest)), values_.isValueOn(nearest));
+        const auto voxel = window_.place(nearest);
+        if constexpr (can_blend<Value>) {
+            if (interpolation_ == Interpolation::linear) return std::pair<Part, bool>(window_.between(window_.place(low), t, pick), window_.on(voxel));
+            if (t != Vec3d(0)) return std::pair<Part, bool>(pick(sample(q, nearest)), window_.on(voxel));
+        }
+        return std::pair<Part, bool>(pick(window_.value(voxel)), window_.on(voxel));
+    }
+
+    Value sample(const Vec3d& q, const Coord& nearest) {
+        if constexpr (can_blend<Value>) {
+            if (q != nearest.asVec3d()) {
+                switch (interpolation_) {
+                    case Interpolation::linear: return openvdb::tools::BoxSampler::sample(values_, q);
+                    case Interpolation::quadratic: return openvdb::tools::QuadraticSampler::sample(values_, q);
+                    case Interpolation::cubic: return sample_cubic<Value>(values_, q);
+                }
+            }
+        }
+        return values_.getValue(nearest);
+    }
+
+    /// Adds, with a weight, what stands at lattice coordinates `l` after the first `count` steps.
+    template <class Part, class Read>
+    void gather(std::size_t count, Vec3d l, double weight, const Part& nothing, Blend<Part>& out, Read& read) {
+        for (; count > 0; --count) {
+            const auto& step = map_.steps()[count - 1];
+            const int axis = step.axis();
+            const double u = l[axis];
+            if (!step.holds(l)) continue;
+            const double scale = step.scale(l);
+            if (scale < 1) fades_ = true;
+            if (!step.carves(u, scale)) {
+                if (step.inserts()) continue;
+                return out.add(nothing, false, weight);
+            }
+            if (step.soft()) {
+                l[axis] = step.held(u + scale * block_.smooth(count - 1, l));
+                continue;
+            }
+
+            const auto from = [&](double entry, int displacement, double share) {
+                const auto at = [&](int even, double part) {
+                    auto source = l;
+                    source[axis] = step.drawn(u, entry + 0.5 * even, scale);
+                    gather(count - 1, source, part, nothing, out, read);
+                };
+                if (displacement % 2 == 0) return at(displacement, share);
+                // An inserted entry is the mean of its neighbours, whatever the interpolation.
+                at(displacement - 1, share / 2);
+                at(displacement + 1, share / 2);
+            };
+            const auto cell = block_.cell(count - 1, l);
+            if (cell.rigid) {
+                if (cell.columns[0].low % 2 != 0) return from(u, cell.columns[0].low, weight);
+                l[axis] = step.drawn(u, u + 0.5 * cell.columns[0].low, scale);
+                continue;
+            }
+            for (std::size_t n = 0; n < cell.count; ++n) {
+                const auto& column = cell.columns[n];
+                if (column.low == column.high) {
+                    from(u, column.low, weight * column.weight);
+                } else {
+                    from(std::floor(u), column.low, weight * column.weight * (1 - cell.fraction));
+                    from(std::floor(u) + 1, column.high, weight * column.weight * cell.fraction);
+                }
+            }
+            return;
+        }
+        const auto [value, on] = read(l);
+        out.add(value, on, weight);
+    }
+
+    const GridT& grid_;
+    BlockPlaces places_;
+    BlockPlaces::Row found_;
+    BlockPlaces::Positions positions_;
+    const CarveMap& map_;
+    CarveBlock block_;
+    bool fades_ = false;  ///< whether gather met a scale below 1
+    const Interpolation interpolation_;
+    const bool staggered_;
+    BlockWindow<TreeT> blocks_;
+    std::optional<BlockWindow<TreeT>> unfaded_;
+    VoxelWindow<TreeT> window_;
+    typename VoxelWindow<TreeT>::Cells cells_;
+    typename GridT::ConstAccessor values_;
+};
+
+}  // namespace
+
+template <class GridT>
+typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation,
+                                       const typename GridT::ConstPtr& unfaded) {
+    if (map.empty()) return grid;
+    // A component's face reaches the lattice before its voxel's centre does.
+    const auto range = grid->transform().worldToIndex(mapping.world_box(map.moved()));
+    const CoordBBox box(Coord::floor(range.min() - Vec3d(1)), Coord::ceil(range.max() + Vec3d(1)));
+    const BlockPlaces places(mapping, grid->transform());
+    return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
+        return [worker = std::make_shared<Worker<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {
+            return (*worker)(block, out);
+        };
+    });
+}
+
+#define FLUIDCARVE_INSTANTIATE(GridT) \
+    template GridT::ConstPtr carve_sampled<GridT>(const GridT::ConstPtr&, const Mapping&, const CarveMap&, Interpolation, const GridT::ConstPtr&);
+FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_INSTANTIATE)
+#undef FLUIDCARVE_INSTANTIATE
+
+}  // namespace fluidcarve

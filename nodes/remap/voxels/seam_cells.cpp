@@ -1,0 +1,100 @@
+#include "nodes/remap/voxels/seam_cells.h"
+
+#include <cmath>
+
+namespace fluidcarve {
+
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+namespace {
+
+bool freed(const CarveStep& step, const Vec3d& at) { return at[step.axis()] < step.start() || at[step.axis()] > step.last(); }
+
+CoordBBox within(const CarveStep& step, CoordBBox vertices) {
+    auto &low = vertices.min(), &high = vertices.max();
+    const auto clip = [&](int dimension, int first, int last) {
+        low[dimension] = std::max(low[dimension], first);
+        high[dimension] = std::min(high[dimension], last);
+    };
+    clip(step.axis(), step.start(), step.last());
+    clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
+    if (!step.closed()) clip(2, 0, step.slices() - 1);
+    else high.z() = std::min(high.z(), low.z() + step.slices() - 1);
+    return vertices;
+}
+
+/// The corners of all cells that meet a box, their borders included.
+CoordBBox corners(const CarveStep& step, const BBoxd& range) {
+    return within(step, {Coord::ceil(range.min()).offsetBy(-1), Coord::floor(range.max()).offsetBy(1)});
+}
+
+/// Half vertices by which all vertices of a box of a step's carved space are displaced; nothing if they differ.
+/// @param vertices  not empty; those along w may lie a turn off
+std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& vertices) {
+    const int first = vertices.min()[step.axis()], last = vertices.max()[step.axis()];
+    std::optional<int> out;
+    for (int w = vertices.min().z(); w <= vertices.max().z(); ++w) {
+        const int k = (w + step.slices()) % step.slices();
+        for (int lateral = vertices.min()[step.lateral_axis()]; lateral <= vertices.max()[step.lateral_axis()]; ++lateral) {
+            const auto bounds = step.bounds(lateral, k);
+            const auto passed = CarveStep::passed(first, bounds);
+            const int displacement = step.displacement(first, passed, bounds);
+            if (out.value_or(displacement) != displacement || CarveStep::passed(last, bounds) != passed ||
+                step.displacement(last, passed, bounds) != displacement)
+                return std::nullopt;
+            out = displacement;
+        }
+    }
+    return out;
+}
+
+/// Whether no vertex of a box of a step's carved space is displaced.
+bool stays(const CarveStep& step, const CoordBBox& vertices) {
+    if (!step.soft()) return common_displacement(step, vertices) == 0;
+    for (auto at = vertices.begin(); at; ++at)
+        if (step.soft()->entry((*at)[step.axis()], (*at)[step.lateral_axis()], ((*at).z() + step.slices()) % step.slices()) != 0) return false;
+    return true;
+}
+
+}  // namespace
+
+bool along_seam(const CarveMap& map, Vec3d at) {
+    for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
+        if (!step->holds(at)) continue;
+        if (freed(*step, at)) return false;
+        const auto displacement = common_displacement(*step, corners(*step, {at, at}));
+        if (!displacement) return true;
+        // An inserted entry stands beside others, so this is a whole number.
+        const int whole = *displacement / 2;
+        at[step->axis()] += whole;
+    }
+    return false;
+}
+
+bool may_hold_seam(const CarveMap& map, BBoxd range) {
+    if (range.empty()) return false;
+    for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
+        const auto vertices = corners(*step, range);
+        if (vertices.empty()) continue;
+        const auto displacement = common_displacement(*step, vertices);
+        if (!displacement) return true;
+        // What lies beside the step's lattice stays.
+        const int axis = step->axis(), by = *displacement / 2;
+        (by < 0 ? range.min() : range.max())[axis] += by;
+    }
+    return false;
+}
+
+bool is_moved(const CarveMap& map, const Vec3d& at) {
+    for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
+        if (!step->holds(at)) continue;
+        if (freed(*step, at)) return true;
+        if (!stays(*step, within(*step, {Coord::floor(at), Coord::ceil(at)}))) return true;
+    }
+    return false;
+}
+
+}  // namespace fluidcarve

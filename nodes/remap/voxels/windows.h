@@ -1,0 +1,118 @@
+#pragma once
+
+#include "nodes/lattice/snap.h"
+#include "nodes/remap/voxels/blend.h"
+#include "nodes/remap/voxels/blocks.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The voxels of an index box, copied side by side from leaves and tiles, so that what is read often is found at once.
+template <class TreeT>
+class VoxelWindow {
+public:
+    using Leaf = typename TreeT::LeafNodeType;
+    using Value = typename TreeT::ValueType;
+
+    /// @param blocks  that hold the box; along z, all of them
+    void move_to(const BlockWindow<TreeT>& blocks, const openvdb::CoordBBox& box) {
+        low_ = openvdb::Coord(box.min().x(), box.min().y(), box.min().z() & ~7);
+        size_ = openvdb::Coord(box.max().x(), box.max().y(), box.max().z() | 7) - low_ + openvdb::Coord(1);
+        const auto count = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z());
+        values_.resize(count);
+        on_.resize(count);
+        std::size_t to = 0;
+        for (int x = 0; x < size_.x(); ++x)
+            for (int y = 0; y < size_.y(); ++y)
+                for (int z = 0; z < size_.z(); z += 8, to += 8) copy_row(blocks, low_.offsetBy(x, y, z), to);
+    }
+    void clear() { size_ = openvdb::Coord(0); }
+
+    /// Whether the 2^3 voxels from `low` on are there.
+    bool holds_cell(const openvdb::Coord& low) const {
+        const auto from = low - low_;
+        const auto within = [](int n, int size) { return n >= 0 && n + 1 < size; };
+        return within(from.x(), size_.x()) && within(from.y(), size_.y()) && within(from.z(), size_.z());
+    }
+    /// @param at  inside the window
+    std::size_t place(const openvdb::Coord& at) const {
+        const auto from = at - low_;
+        const int out = (from.x() * size_.y() + from.y()) * size_.z() + from.z();
+        return static_cast<std::size_t>(out);
+    }
+    Value value(std::size_t place) const { return Value(values_[place]); }
+    bool on(std::size_t place) const { return on_[place] != 0; }
+
+    /// Trilinear interpolation in a cell.
+    /// @param place  of its lowest voxel
+    /// @param t      from there to the highest, 0 to 1
+    /// @param part   applied to each value
+    template <class Part>
+    auto between(std::size_t place, const openvdb::Vec3d& t, const Part& part) const {
+        using Result = std::decay_t<decltype(part(std::declval<Value>()))>;
+        using Weight = typename openvdb::VecTraits<Result>::ElementType;
+        const auto* const values = values_.data() + place;
+        // The sum below would lose the sign of -0, and take what is not finite from neighbours of no weight.
+        if (t == openvdb::Vec3d(0)) return part(values[0]);
+        const openvdb::math::Vec3<Weight> weight(t);
+        const auto across = static_cast<std::size_t>(size_.z()), along = across * static_cast<std::size_t>(size_.y());
+        const auto mix = [](const Result& a, const Result& b, Weight w) { return Result(a + (b - a) * w); };
+        const auto pair = [&](std::size_t n) { return mix(part(values[n]), part(values[n + 1]), weight.z()); };
+        const auto face = [&](std::size_t n) { return mix(pair(n), pair(n + across), weight.y()); };
+        return mix(face(0), face(along), weight.x());
+    }
+
+    /// The cells that hold eight points.
+    struct Cells {
+        bool held;                                  ///< all in the window; otherwise nothing else is told
+        std::array<int, 8> lowest, nearest;         ///< places
+        std::array<std::array<double, 8>, 3> from;  ///< the lowest voxel, along x, y and z
+        openvdb::Vec3d t(std::size_t n) const { return {from[0][n], from[1][n], from[2][n]}; }
+    };
+    /// Finds them in simple loops, which compilers turn into vectors.
+    /// @param points  index coordinates along x, y and z
+    void find(const std::array<std::array<double, 8>, 3>& points, Cells& out) const {
+        out.lowest.fill(0);
+        out.nearest.fill(0);
+        int outside = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int first = low_[static_cast<int>(axis)], size = size_[static_cast<int>(axis)];
+            for (std::size_t n = 0; n < 8; ++n) {
+                const double q = snapped(points[axis][n]) - first;
+                const int towards_0 = static_cast<int>(q), below = towards_0 - (towards_0 > q ? 1 : 0);
+                out.from[axis][n] = q - below;
+                outside |= below | (size - 2 - below);
+                out.lowest[n] = out.lowest[n] * size + below;
+                out.nearest[n] = out.nearest[n] * size + below + (q - below >= 0.5 ? 1 : 0);
+            }
+        }
+        out.held = outside >= 0;
+    }
+
+private:
+    void copy_row(const BlockWindow<TreeT>& blocks, const openvdb::Coord& first, std::size_t to) {
+        const auto& from = blocks.cell_of(first);
+        auto* const values = values_.data() + to;
+        if (!from.leaf) {
+            std::fill_n(values, 8, from.tile.value);
+            std::fill_n(on_.data() + to, 8, from.tile.on);
+            return;
+        }
+        const auto offset = Leaf::coordToOffset(first);
+        if constexpr (can_blend<Value>) std::memcpy(values, from.leaf->buffer().data() + offset, 8 * sizeof(Value));
+        else
+            for (openvdb::Index n = 0; n < 8; ++n) values[n] = from.leaf->getValue(offset + n);
+        const auto states = static_cast<unsigned>(from.leaf->getValueMask().template getWord<unsigned char>(offset / 8));
+        for (std::size_t n = 0; n < 8; ++n) on_[to + n] = static_cast<unsigned char>(states >> n & 1);
+    }
+
+    openvdb::Coord low_, size_{0};
+    std::vector<std::conditional_t<std::is_same_v<Value, bool>, unsigned char, Value>> values_;
+    std::vector<unsigned char> on_;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,104 @@
+#include "nodes/seam/energy/frame.h"
+
+#include "nodes/io/transform_bytes.h"
+
+#include <openvdb/io/Compression.h>
+
+#include <cstring>
+#include <sstream>
+
+namespace fluidcarve {
+
+namespace {
+
+/// No bytes are packed into fewer than this part of them: what says so is damaged.
+constexpr std::size_t most_packed = 4096;
+
+/// Neighbouring codes are alike, and most of them 0.
+void write_codes(const std::vector<std::uint16_t>& codes, BinaryWriter& to) {
+    std::ostringstream packed;
+    openvdb::io::bloscToStream(packed, reinterpret_cast<const char*>(codes.data()), sizeof(std::uint16_t), codes.size());
+    to.text(packed.view());
+}
+
+std::vector<std::uint16_t> read_codes(std::size_t count, BinaryReader& from) {
+    const auto packed = from.text();
+    // The library takes on trust how many bytes follow, which are as they were where that is below 0.
+    std::int64_t size = 0;
+    BinaryReader::require(packed.size() >= sizeof size);
+    std::memcpy(&size, packed.data(), sizeof size);
+    const auto there = static_cast<std::int64_t>(packed.size() - sizeof size);
+    const auto bytes = count * sizeof(std::uint16_t);
+    BinaryReader::require(size == there ? bytes / most_packed <= packed.size() : size == -there && bytes == static_cast<std::size_t>(there));
+    std::vector<std::uint16_t> out(count);
+    std::istringstream in(packed);
+    try {
+        openvdb::io::bloscFromStream(in, reinterpret_cast<char*>(out.data()), bytes);
+    } catch (const openvdb::Exception&) {
+        BinaryReader::require(false);
+    }
+    return out;
+}
+
+void write(const FrameEnergy& frame, BinaryWriter& to) {
+    write_codes(frame.energy, to);
+    to.optional(frame.protect);
+    to.optional(frame.attract);
+    write_transform(*frame.transform, to);
+    to.value(frame.field_transform != nullptr);
+    if (frame.field_transform) {
+        write_codes(frame.field, to);
+        write_transform(*frame.field_transform, to);
+    }
+    to.value(frame.active.has_value());
+    if (frame.active)
+        for (const auto& corner : {frame.active->min(), frame.active->max()}) to.bytes(corner.asPointer(), 3 * sizeof(double));
+    to.value(frame.met);
+}
+
+void read(FrameEnergy& out, BinaryReader& from) {
+    std::size_t vertices = 1;
+    for (const int size : out.lattice->shape) {
+        BinaryReader::require(size >= 1);
+        vertices *= static_cast<std::size_t>(size);
+    }
+    out.energy = read_codes(vertices, from);
+    out.protect = from.optional<std::size_t>();
+    out.attract = from.optional<std::size_t>();
+    out.transform = read_transform(from);
+    if (from.value<bool>()) {
+        out.field = read_codes(vertices, from);
+        out.field_transform = read_transform(from);
+    }
+    if (from.value<bool>()) {
+        openvdb::Vec3d low, high;
+        for (auto* const corner : {&low, &high}) from.bytes(corner->asPointer(), 3 * sizeof(double));
+        out.active.emplace(low, high);
+    }
+    out.met = from.value<bool>();
+}
+
+}  // namespace
+
+void add_frame_energy_payload(Registry& registry) {
+    const auto& lattice = registry.payload(typeid(Lattice));
+    Filed<FrameEnergy> filed;
+    filed.version = 2 + lattice.version;  // whichever is raised raises the sum
+    filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
+        lattice.write(Payload(frame.lattice), stream);
+        BinaryWriter to(stream);
+        write(frame, to);
+    };
+    filed.read = [lattice](std::istream& stream) {
+        auto out = std::make_shared<FrameEnergy>();
+        out->lattice = lattice.read(stream).as<Lattice>();
+        BinaryReader from(stream);
+        read(*out, from);
+        return out;
+    };
+    registry.add(payload_type<FrameEnergy>(
+        "frame_energy", "Energy at a lattice's vertices in a frame: what solvers keep of it.",
+        [](const FrameEnergy& frame) { return (frame.energy.size() + frame.field.size()) * sizeof(std::uint16_t); }, std::move(filed)));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,164 @@
+#include "nodes/seam/energy/slab.h"
+
+#include "graph/text/problem.h"
+#include "nodes/field/leaf_cell.h"
+#include "nodes/lattice/alignment.h"
+#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/column_places.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+using openvdb::Vec3d;
+
+/// Readers go along one column at a time, whose vertices stand on a line at equal distances.
+class ByIndex {
+public:
+    ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment, Axis axis)
+        : values_(grid.getConstAccessor()), alignment_(alignment), step_(alignment.step[static_cast<std::size_t>(axis)]) {}
+    void move_to(const std::array<int, 3>& first) { first_ = alignment_.voxel(first[0], first[1], first[2]); }
+    float operator()(int entry) { return values_.getValue(first_ + openvdb::Coord(entry * step_.x(), entry * step_.y(), entry * step_.z())); }
+
+private:
+    openvdb::FloatGrid::ConstAccessor values_;
+    const Alignment& alignment_;
+    const openvdb::Coord step_;
+    openvdb::Coord first_;
+};
+
+/// Values between voxels.
+class Trilinear {
+public:
+    explicit Trilinear(const openvdb::FloatGrid& grid) : values_(grid.getConstAccessor()) {}
+    /// @param q  index coordinates
+    float operator()(const Vec3d& q) {
+        using Sampler = openvdb::tools::BoxSampler;
+        const auto low = voxel_below(q);
+        float cell[2][2][2];
+        const auto* const leaf = in_one_leaf(low) ? values_.probeConstLeaf(low) : nullptr;
+        if (leaf) read_cell(*leaf, low, cell);
+        else Sampler::getValues(cell, values_, low);
+        return Sampler::trilinearInterpolation(cell, q - low.asVec3d());
+    }
+
+private:
+    openvdb::FloatGrid::ConstAccessor values_;
+};
+
+class AtVertices {
+public:
+    AtVertices(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis) : sample_(grid), places_(grid.transform(), lattice, axis) {}
+    void move_to(const std::array<int, 3>& first) { places_.move_to(first); }
+    float operator()(int entry) { return sample_(places_(entry)); }
+
+private:
+    Trilinear sample_;
+    ColumnPlaces places_;
+};
+
+/// Over the space that is nearest to each vertex.
+class OverCells {
+public:
+    OverCells(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis)
+        : sample_(grid), transform_(grid.transform()), lattice_(lattice), axis_(axis) {}
+    void move_to(const std::array<int, 3>& first) { first_ = Vec3d(first[0], first[1], first[2]); }
+    float operator()(int entry) {
+        auto at = first_;
+        at[static_cast<int>(axis_)] += entry;
+        // Planes are even: only between them space is more or less than a spacing wide.
+        const auto& plane = lattice_.planes[static_cast<std::size_t>(at.z())];
+        const auto across = 0.5 * (lattice_.position(at + Vec3d(0, 0, 1)) - lattice_.position(at - Vec3d(0, 0, 1)));
+        const double volume = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing;
+        const int samples = std::max(1, static_cast<int>(std::ceil(volume - whole)));
+        double sum = 0;
+        for (int n = 0; n < samples; ++n) {
+            const auto off = (n + 0.5) / samples - 0.5;
+            sum += sample_(snapped(transform_.worldToIndex(lattice_.position(at + Vec3d(0, 0, off)))));
+        }
+        return static_cast<float>(volume * sum / samples);
+    }
+
+private:
+    static constexpr double whole = 1e-6;
+    Trilinear sample_;
+    const openvdb::math::Transform& transform_;
+    const Lattice& lattice_;
+    const Axis axis_;
+    Vec3d first_;
+};
+
+/// How values become codes, and what is said of those that do not.
+struct Code {
+    std::uint16_t (*encode)(float value);
+    std::uint16_t invalid;
+    const char* what;
+    float least, most;
+};
+
+const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; seams need energies from {:g} to {:.3g}", 0,
+                       decode_energy(highest_energy_code)};
+const Code field_code{encode_field, invalid_field_code,
+                      "the field is {} at {}; forward costs need values from {:g} to {:g}; scale the field, and `field_weight` against it", -highest_field,
+                      highest_field};
+
+template <class MakeReader>
+void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> slab, MakeReader&& make_reader) {
+    const int entries = lattice.shape[axis == Axis::u ? 0 : 1], laterals = lattice.shape[axis == Axis::u ? 1 : 0];
+    tbb::parallel_for(tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), [&](const tbb::blocked_range<int>& range) {
+        auto read = make_reader();
+        auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
+        for (int column = range.begin(); column < range.end(); ++column) {
+            read.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
+            for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
+        }
+    });
+    // Searched serially, so that the place named is always the first.
+    const auto bad = std::find(slab.begin(), slab.end(), code.invalid);
+    if (bad == slab.end()) return;
+    const auto place = bad - slab.begin();
+    const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
+    const auto at = vertex_of(axis, entry, lateral, static_cast<int>(place / entries / laterals));
+    const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
+    auto read = make_reader();
+    read.move_to(vertex_of(axis, 0, lateral, at[2]));
+    throw Failure(fmt::format(fmt::runtime(code.what), read(entry),
+                              fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]), code.least,
+                              code.most));
+}
+
+openvdb::BBoxd world_box(const Lattice& lattice) {
+    openvdb::BBoxd out;
+    for (int k = 0; k < lattice.shape[2]; ++k)
+        for (int n = 0; n < 4; ++n) out.expand(lattice.position(Vec3d(n & 1 ? lattice.shape[0] - 1 : 0, n & 2 ? lattice.shape[1] - 1 : 0, k)));
+    return out;
+}
+
+}  // namespace
+
+void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure) {
+    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, slab, [&] { return ByIndex(energy, *alignment, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, slab, [&] { return AtVertices(energy, lattice, axis); });
+    else fill(lattice, axis, energy_code, slab, [&] { return OverCells(energy, lattice, axis); });
+}
+
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab) {
+    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, slab, [&] { return ByIndex(field, *alignment, axis); });
+    else fill(lattice, axis, field_code, slab, [&] { return AtVertices(field, lattice, axis); });
+}
+
+bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice) {
+    const auto box = grid.evalActiveVoxelBoundingBox();
+    if (box.empty()) return false;
+    const auto data = grid.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d() - Vec3d(1), box.max().asVec3d() + Vec3d(1)));
+    return data.hasOverlap(world_box(lattice));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,199 @@
+#include "nodes/seam/energy/volume.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace fluidcarve {
+
+using ColumnRange = tbb::blocked_range<std::size_t>;
+
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed)
+    : width_(shape[axis == Axis::u ? 0 : 1]),
+      laterals_(shape[axis == Axis::u ? 1 : 0]),
+      slices_(shape[2]),
+      frames_(frames),
+      stride_(static_cast<std::size_t>(width_)),
+      closed_(closed),
+      slabs_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
+
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed)
+    : width_(shape[axis == Axis::u ? 0 : 1]),
+      laterals_(shape[axis == Axis::u ? 1 : 0]),
+      slices_(shape[2]),
+      frames_(frames),
+      stride_(static_cast<std::size_t>(width_)),
+      closed_(closed),
+      slabs_(frames, 0, 0, ""),
+      sums_(std::move(costs)) {}
+
+void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
+    weight_ = weight;
+    field_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
+}
+
+std::uint16_t EnergyVolume::with_edge(std::size_t column, int entry) const {
+    const auto first = column * stride_;
+    const auto at = [&](int place) { return decode_field(field_->slab(0).data()[first + static_cast<std::size_t>(place)]); };
+    const auto code = without_edges_->slab(0).data()[first + static_cast<std::size_t>(entry)];
+    if (code >= protected_code) return code;
+    const float edge = std::abs(at(std::min(entry + 1, width_ - 1)) - at(std::max(entry - 1, 0)));
+    return encode_energy(std::min(decode_energy(code) + weight_ * edge, decode_energy(highest_energy_code)));
+}
+
+void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
+    without_edges_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
+    std::swap(slabs_, *without_edges_);
+    tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c)
+            for (int entry = 0; entry < width_; ++entry) slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+    });
+}
+
+void EnergyVolume::find_marks() {
+    struct Found {
+        std::size_t guarded = 0, attracted = 0;
+        std::uint16_t highest = 0;
+    };
+    const auto found = tbb::parallel_reduce(
+        ColumnRange(0, columns_per_frame() * frames(), 4096), Found{},
+        [&](const ColumnRange& range, Found out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const auto* const codes = slab(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
+                for (int entry = 0; entry < width_; ++entry) {
+                    const auto code = codes[entry];
+                    if (code < protected_code) out.highest = std::max(out.highest, code);
+                    else ++(code == protected_code ? out.guarded : out.attracted);
+                }
+            }
+            return out;
+        },
+        [](const Found& a, const Found& b) {
+            return Found{a.guarded + b.guarded, a.attracted + b.attracted, std::max(a.highest, b.highest)};
+        });
+    protects_ = found.guarded > 0;
+    attracted_ = found.attracted;
+    attraction_ = attraction_of_highest * (found.highest > 0 ? decode_energy(found.highest) : 1.0f);
+}
+
+EnergyVolume EnergyVolume::sum() const {
+    std::vector<float> sums(stride_ * columns_per_frame()), energies(attracts() ? sums.size() : 0);
+    tbb::parallel_for(ColumnRange(0, sums.size(), 4096), [&](const ColumnRange& range) {
+        std::vector<double> part(range.size(), 0.0);
+        std::vector<std::size_t> attracted(energies.empty() ? 0 : range.size(), 0);
+        for (std::size_t t = 0; t < frames(); ++t)
+            for (std::size_t n = 0; n < part.size(); ++n) {
+                const auto code = slab(t)[range.begin() + n];
+                if (code == attracted_code) ++attracted[n];
+                else part[n] += Costs{}(code);
+            }
+        for (std::size_t n = 0; n < part.size(); ++n) {
+            const auto at = range.begin() + n;
+            if (!energies.empty()) {
+                energies[at] = static_cast<float>(part[n]);
+                part[n] -= static_cast<double>(attracted[n]) * static_cast<double>(attraction_);
+            }
+            sums[at] = static_cast<float>(part[n]);
+        }
+    });
+    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums), closed_);
+    out.width_ = width_;
+    out.energies_ = std::move(energies);
+    out.frames_summed_ = frames();
+    out.protects_ = protects_;
+    out.attracted_ = attracted_;
+    out.attraction_ = attraction_;
+    out.spread_ = spread_;
+    out.rigidity_ = {rigidity_[0] * static_cast<float>(frames()), 0};
+    return out;
+}
+
+void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
+    const auto first = column * stride_, place = first + static_cast<std::size_t>(entry);
+    const int low = std::max(entry - spread_, window.first), high = std::min(entry + spread_, window.last);
+    const auto share = [&](const auto& energy_at, const auto& add) {
+        int receivers = 0;
+        for (int e = low; e <= high; ++e) receivers += e != entry && energy_at(first + static_cast<std::size_t>(e)) ? 1 : 0;
+        const auto energy = energy_at(place);
+        if (receivers == 0 || !energy) return;
+        const float part = *energy / static_cast<float>(receivers);
+        for (int e = low; e <= high; ++e) {
+            const auto n = first + static_cast<std::size_t>(e);
+            if (const auto held = energy_at(n); e != entry && held) add(n, *held + part);
+        }
+    };
+    using Held = std::optional<float>;
+    if (summed()) {
+        const auto marked = [&](std::size_t n) { return std::isinf(sums_[n]) || (!energies_.empty() && energies_[n] != sums_[n]); };
+        share([&](std::size_t n) { return marked(n) ? Held() : Held(sums_[n]); },
+              [&](std::size_t n, float energy) {
+                  sums_[n] = energy;
+                  if (!energies_.empty()) energies_[n] = energy;
+              });
+    } else {
+        auto* const codes = (without_edges_ ? *without_edges_ : slabs_).slab(0).data();
+        share([&](std::size_t n) { return codes[n] >= protected_code ? Held() : Held(decode_energy(codes[n])); },
+              [&](std::size_t n, float energy) { codes[n] = encode_energy(std::min(energy, decode_energy(highest_energy_code))); });
+    }
+}
+
+void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
+    if (attracts()) attracted_ -= met(at).attracted;
+    const auto columns = columns_per_frame();
+    if (spread_ > 0)
+        tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) hand_on(c, at[c], window);
+        });
+    --width_;
+    const auto close = [&](auto* column, std::size_t entry) {
+        std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
+    };
+    tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            if (summed()) close(sums_.data() + c * stride_, at[c]);
+            else close(slab(c / columns).data() + c % columns * stride_, at[c]);
+            if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
+            if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
+            if (!without_edges_) continue;
+            close(without_edges_->slab(0).data() + c * stride_, at[c]);
+            // What it was handed counts too, as far as it was.
+            for (int entry = std::max(at[c] - 1 - spread_, 0); entry <= std::min<int>(at[c] + spread_, width_ - 1); ++entry)
+                slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+        }
+    });
+}
+
+std::size_t EnergyVolume::attracted_at(std::size_t place) const {
+    if (energies_.empty() || !std::isfinite(sums_[place])) return 0;
+    return static_cast<std::size_t>(std::lround((energies_[place] - sums_[place]) / attraction_));
+}
+
+EnergyVolume::Met EnergyVolume::met(std::span<const std::uint16_t> at) const {
+    const auto columns = columns_per_frame();
+    return tbb::parallel_reduce(
+        ColumnRange(0, columns * frames(), 4096), Met{},
+        [&](const ColumnRange& range, Met out) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                if (summed()) {
+                    const auto place = c * stride_ + at[c];
+                    out.zeros += sums_[place] == 0;
+                    out.attracted += attracted_at(place);
+                    out.blocked += std::isinf(sums_[place]);
+                } else {
+                    const auto code = slab(c / columns)[c % columns * stride_ + at[c]];
+                    out.zeros += code == 0;
+                    out.attracted += code == attracted_code;
+                    out.blocked += code == protected_code;
+                }
+            }
+            return out;
+        },
+        [](const Met& a, const Met& b) {
+            return Met{a.zeros + b.zeros, a.attracted + b.attracted, a.blocked + b.blocked};
+        });
+}
+
+}  // namespace fluidcarve

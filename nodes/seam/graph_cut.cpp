@@ -1,0 +1,38 @@
+#include "nodes/seam/graph_cut.h"
+
+#include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/seam_node.h"
+
+namespace fluidcarve {
+
+namespace {
+
+struct GraphCut : SeamNode {
+    struct Params : SeamNode::Params {
+        Auto<int> keyframe_interval;
+        double threshold = 0;
+    };
+    void finish(const Params& params, Ports& io, Context& context) {
+        solve(params, io, context, [&](const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+            const auto alive = [&] { tick(0); };
+            const int frames = static_cast<int>(energy.frames()), interval = std::min(params.keyframe_interval.value_or(frames), frames);
+            if (interval == frames && params.threshold == 0) return exact_seam(energy, window, number, alive);
+            return keyframed_seam(energy, window, number, interval, params.threshold, alive);
+        });
+    }
+};
+
+}  // namespace
+
+NodeType seam_graph_cut() {
+    Declare<GraphCut> node("seam.graph_cut",
+                           "Seams of least energy, exactly: a minimum cut through all vertices of all frames, 40 bytes for each, 64 where steps cost "
+                           "something. The measure of the other solvers, and "
+                           "the solver for small volumes.");
+    return declare_solver(node)
+        .param("keyframe_interval", &GraphCut::Params::keyframe_interval, Unit::frames, at_least(1),
+               "The paper's way to long sequences, for comparison: so many frames are cut at a time, as those before allow. Auto is all, which alone is exact.")
+        .param("threshold", &GraphCut::Params::threshold, Unit::none, at_least(0), "The paper's pruning, for comparison: energies below it count as none.");
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "nodes/seam/energy/volume.h"
+
+#include <array>
+#include <cstddef>
+
+namespace fluidcarve {
+
+/// The columns of an energy as a grid in lateral, k and t, with the neighbours between which a seam changes by at most 1.
+class Columns {
+public:
+    static constexpr int directions = 6;
+    static constexpr std::size_t none = ~std::size_t{0};
+    /// The direction that leads back.
+    static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
+
+    explicit Columns(const EnergyVolume& energy) : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
+    Columns(int laterals, int slices, int frames, bool closed)
+        : laterals_(static_cast<std::size_t>(laterals)),
+          slices_(static_cast<std::size_t>(slices)),
+          frames_(static_cast<std::size_t>(frames)),
+          closed_(closed && slices > 1) {}
+
+    std::size_t laterals() const { return laterals_; }
+    std::size_t slices() const { return slices_; }
+    std::size_t frames() const { return frames_; }
+    bool closed() const { return closed_; }
+    std::size_t per_frame() const { return laterals_ * slices_; }
+    std::size_t count() const { return per_frame() * frames_; }
+    std::size_t at(std::size_t lateral, std::size_t k, std::size_t t) const { return lateral + laterals_ * (k + slices_ * t); }
+
+    struct Place {
+        std::size_t lateral, k, t;
+    };
+    Place place(std::size_t column) const { return {column % laterals_, column / laterals_ % slices_, column / laterals_ / slices_}; }
+
+    /// The neighbours of a column: before and behind it along lateral, k, t; or `none`.
+    std::array<std::size_t, directions> around(std::size_t column, const Place& at) const {
+        std::array<std::size_t, directions> out;
+        const auto ring = laterals_ * (slices_ - 1), frame = per_frame();
+        out[0] = at.lateral > 0 ? column - 1 : none;
+        out[1] = at.lateral + 1 < laterals_ ? column + 1 : none;
+        out[2] = at.k > 0 ? column - laterals_ : closed_ ? column + ring : none;
+        out[3] = at.k + 1 < slices_ ? column + laterals_ : closed_ ? column - ring : none;
+        out[4] = at.t > 0 ? column - frame : none;
+        out[5] = at.t + 1 < frames_ ? column + frame : none;
+        return out;
+    }
+
+private:
+    std::size_t laterals_, slices_, frames_;
+    bool closed_;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,153 @@
+#include "nodes/seam/search/find_seams.h"
+
+#include "nodes/seam/search/protection.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Which original entries of each column are deleted, a bit each.
+class Deleted {
+public:
+    Deleted(std::size_t columns, int width, std::uint64_t memory_budget, const std::string& folder)
+        : words_((static_cast<std::size_t>(width) + 15) / 16), store_(1, columns * words_, memory_budget, folder) {}
+
+    /// Deletes a seam. @param at  its entries in the space that those before left; become original ones
+    void to_original(std::span<std::uint16_t> at) {
+        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
+            int left = entry;  // entries that are left before it
+            std::size_t w = 0;
+            const auto there_are = [&] { return 16 - std::popcount(words[w]); };
+            for (; left >= there_are(); ++w) left -= there_are();
+            auto there = static_cast<std::uint16_t>(~words[w]);
+            for (; left > 0; --left) there = static_cast<std::uint16_t>(there & (there - 1));
+            const int bit = std::countr_zero(there);
+            mark(words[w], bit);
+            entry = static_cast<std::uint16_t>(w * 16 + static_cast<std::size_t>(bit));
+        });
+    }
+    /// The same, the other way round.
+    void from_original(std::span<std::uint16_t> at) {
+        each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
+            const std::size_t w = entry / 16u;
+            const int bit = entry % 16;
+            int before = std::popcount(static_cast<std::uint16_t>(words[w] & ((1u << bit) - 1)));
+            for (const auto word : words.first(w)) before += std::popcount(word);
+            mark(words[w], bit);
+            entry = static_cast<std::uint16_t>(entry - before);
+        });
+    }
+
+private:
+    static void mark(std::uint16_t& word, int bit) { word = static_cast<std::uint16_t>(word | (1u << bit)); }
+    template <class Visit>
+    void each(std::span<std::uint16_t> at, const Visit& visit) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, at.size(), 4096), [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) visit(store_.slab(0).subspan(c * words_, words_), at[c]);
+        });
+    }
+
+    std::size_t words_;  ///< per column
+    SlabStore store_;
+};
+
+void require_seam(const EnergyVolume& energy, Window window, int found) {
+    if (!energy.protects()) return;
+    const Columns columns(energy);
+    with_costs(energy, [&](const auto& cost_at) {
+        std::vector<std::uint16_t> lowest;
+        const auto emptied = lowest_seam(columns, lowest, Band::whole(columns.count(), window), cost_at);
+        if (!emptied) return;
+        const auto free = [&](std::size_t c) {
+            int out = 0;
+            for (int entry = window.first; entry <= window.last; ++entry) out += std::isinf(cost_at(c, entry)) ? 0 : 1;
+            return out;
+        };
+        std::size_t blocked = 0;
+        while (blocked < columns.count() && free(blocked) > 0) ++blocked;
+        const auto column = blocked < columns.count() ? blocked : *emptied;
+        throw NoSeam(found, {column, window.size(), free(column)});
+    });
+}
+
+SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
+    std::vector<std::uint16_t> out;
+    out.reserve(frame.size() * frames);
+    for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
+    return out;
+}
+
+}  // namespace
+
+void require_room(Seams::Kind kind, int count, Window window, int width) {
+    const bool at_end = kind == Seams::Kind::insert && window.last == width - 1;
+    const int room = window.size() - (at_end ? 1 : 0);
+    if (count <= room) return;
+    throw Failure(fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count),
+                              window.first, window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
+                              at_end ? "; new vertices stand between two old ones, so that none can follow the lattice's last" : ""));
+}
+
+NoSeam::NoSeam(int found, const Bottleneck& at)
+    : Failure(fmt::format("{} {} possible: protected vertices leave no way past column {}", found, found == 1 ? "seam is" : "seams are", at.column)),
+      found(found),
+      at(at) {}
+
+FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
+                      bool still, const Continued& continued) {
+    require_room(kind, count, window, volume.width());
+    if (kind == Seams::Kind::insert) window.last = std::min(window.last, volume.width() - 2);
+    std::optional<EnergyVolume> sum;
+    if (still && count > 0) sum = volume.sum();
+    auto& energy = sum ? *sum : volume;
+
+    const auto columns = energy.columns_per_frame() * energy.frames();
+    std::optional<Deleted> deleted;
+    if (kind == Seams::Kind::insert && count > 0) deleted.emplace(columns, energy.width(), continued.memory_budget, continued.folder);
+
+    FoundSeams out;
+    // The last seam is not deleted: nothing is looked for behind it.
+    const auto meet = [&](std::span<const std::uint16_t> at) {
+        const auto met = energy.met(at);
+        out.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));
+        out.attracted.push_back(met.attracted);
+        out.blocked.push_back(met.blocked);
+        out.attracted_left.push_back(energy.attracted() - met.attracted);
+        const auto found = static_cast<int>(out.blocked.size());
+        if (found < count) energy.remove(at, {window.first, window.last - found + 1});
+    };
+    std::vector<std::uint16_t> last;
+    for (const auto& seam : continued.before) {
+        tick(static_cast<double>(out.seams.size()) / count);
+        last.assign(seam.at.begin(), seam.at.begin() + static_cast<std::ptrdiff_t>(columns));
+        if (deleted) deleted->from_original(last);
+        meet(last);
+        out.seams.push_back(seam);
+        out.wall_s.push_back(0);
+    }
+    if (!last.empty() && continued.start_from) continued.start_from(last);
+    for (int n = static_cast<int>(out.seams.size()); n < count; ++n) {
+        const auto start = std::chrono::steady_clock::now();
+        const Window left{window.first, window.last - n};
+        require_seam(energy, left, n);
+        auto seam = find(energy, left, n, [&](double fraction) { tick((n + fraction) / count); });
+        meet(seam.at);
+        if (deleted) deleted->to_original(seam.at.all());
+        if (still) seam.at = repeated(seam.at, volume.frames());
+        if (keep) seam.at = keep(std::move(seam.at));
+        out.seams.push_back(std::move(seam));
+        out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        if (continued.found) continued.found(out);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

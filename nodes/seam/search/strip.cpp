@@ -1,0 +1,243 @@
+#include "nodes/seam/search/strip.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr std::size_t grain = 4096;
+
+/// Calls back with a column and its entries.
+template <class Cell, class Call>
+void for_columns(const EnergyVolume& energy, std::size_t begin, std::size_t end, const Call& call) {
+    const auto per_frame = energy.columns_per_frame();
+    for (auto c = begin; c < end; ++c) call(c, energy.cells<Cell>(c / per_frame) + c % per_frame * energy.stride());
+}
+
+template <class Call>
+double sum_over(std::size_t count, const Call& call) {
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, count, grain), 0.0,
+        [&](const tbb::blocked_range<std::size_t>& range, double sum) { return sum + call(range.begin(), range.end()); }, std::plus<>());
+}
+
+}  // namespace
+
+Strip::Strip(const EnergyVolume& energy, const Band& band)
+    : columns_(energy),
+      band_(band),
+      width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
+      energies_(width_ * columns_.count()),
+      steps_(energy.steps()),
+      protects_(energy.protects()) {
+    const auto fill = [&, costs = energy.costs()](auto cell) {
+        using Cell = decltype(cell);
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
+            for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
+                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = costs(cells[band_.columns[c].first + n]);
+            });
+        });
+    };
+    if (energy.summed()) fill(float{});
+    else fill(std::uint16_t{});
+}
+
+double Strip::energy(std::span<const std::uint16_t> seam) const {
+    return sum_over(seam.size(),
+                    [&](std::size_t begin, std::size_t end) {
+                        double sum = 0;
+                        for (auto c = begin; c < end; ++c) sum += energy(c, seam[c]);
+                        return sum;
+                    }) +
+           cost_of_steps(columns_, steps_, seam);
+}
+
+double cost_of_steps(const Columns& columns, const StepCosts& steps, std::span<const std::uint16_t> seam) {
+    if (!steps) return 0;
+    return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (auto c = begin; c < end; ++c) {
+            const auto around = columns.around(c, columns.place(c));
+            for (std::size_t d = 1; d < around.size(); d += 2)
+                if (around[d] != Columns::none) sum += static_cast<double>(steps(c, seam[c], around[d], seam[around[d]], d / 2 == 2));
+        }
+        return sum;
+    });
+}
+
+double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
+    const auto add = [&, costs = energy.costs()](auto cell) {
+        using Cell = decltype(cell);
+        return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
+            double sum = 0;
+            for_columns<Cell>(energy, begin, end, [&](std::size_t c, const Cell* cells) { sum += costs(cells[seam[c]]); });
+            return sum;
+        });
+    };
+    return (energy.summed() ? add(float{}) : add(std::uint16_t{})) + cost_of_steps(Columns(energy), energy.steps(), seam);
+}
+
+double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {
+    if (!energy.attracts()) return cost_of(energy, seam);
+    return sum_over(seam.size(),
+                    [&](std::size_t begin, std::size_t end) {
+                        double sum = 0;
+                        if (energy.summed()) {
+                            for (auto c = begin; c < end; ++c) sum += energy.energies()[c * energy.stride() + seam[c]];
+                        } else {
+                            for_columns<std::uint16_t>(energy, begin, end, [&](std::size_t c, const std::uint16_t* codes) { sum += Costs{}(codes[seam[c]]); });
+                        }
+                        return sum;
+                    }) +
+           cost_of_steps(Columns(energy), energy.steps(), seam);
+}
+
+double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound) {
+    if (!energy.attracts()) return cost_bound;
+    return std::max(cost_bound + energy_of(energy, seam) - cost_of(energy, seam), 0.0);
+}
+
+namespace {
+
+/// One line of columns, and where its seam may go while the others stay.
+/// @tparam stepping  whether steps cost something
+template <bool stepping>
+class Line {
+public:
+    Line(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
+
+    /// @param first  its first column
+    /// @param step   to the next
+    /// @param along  the dimension of the line: 0 lateral, 1 k, 2 t
+    /// @param still  the place in the line that stays where it is; none: -1
+    void improve(std::size_t first, std::size_t step, std::size_t length, std::size_t along, std::ptrdiff_t still) {
+        cells_.resize(length);
+        // A ring is opened at the place that stays, which then is both ends.
+        const bool ring = still >= 0;
+        const auto column = [&](std::size_t n) { return first + step * (ring ? (n + static_cast<std::size_t>(still)) % length : n); };
+        for (std::size_t n = 0; n < length; ++n) {
+            auto& cell = cells_[n];
+            const auto c = column(n);
+            const auto around = strip_.columns().around(c, strip_.columns().place(c));
+            find_room(cell, c, around, along);
+            if (ring && n == 0) cell.low = cell.high = seam_[c];
+            if (ring && n + 1 == length) {
+                const int home = seam_[column(0)];
+                cell.low = std::max(cell.low, home - 1);
+                cell.high = std::min(cell.high, home + 1);
+            }
+            for (int entry = cell.low; entry <= cell.high; ++entry) {
+                const auto at = static_cast<std::size_t>(entry - cell.low);
+                cell.cost[at] = strip_.energy(c, entry);
+                if constexpr (stepping)
+                    cell.cost[at] +=
+                        to_neighbours(c, entry, around, along) + (ring && n + 1 == length ? strip_.steps()(c, entry, column(0), seam_[column(0)], false) : 0);
+                if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along);
+            }
+        }
+        auto entry = cheapest(cells_.back());
+        for (auto n = length; n-- > 0;) {
+            seam_[column(n)] = static_cast<std::uint16_t>(entry);
+            entry = cells_[n].from[static_cast<std::size_t>(entry - cells_[n].low)];
+        }
+    }
+
+private:
+    /// A column's entries that its neighbours beside the line allow: three at most, since its own is among them.
+    struct Cell {
+        int low, high;
+        std::array<float, 3> cost;  ///< of the cheapest way here
+        std::array<int, 3> from;    ///< its entry in the column before
+        int stay;
+    };
+
+    using Around = std::array<std::size_t, Columns::directions>;
+
+    void find_room(Cell& cell, std::size_t c, const Around& around, std::size_t along) const {
+        const auto band = strip_[c];
+        cell.stay = seam_[c];
+        cell.low = std::max<int>(cell.stay - 1, band.first);
+        cell.high = std::min<int>(cell.stay + 1, band.last);
+        for (std::size_t d = 0; d < around.size(); ++d) {
+            if (d / 2 == along || around[d] == Columns::none) continue;
+            const int beside = seam_[around[d]];
+            cell.low = std::max(cell.low, beside - 1);
+            cell.high = std::min(cell.high, beside + 1);
+        }
+    }
+    /// What steps to the columns beside the line cost.
+    float to_neighbours(std::size_t c, int entry, const Around& around, std::size_t along) const {
+        float out = 0;
+        for (std::size_t d = 0; d < around.size(); ++d)
+            if (d / 2 != along && around[d] != Columns::none) out += strip_.steps()(c, entry, around[d], seam_[around[d]], d / 2 == 2);
+        return out;
+    }
+    /// Ties go to what does not move.
+    static bool better(float cost, int entry, float than, int other, int stay) { return cost < than || (cost == than && entry == stay && other != stay); }
+    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, std::size_t along) const {
+        auto best = std::numeric_limits<float>::infinity();
+        int from = before.stay;
+        for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e) {
+            auto cost = before.cost[static_cast<std::size_t>(e - before.low)];
+            if constexpr (stepping) cost += strip_.steps()(column, entry, column_before, e, along == 2);
+            if (!better(cost, e, best, from, before.stay)) continue;
+            best = cost;
+            from = e;
+        }
+        cell.cost[static_cast<std::size_t>(entry - cell.low)] += best;
+        cell.from[static_cast<std::size_t>(entry - cell.low)] = from;
+    }
+    static int cheapest(const Cell& cell) {
+        int best = cell.low;
+        const auto cost = [&](int entry) { return cell.cost[static_cast<std::size_t>(entry - cell.low)]; };
+        for (int entry = cell.low; entry <= cell.high; ++entry)
+            if (better(cost(entry), entry, cost(best), best, cell.stay)) best = entry;
+        return best;
+    }
+
+    const Strip& strip_;
+    std::vector<std::uint16_t>& seam_;
+    std::vector<Cell> cells_;
+};
+
+template <bool stepping>
+void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
+    const auto& columns = strip.columns();
+    const std::array<std::size_t, 3> size{columns.laterals(), columns.slices(), columns.frames()};
+    const std::array<std::size_t, 3> step{1, columns.laterals(), columns.per_frame()};
+    for (std::size_t along = 0; along < 3; ++along) {
+        if (size[along] < 2) continue;
+        // Of the other two, `outer` goes to the threads.
+        const std::size_t inner = along == 0 ? 1 : 0, outer = along == 2 ? 1 : 2;
+        const bool ring = along == 1 && columns.closed();
+        const auto still = ring ? static_cast<std::ptrdiff_t>(static_cast<std::size_t>(turn) * size[1] / 2 % size[1]) : -1;
+        // Around a ring of odd length the last slice's lines are neighbours of the first's.
+        const std::size_t odd = columns.closed() && size[1] % 2 != 0 && along != 1 ? 1 : 0;
+        for (std::size_t colour = 0; colour < 2 + 2 * odd; ++colour)
+            tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {
+                Line<stepping> line(strip, seam);
+                for (std::size_t b = 0; b < size[inner]; ++b) {
+                    const auto k = outer == 1 ? a : b;
+                    const bool last = odd && k + 1 == size[1];
+                    if ((a + b) % 2 + (last ? 2 : 0) != colour) continue;
+                    line.improve(a * step[outer] + b * step[inner], step[along], size[along], along, still);
+                }
+            });
+    }
+}
+
+}  // namespace
+
+void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
+    if (strip.steps()) sweep<true>(strip, seam, turn);
+    else sweep<false>(strip, seam, turn);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,8 @@
+#pragma once
+
+#include "nodes/seam/seam_node.h"
+#include "nodes/seam/search/find_seams.h"
+#include "nodes/seam/search/protection.h"
+#include "nodes/seam/search/strip.h"
+
+/// All that a solver includes: its node (SeamNode), the loop that calls it (FindSeam), ways past protected vertices, and sums over seams.

@@ -1,0 +1,130 @@
+#include "nodes/seams/carve_map.h"
+
+#include "graph/text/problem.h"
+#include "graph/types/frames.h"
+#include "nodes/lattice/mapping.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+std::string text(const std::array<int, 3>& shape) { return fmt::format("{} x {} x {}", shape[0], shape[1], shape[2]); }
+
+void require_lattice(const Seams& seams, std::size_t t, const Lattice& lattice) {
+    const auto hash = seams.lattice_hash_at(t);
+    if (hash != lattice.hash)
+        throw Failure(fmt::format("the seams were found in another lattice: theirs is a {} ({}), this one a {} ({})", seams.lattice, hash, lattice.description,
+                                  lattice.hash));
+}
+
+std::size_t place_of(int frame, const Seams& seams) {
+    const auto found = std::find(seams.frames.begin(), seams.frames.end(), frame);
+    if (found == seams.frames.end()) throw Failure(fmt::format("the seams do not hold frame {}; they hold {}", frame, FrameSet(seams.frames).text()));
+    return static_cast<std::size_t>(found - seams.frames.begin());
+}
+
+}  // namespace
+
+CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
+                   const Softness& softness)
+    : reach_(lattice.shape) {
+    auto shape = lattice.shape;
+    const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->seams.size(); };
+    std::array<int, 2> origin{};
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+        const auto axis = static_cast<std::size_t>(sets[n]->axis);
+        origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->seams.size()));
+        below_[axis] = std::max(below_[axis], -origin[axis]);
+    }
+    origin = below_;
+    for (std::size_t d = 0; d < 2; ++d) reach_[d] += below_[d];
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+        const auto& set = *sets[n];
+        const auto t = place_of(frame, set);
+        require_lattice(set, t, lattice);
+        if (set.shape != shape)
+            throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1,
+                                      sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
+        const auto used = used_of(n);
+        if (used > set.seams.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.seams.size()));
+        auto& begin = origin[static_cast<std::size_t>(set.axis)];
+        if (used > 0) {
+            auto& step = steps_.emplace_back(set, t, used, origin);
+            if (softness) soften(step, set, t, softness);
+            begin = step.start();
+        }
+        shape = set.shape_after(used);
+        for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d] + (d < 2 ? origin[d] : 0));
+    }
+}
+
+Lattice CarveMap::extended(const Lattice& lattice) const { return extended_below(lattice, below_); }
+
+bool CarveMap::soft() const {
+    return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.soft() != nullptr; });
+}
+
+void CarveMap::fade(double vertices) {
+    for (auto& step : steps_) {
+        const auto require = [&](int size, const std::string& along) {
+            if (size > 1 && size - 1 < 2 * vertices)
+                throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `fade`",
+                                          vertices, std::ceil(2 * vertices) + 1, along, size));
+        };
+        require(step.laterals(), step.axis() == 0 ? "v" : "u");
+        if (!step.closed()) require(step.slices(), "w");
+        step.fade(vertices);
+    }
+}
+
+bool CarveMap::fades() const {
+    return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.fades(); });
+}
+
+bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
+    bool moved = false;
+    for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
+        const int a = step->axis(), b = step->lateral_axis();
+        const auto meets = [&](int dimension, double first, double last) {
+            return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
+        };
+        // A point between an entry and a moved one moves in part.
+        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, step->first_lateral(), step->last_lateral()) ||
+            !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
+            continue;
+        moved = true;
+        frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) ||
+                (step->last() < step->last_before() && range.max()[a] > step->last());
+        // What a vertex of the carved space comes from lies at most so far below and above.
+        const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0),
+                  above = (step->inserts() ? 0 : step->count()) - shift;
+        range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - std::max(below, 0), step->origin()));
+        range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + std::max(above, 0), step->last_before()));
+    }
+    return moved;
+}
+
+openvdb::BBoxd CarveMap::moved() const {
+    openvdb::BBoxd out(openvdb::Vec3d(0), openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
+    if (!steps_.empty() && steps_.front().closed()) out.max().z() = reach_[2];
+    // With both axes carved, what one step moves reaches all along the other.
+    const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
+    if (steps_.empty() || !one_axis) return out;
+    const int axis = steps_.front().axis();
+    int first = steps_.front().first_moved(), last = 0;
+    for (const auto& step : steps_) {
+        first = std::min(first, step.first_moved());
+        last = std::max(last, step.last_moved());
+    }
+    out.min()[axis] = std::max(0, first - 1);
+    out.max()[axis] = std::min(last + 1, reach_[static_cast<std::size_t>(axis)] - 1);
+    return out;
+}
+
+}  // namespace fluidcarve

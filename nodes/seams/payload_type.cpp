@@ -1,0 +1,75 @@
+#include "nodes/seams/payload_type.h"
+
+#include "nodes/io/binary.h"
+#include "nodes/seams/seams.h"
+
+namespace fluidcarve {
+namespace {
+
+void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
+    out.value(std::uint64_t{seams.size()});
+    for (const auto& seam : seams) {
+        out.list(seam.at.all());
+        out.value(seam.energy);
+        out.optional(seam.lower_bound);
+    }
+}
+
+std::vector<Seams::Seam> read_list(BinaryReader& in) {
+    std::vector<Seams::Seam> out;
+    for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+        auto& seam = out.emplace_back();
+        seam.at = in.list<std::uint16_t>();
+        seam.energy = in.value<double>();
+        seam.lower_bound = in.optional<double>();
+    }
+    return out;
+}
+
+void write_all(const Seams& seams, std::ostream& to) {
+    BinaryWriter out(to);
+    out.value(seams.axis);
+    out.value(seams.kind);
+    out.value(seams.closed);
+    out.value(seams.shape);
+    out.list(seams.frames);
+    out.text(seams.lattice);
+    out.text(seams.lattice_hash);
+    out.optional(seams.window);
+    out.optional(seams.pair_window);
+    out.value(seams.anchor.at);
+    out.value(seams.anchor.vertex);
+    write_list(seams.seams, out);
+    write_list(seams.pairs, out);
+}
+
+Ref<Seams> read_all(std::istream& from) {
+    BinaryReader in(from);
+    const auto out = std::make_shared<Seams>();
+    out->axis = in.value_up_to(Axis::v);
+    out->kind = in.value_up_to(Seams::Kind::insert);
+    out->closed = in.value<bool>();
+    out->shape = in.value<std::array<int, 3>>();
+    out->frames = in.list<int>();
+    out->lattice = in.text();
+    out->lattice_hash = in.text();
+    out->window = in.optional<Window>();
+    out->pair_window = in.optional<Window>();
+    out->anchor.at = in.value_up_to(Anchor::At::vertex);
+    out->anchor.vertex = in.value<int>();
+    out->seams = read_list(in);
+    out->pairs = read_list(in);
+    out->find_shifts();
+    return out;
+}
+
+}  // namespace
+
+void add_seams_payload(Registry& registry) {
+    registry.add(payload_type<Seams>(
+        "seams", "Seams through a lattice over all frames, in order.",
+        [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
+        {2, &write_all, &read_all}));
+}
+
+}  // namespace fluidcarve

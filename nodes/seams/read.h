@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+
+namespace fluidcarve {
+
+/// `seams.read {path}`: what `seams.write` wrote.
+NodeType seams_read();
+
+}  // namespace fluidcarve

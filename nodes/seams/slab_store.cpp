@@ -1,0 +1,59 @@
+#include "nodes/seams/slab_store.h"
+
+#include "graph/text/problem.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+namespace fluidcarve {
+
+namespace {
+
+// Space is claimed at once: a mapped file on a full disk would end the process later, without a word.
+int scratch_file(const std::string& folder, std::size_t bytes) {
+    const auto fault = [&](int code) {
+        return Failure(fmt::format(
+            "{:.1f} GB of energies or seams exceed the memory budget and find no place in the work folder '{}': {}; raise --memory or choose another --work",
+            static_cast<double>(bytes) * 1e-9, folder, std::strerror(code)));
+    };
+    std::error_code ignored;
+    std::filesystem::create_directories(folder, ignored);
+    auto path = folder + "/slabs.XXXXXX";
+    const int file = mkostemp(path.data(), O_CLOEXEC);
+    if (file < 0) throw fault(errno);
+    unlink(path.c_str());
+    if (const int code = posix_fallocate(file, 0, static_cast<off_t>(bytes)); code != 0) {
+        close(file);
+        throw fault(code);
+    }
+    return file;
+}
+
+}  // namespace
+
+SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
+    std::size_t bytes = 0;
+    if (__builtin_mul_overflow(count, entries, &bytes) || __builtin_mul_overflow(bytes, sizeof(std::uint16_t), &bytes) || bytes > PTRDIFF_MAX)
+        throw Failure(fmt::format("{} frames of {} energies each are more than any memory holds; use a coarser or smaller lattice", count, entries));
+    on_disk_ = bytes > memory_budget;
+    if (bytes == 0) return;
+    const int file = on_disk_ ? scratch_file(folder, bytes) : -1;
+    void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
+    const int code = errno;
+    if (file >= 0) close(file);
+    if (at == MAP_FAILED) throw Failure(fmt::format("no room for {:.1f} GB of energies or seams: {}", static_cast<double>(bytes) * 1e-9, std::strerror(code)));
+    if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
+    data_ = {static_cast<std::uint16_t*>(at), Unmap{bytes}};
+}
+
+void SlabStore::Unmap::operator()(std::uint16_t* data) const { munmap(data, bytes); }
+
+}  // namespace fluidcarve

@@ -1,0 +1,27 @@
+#include "nodes/seams/write.h"
+
+#include "nodes/seams/seam_file.h"
+
+namespace fluidcarve {
+
+namespace {
+
+struct SeamsWrite {
+    struct Params {
+        OutputPath path;
+    };
+    struct Ports {
+        Ref<Seams> seams;
+    };
+    static void run(const Params& params, Ports& io, Context&) { write_seams(params.path.at(0), *io.seams); }
+};
+
+}  // namespace
+
+NodeType seams_write() {
+    return Declare<SeamsWrite>("seams.write", "Seams to one .vdb file, from which any smaller number of them can be carved later.")
+        .input("seams", &SeamsWrite::Ports::seams, "The seams.")
+        .required("path", &SeamsWrite::Params::path, "The file; one for all frames.");
+}
+
+}  // namespace fluidcarve

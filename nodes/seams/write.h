@@ -1,0 +1,10 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+
+namespace fluidcarve {
+
+/// `seams.write {seams, path}`: a seam file (seam_file.h).
+NodeType seams_write();
+
+}  // namespace fluidcarve

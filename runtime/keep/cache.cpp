@@ -1,0 +1,278 @@
+#include "runtime/keep/cache.h"
+
+#include "graph/output_file.h"
+#include "graph/text/problem.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <istream>
+#include <ostream>
+#include <span>
+#include <streambuf>
+#include <tuple>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// An entry: magic, two sizes, the header's checksum, the header, the outputs' bytes, the checksum of all that.
+constexpr std::string_view magic{"fluidcarve 1\n\0\0\0", 16};
+constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
+constexpr std::size_t seal_size = 16;
+constexpr auto unasked = std::chrono::hours(24 * 30);
+constexpr auto forgotten = std::chrono::hours(24);  ///< a file aside so old belongs to nobody
+
+Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
+
+/// Grows without the copies of a string stream.
+class Bytes : public std::streambuf {
+public:
+    std::vector<char> data;
+
+protected:
+    int_type overflow(int_type c) override {
+        if (!traits_type::eq_int_type(c, traits_type::eof())) data.push_back(traits_type::to_char_type(c));
+        return traits_type::not_eof(c);
+    }
+    std::streamsize xsputn(const char* from, std::streamsize count) override {
+        data.insert(data.end(), from, from + count);
+        return count;
+    }
+    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+        return from == std::ios_base::cur && offset == 0 ? pos_type(static_cast<off_type>(data.size())) : pos_type(off_type(-1));
+    }
+};
+
+class View : public std::streambuf {
+public:
+    View(char* data, std::size_t size) { setg(data, data, data + size); }
+
+protected:
+    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+        char* const at = (from == std::ios_base::beg ? eback() : from == std::ios_base::cur ? gptr() : egptr()) + offset;
+        if (at < eback() || at > egptr()) return pos_type(off_type(-1));
+        setg(eback(), at, egptr());
+        return pos_type(at - eback());
+    }
+    pos_type seekpos(pos_type at, std::ios_base::openmode which) override { return seekoff(off_type(at), std::ios_base::beg, which); }
+};
+
+template <class T>
+void append(std::vector<char>& to, const T& value) {
+    const auto* const bytes = reinterpret_cast<const char*>(&value);
+    to.insert(to.end(), bytes, bytes + sizeof value);
+}
+
+template <class T>
+T number_at(const char* data) {
+    T out;
+    std::memcpy(&out, data, sizeof out);
+    return out;
+}
+
+struct Descriptor {
+    int number;
+    ~Descriptor() {
+        if (number >= 0) close(number);
+    }
+};
+
+bool read_all(int file, char* into, std::size_t size) {
+    while (size > 0) {
+        const auto got = read(file, into, size);
+        if (got <= 0) return false;
+        into += got;
+        size -= static_cast<std::size_t>(got);
+    }
+    return true;
+}
+
+void write_all(const std::string& path, std::initializer_list<std::span<const char>> parts) {
+    const Descriptor file{open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC)};
+    for (auto part : parts)
+        while (!part.empty()) {
+            const auto wrote = write(file.number, part.data(), part.size());
+            if (wrote <= 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+            part = part.subspan(static_cast<std::size_t>(wrote));
+        }
+}
+
+/// The header of an open entry, if that is whole by its size. @param size  becomes the entry's
+std::optional<Json> header_of(int file, std::uint64_t& size) {
+    struct stat about {};
+    std::vector<char> bytes(prefix_size);
+    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size) || std::string_view(bytes.data(), 16) != magic) return std::nullopt;
+    const auto header = number_at<std::uint64_t>(bytes.data() + 16), body = number_at<std::uint64_t>(bytes.data() + 24);
+    size = static_cast<std::uint64_t>(about.st_size);
+    if (header > size || body > size || prefix_size + header + body + seal_size != size) return std::nullopt;
+    const auto wanted = number_at<Key>(bytes.data() + 32);
+    bytes.resize(prefix_size + header);
+    if (!read_all(file, bytes.data() + prefix_size, header) || checksum(bytes.data() + prefix_size, header) != wanted) return std::nullopt;
+    auto out = Json::parse(bytes.begin() + prefix_size, bytes.end(), nullptr, false);
+    return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
+}
+
+struct File {
+    fs::path path;
+    fs::file_time_type used;
+    std::uint64_t size;
+};
+
+}  // namespace
+
+Cache::Cache(const Registry& registry, std::string folder) : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache") {}
+
+std::string Cache::path_of(const Key& key) const {
+    const auto text = key.text();
+    return fmt::format("{}/{}/{}", folder_, text.substr(0, 2), text.substr(2));
+}
+
+void Cache::touch(const Key& key) const {
+    if (on() && key) utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);
+}
+
+std::optional<Json> Cache::look(const Key& key) const {
+    if (!on() || !key) return std::nullopt;
+    const Descriptor file{open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC)};
+    std::uint64_t size = 0;
+    return file.number < 0 ? std::nullopt : header_of(file.number, size);
+}
+
+void Cache::remove_damaged(const Key& key) {
+    ++damaged_;
+    std::error_code ignored;
+    fs::remove(path_of(key), ignored);
+}
+
+std::optional<Cache::Read> Cache::read(const Key& key) {
+    if (!on() || !key) return std::nullopt;
+    const Descriptor file{open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC)};
+    if (file.number < 0) return std::nullopt;
+    std::uint64_t size = 0;
+    auto header = header_of(file.number, size);
+    if (!header) return remove_damaged(key), std::nullopt;
+    std::vector<char> bytes(size);
+    const auto sealed = size - seal_size;
+    if (lseek(file.number, 0, SEEK_SET) != 0 || !read_all(file.number, bytes.data(), size) ||
+        checksum(bytes.data(), sealed) != number_at<Key>(bytes.data() + sealed))
+        return remove_damaged(key), std::nullopt;
+    const auto body = prefix_size + number_at<std::uint64_t>(bytes.data() + 16);
+    return Read{std::move(*header), std::move(bytes), body};
+}
+
+bool Cache::whole(const Key& key) { return read(key).has_value(); }
+
+std::optional<Cache::Entry> Cache::load(const Key& key) {
+    auto file = read(key);
+    if (!file) return std::nullopt;
+    Entry out{std::move(file->header), {}};
+    auto at = file->body;
+    try {
+        for (const auto& output : out.header.value("outputs", Json::array())) {
+            if (output.is_null()) {
+                out.outputs.emplace_back();
+                continue;
+            }
+            const auto& types = registry_.payloads();
+            const auto type = std::find_if(types.begin(), types.end(), [&](const PayloadType& each) { return each.name == output.at("type"); });
+            if (type == types.end() || !type->read || type->version != output.at("version")) return std::nullopt;
+            const auto length = output.at("bytes").get<std::uint64_t>();
+            if (length > file->bytes.size() - seal_size - at) return remove_damaged(key), std::nullopt;
+            View view(file->bytes.data() + at, length);
+            std::istream in(&view);
+            in.exceptions(std::ios::badbit);
+            out.outputs.push_back(type->read(in));
+            at += length;
+        }
+    } catch (const std::exception&) {
+        return remove_damaged(key), std::nullopt;
+    }
+    touch(key);
+    return out;
+}
+
+bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outputs) {
+    if (!on() || !key) return true;
+    if (!fault().empty()) return false;
+    try {
+        Bytes body;
+        std::ostream out(&body);
+        out.exceptions(std::ios::badbit | std::ios::failbit);
+        if (!outputs.empty()) header["outputs"] = Json::array();
+        for (const auto& output : outputs) {
+            if (!output) {
+                header["outputs"].push_back(nullptr);
+                continue;
+            }
+            const auto& type = registry_.payload(output.type());
+            const auto begin = body.data.size();
+            type.write(output, out);
+            header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.data.size() - begin}});
+        }
+        const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
+        std::vector<char> head(magic.begin(), magic.end()), seal;
+        append(head, static_cast<std::uint64_t>(text.size()));
+        append(head, static_cast<std::uint64_t>(body.data.size()));
+        append(head, checksum(text.data(), text.size()));
+        head.insert(head.end(), text.begin(), text.end());
+        append(seal, ContentHash().bytes(head.data(), head.size()).bytes(body.data.data(), body.data.size()).digest());
+        OutputFile file(path_of(key));
+        write_all(file.aside(), {head, body.data, seal});
+        file.commit();
+        return true;
+    } catch (const std::exception& error) {
+        const std::lock_guard lock(mutex_);
+        fault_ = error.what();
+        return false;
+    }
+}
+
+std::string Cache::fault() const {
+    const std::lock_guard lock(mutex_);
+    return fault_;
+}
+
+Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
+    Trimmed out;
+    std::vector<File> files;
+    std::error_code error;
+    const auto now = fs::file_time_type::clock::now();
+    for (fs::recursive_directory_iterator each(folder_, error), end; !error && each != end; each.increment(error)) {
+        std::error_code gone;  // another process may trim too
+        if (!each->is_regular_file(gone)) continue;
+        const File file{each->path(), each->last_write_time(gone), each->file_size(gone)};
+        if (gone) continue;
+        if (file.path.filename().string().starts_with('.')) {
+            if (now - file.used > forgotten) fs::remove(file.path, gone);
+            continue;
+        }
+        out.left += file.size;
+        files.push_back(file);
+    }
+    for (fs::recursive_directory_iterator each(work_folder_ + "/files", error), end; !error && each != end; each.increment(error)) {
+        std::error_code gone;
+        if (each->is_regular_file(gone) && now - each->last_write_time(gone) > unasked && !gone) fs::remove(each->path(), gone);
+    }
+    std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
+    for (const auto& file : files) {
+        if (out.left <= most_bytes) break;
+        std::error_code gone;
+        fs::remove(file.path, gone);
+        out.left -= file.size;
+        out.bytes += file.size;
+        ++out.entries;
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,118 @@
+#include "runtime/keep/file_hashes.h"
+
+#include "graph/output_file.h"
+#include "graph/text/problem.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+/// A file that changed a moment ago may change again without a mark in its times.
+constexpr double settled_seconds = 2;
+
+double seconds(const timespec& time) { return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec); }
+
+/// What tells that a file is the one that was read.
+Key stamp_of(const struct stat& file) {
+    ContentHash hash;
+    hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
+    for (const auto& time : {file.st_mtim, file.st_ctim}) hash.number(static_cast<std::uint64_t>(time.tv_sec)).number(static_cast<std::uint64_t>(time.tv_nsec));
+    return hash.digest();
+}
+
+/// So that a damaged memory is none.
+Key seal_of(const struct stat& file, const Key& content) { return ContentHash().key(stamp_of(file)).key(content).digest(); }
+
+bool settled(const struct stat& file) {
+    const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    return std::abs(now - seconds(file.st_mtim)) > settled_seconds && std::abs(now - seconds(file.st_ctim)) > settled_seconds;
+}
+
+struct Descriptor {
+    int number;
+    ~Descriptor() {
+        if (number >= 0) close(number);
+    }
+};
+
+}  // namespace
+
+std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
+    const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    struct stat before {};
+    if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode)) return std::nullopt;
+    const auto stamp = stamp_of(before);
+    const Content found{{}, static_cast<std::uint64_t>(before.st_size), before.st_ino, stamp};
+    const auto with = [&](const Key& key) {
+        auto out = found;
+        out.key = key;
+        return out;
+    };
+    const auto remembered = folder_.empty() ? std::string() : fmt::format("{}/{}/{}", folder_, stamp.text().substr(0, 2), stamp.text().substr(2));
+    if (!remembered.empty() && settled(before)) {
+        std::string text, seal;
+        std::ifstream(remembered) >> text >> seal;
+        if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) {
+            utimensat(AT_FDCWD, remembered.c_str(), nullptr, 0);
+            return with(key);
+        }
+    }
+
+    ContentHash hash;
+    std::vector<char> buffer(std::size_t{1} << 20);
+    for (;;) {
+        const auto got = read(file.number, buffer.data(), buffer.size());
+        if (got < 0) return std::nullopt;
+        if (got == 0) break;
+        hash.bytes(buffer.data(), static_cast<std::size_t>(got));
+    }
+    struct stat after {};
+    if (fstat(file.number, &after) != 0 || stamp_of(after) != stamp_of(before)) return std::nullopt;
+    const auto key = hash.digest();
+    if (!remembered.empty() && settled(after)) {
+        try {
+            OutputFile out(remembered);
+            std::ofstream(out.aside()) << key.text() << " " << seal_of(after, key).text() << "\n";
+            out.commit();
+        } catch (const Failure&) {
+            // The file is read again next time.
+        }
+    }
+    return with(key);
+}
+
+bool FileHashes::changed(const std::string& path) {
+    const auto content = of(path);
+    struct stat now {};
+    return content && (stat(path.c_str(), &now) != 0 || stamp_of(now) != content->stamp);
+}
+
+std::optional<FileHashes::Content> FileHashes::of(const std::string& path) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (const auto found = known_.find(path); found != known_.end()) return found->second;
+    }
+    return anew(path);
+}
+
+std::optional<FileHashes::Content> FileHashes::anew(const std::string& path) {
+    const auto found = find(path);
+    const std::lock_guard lock(mutex_);
+    return known_[path] = found;
+}
+
+void FileHashes::prepare(const std::vector<std::string>& paths) {
+    tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t n) { of(paths[n]); });
+}
+
+}  // namespace fluidcarve

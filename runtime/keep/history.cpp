@@ -1,0 +1,191 @@
+#include "runtime/keep/history.h"
+
+#include "graph/output_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+namespace fluidcarve {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t most_named = 3;
+
+/// "a, b and 2 others"
+std::string listed(const std::vector<std::string>& names) {
+    if (names.size() <= most_named) return fmt::format("{}", fmt::join(names, ", "));
+    return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), names.size() - most_named);
+}
+
+/// What differs between what a node was made of and what it is made of now.
+std::vector<std::string> differences(const json& was, const json& now) {
+    std::vector<std::string> out;
+    if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
+    if (was["version"] != now["version"]) out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(), now["version"].dump()));
+    if (was.value("plugin", "") != now.value("plugin", "")) out.emplace_back("its plugin was built again");
+    for (const auto* const part : {"params", "inputs"}) {
+        const bool input = std::string_view(part) == "inputs";
+        const auto text = [](const json& of, const std::string& name) { return of.contains(name) ? of[name].get<std::string>() : std::string("nothing"); };
+        std::set<std::string> names;
+        for (const auto* const each : {&was, &now})
+            for (const auto& [name, value] : (*each)[part].items()) names.insert(name);
+        for (const auto& name : names)
+            if (const auto before = text(was[part], name), after = text(now[part], name); before != after)
+                out.push_back(fmt::format("{}{} changed from {} to {}", input ? "input " : "", name, before, after));
+    }
+    std::vector<int> changed, fresh;
+    for (const auto& [frame, content] : now["files"].items()) {
+        const auto found = was["files"].find(frame);
+        if (found == was["files"].end()) fresh.push_back(std::stoi(frame));
+        else if (*found != content) changed.push_back(std::stoi(frame));
+    }
+    std::sort(changed.begin(), changed.end());
+    std::sort(fresh.begin(), fresh.end());
+    const auto tell = [&](const std::vector<int>& frames, const char* what) {
+        if (!frames.empty()) out.push_back(fmt::format("input frame{} {} {}", frames.size() == 1 ? "" : "s", FrameSet(frames).text(), what));
+    };
+    tell(changed, "changed");
+    tell(fresh, fresh.size() == 1 ? "is new" : "are new");
+    return out;
+}
+
+/// Whether it is what `made_of` makes: the file may hold anything.
+bool well_formed(const json& node) {
+    if (!node.is_object() || !node.contains("type") || !node["type"].is_string() || !node.contains("version") || !node["version"].is_number()) return false;
+    for (const auto* const part : {"params", "inputs", "files"}) {
+        if (!node.contains(part) || !node[part].is_object()) return false;
+        for (const auto& [name, value] : node[part].items())
+            if (!value.is_string() || (std::string_view(part) == "files" && name.find_first_not_of("-0123456789") != std::string::npos)) return false;
+    }
+    if (!node.contains("cost")) return true;
+    if (!node["cost"].is_object()) return false;
+    for (const auto& [name, value] : node["cost"].items())
+        if (!value.is_number()) return false;
+    return true;
+}
+
+}  // namespace
+
+History::History(const std::string& folder, const std::string& pipeline) {
+    nodes_ = json::object();
+    if (folder.empty()) return;
+    path_ = fmt::format("{}/history/{}.json", folder, std::filesystem::path(pipeline).stem().string());
+    std::ifstream in(path_);
+    auto read = json::parse(in, nullptr, false);
+    if (read.is_object()) nodes_ = std::move(read);
+}
+
+const json& History::of(const std::string& node) const {
+    static const json nothing;
+    const auto found = nodes_.find(node);
+    return found == nodes_.end() || !well_formed(*found) ? nothing : *found;
+}
+
+json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const std::vector<int>& frames, const std::vector<bool>& reads) {
+    const auto& node = pipeline.nodes[n];
+    json out{{"type", node.type->name}, {"version", node.type->version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
+    if (const auto plugin = keys.plugin(n)) out["plugin"] = plugin->text();
+    for (const auto& param : node.type->params)
+        if (counts(param)) out["params"][param.name] = param.text(node.params.get());
+    for (std::size_t i = 0; i < node.inputs.size(); ++i) {
+        std::vector<std::string> sources;
+        for (const auto& link : node.inputs[i]) sources.push_back(pipeline.nodes[link.node].name + "." + pipeline.nodes[link.node].outputs[link.output].name);
+        if (!sources.empty()) out["inputs"][node.type->inputs[i].name] = fmt::format("{}", fmt::join(sources, ", "));
+    }
+    for (std::size_t place = 0; place < frames.size(); ++place) {
+        if (keys.files(n, place).empty()) break;
+        if (!reads[place]) continue;
+        out["files"][std::to_string(frames[place])] = keys.contents(n, place).text();
+        if (node.rate != Rate::frame) break;
+    }
+    return out;
+}
+
+void History::set(const std::string& node, json made_of) {
+    if (const auto& was = of(node); !was.is_null()) {
+        if (was.contains("cost")) made_of["cost"] = was["cost"];
+        for (const auto& [frame, content] : was.at("files").items())
+            if (!made_of["files"].contains(frame)) made_of["files"][frame] = content;
+    }
+    nodes_[node] = std::move(made_of);
+}
+
+void History::set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes) {
+    auto& known = nodes_[node]["cost"];
+    if (cost.frame_s) known["frame_s"] = *cost.frame_s;
+    if (cost.take_s) known["take_s"] = *cost.take_s;
+    if (cost.once_s) known["once_s"] = *cost.once_s;
+    if (cost.bytes > 0) known["bytes"] = cost.bytes;
+    known["input_bytes"] = input_bytes;
+}
+
+std::optional<NodeCost> History::cost(const std::string& node, std::uint64_t input_bytes) const {
+    const auto& made = of(node);
+    if (made.is_null() || !made.contains("cost")) return std::nullopt;
+    const auto& known = made["cost"];
+    const auto then = known.value("input_bytes", std::uint64_t{0});
+    const double scale = then > 0 && input_bytes > 0 ? static_cast<double>(input_bytes) / static_cast<double>(then) : 1;
+    const auto seconds = [&](const char* name) { return known.contains(name) ? std::optional(scale * known[name].get<double>()) : std::nullopt; };
+    return NodeCost{seconds("frame_s"), seconds("take_s"), seconds("once_s"), static_cast<std::uint64_t>(scale * known.value("bytes", 0.0))};
+}
+
+void History::save() const {
+    if (path_.empty()) return;
+    try {
+        OutputFile file(path_);
+        std::ofstream out(file.aside(), std::ios::binary);
+        out << nodes_.dump(1, ' ', false, json::error_handler_t::replace) << "\n";
+        out.close();
+        if (out) file.commit();
+    } catch (const Failure&) {
+        // Only reasons and estimates are lost.
+    }
+}
+
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys, const std::vector<int>& frames,
+                                 const std::function<std::vector<bool>(std::size_t node)>& reads) {
+    const auto count = pipeline.nodes.size();
+    std::vector<std::vector<std::string>> own(count);
+    std::vector<std::set<std::size_t>> roots(count);  ///< nodes upstream that are not what they were
+    std::vector<bool> fresh(count, false);
+    for (std::size_t n = 0; n < count; ++n) {
+        if (shares[n].frames == 0) continue;
+        const auto& was = history.of(pipeline.nodes[n].name);
+        fresh[n] = was.is_null();
+        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, keys, frames, reads(n)));
+        for (const auto& links : pipeline.nodes[n].inputs)
+            for (const auto& link : links) {
+                roots[n].insert(roots[link.node].begin(), roots[link.node].end());
+                if (fresh[link.node] || !own[link.node].empty()) roots[n].insert(link.node);
+            }
+    }
+    std::vector<std::string> out(count);
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (shares[n].runs == 0 && shares[n].taken_anew == 0) continue;
+        std::vector<std::string> changed, users;
+        for (const auto root : roots[n]) changed.push_back(pipeline.nodes[root].name);
+        for (std::size_t user = n + 1; user < count; ++user)
+            for (const auto& links : pipeline.nodes[user].inputs)
+                for (const auto& link : links)
+                    if (link.node == n && (shares[user].runs > 0 || shares[user].taken_anew > 0) &&
+                        (users.empty() || users.back() != pipeline.nodes[user].name))
+                        users.push_back(pipeline.nodes[user].name);
+        if (!history.on()) out[n] = "nothing is kept";
+        else if (fresh[n]) out[n] = "never run";
+        else if (!own[n].empty()) out[n] = listed(own[n]);
+        else if (!changed.empty()) out[n] = "changed: " + listed(changed);
+        else if (node.kept && pipeline.writes(n)) out[n] = "its files are missing, or not as it wrote them";
+        else if (!node.kept && !users.empty()) out[n] = "for " + listed(users);
+        else if (!node.kept) out[n] = "its results are not kept";
+        else out[n] = "was not finished, or is no longer kept";
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,206 @@
+#include "runtime/keep/store.h"
+
+#include "graph/output_file.h"
+
+#include <algorithm>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_alternatives = 16;  ///< contents of files that one result may have had
+
+Json to_json(const Said& said) {
+    Json out = Json::object();
+    if (!said.warnings.empty()) out["warnings"] = said.warnings;
+    for (const auto& [section, entry] : said.report) out["report"][section] = entry;
+    return out;
+}
+
+Said said_in(const Json& header) {
+    Said out;
+    out.warnings = header.value("warnings", out.warnings);
+    if (const auto report = header.find("report"); report != header.end())
+        for (const auto& [section, entry] : report->items()) out.report[section] = entry;
+    return out;
+}
+
+/// How much of a growing result there is, by the entry's header.
+std::optional<Extent> extent_in(const Json& header) {
+    const auto found = header.find("extent");
+    return found == header.end() ? std::nullopt : std::optional(Extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()});
+}
+
+std::size_t wished_for(const Node& node, const Extent& extent) { return node.type->growth->wanted(node.params.get(), extent.of); }
+
+/// The entry of a growing result's report: such a node has one section, or says nothing.
+Json& grown_entry(Said& said, Json& nothing) { return said.report.empty() ? nothing : said.report.begin()->second; }
+
+/// Makes a growing result and what was said of it into one of `count`.
+void cut(const Growth& growth, std::size_t count, Payload& result, Said& said) {
+    Json nothing = Json::object();
+    auto& entry = grown_entry(said, nothing);
+    const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
+    result = growth.first(result, count, entry);
+    std::erase_if(said.warnings, [&](const std::string& each) { return std::find(about_all.begin(), about_all.end(), each) != about_all.end(); });
+    if (growth.warnings)
+        for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
+}
+
+/// Whether a kept growing result is to be delivered as it is.
+bool fits(const Json& header, const Extent& extent, std::size_t count) { return extent.count == count && !header.contains("part"); }
+
+}  // namespace
+
+Store::Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files)
+    : pipeline_(pipeline), frames_(frames), keys_(keys), cache_(cache), files_(files) {}
+
+std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
+    const auto& node = pipeline_.nodes[n];
+    std::vector<std::string> out;
+    for (const auto& spec : node.type->params)
+        if (spec.shape.kind == Shape::Kind::output_path)
+            if (const auto& path = spec.path(node.params.get()); !path.text().empty()) out.push_back(path.at(frames_.at(node.rate == Rate::frame ? place : 0)));
+    return out;
+}
+
+bool Store::knows(std::size_t n, std::size_t place) {
+    const auto& node = pipeline_.nodes[n];
+    if (!node.kept || !cache_.on()) return false;
+    const auto header = cache_.look(key(n, place));
+    if (!header) return false;
+    if (!node.outputs.empty()) {
+        if (!header->contains("outputs")) return false;
+        const auto extent = extent_in(*header);
+        const bool enough = !node.type->growth || (extent && extent->count >= wished_for(node, *extent));
+        if (enough) cache_.touch(key(n, place));
+        return enough;
+    }
+    Json now = Json::array();
+    for (const auto& path : outputs(n, place)) {
+        const auto content = files_.of(path);
+        if (!content) return false;
+        now.push_back(content->key.text());
+    }
+    const auto were = header->value("files", Json::array());
+    const bool current = !now.empty() && std::find(were.begin(), were.end(), now) != were.end();
+    if (current) cache_.touch(key(n, place));
+    return current;
+}
+
+bool Store::knows_digest(std::size_t n, std::size_t place) {
+    const auto& node = pipeline_.nodes[n];
+    const bool there = node.digests_kept && node.type->digest != typeid(void) && cache_.look(keys_.taken(n, place));
+    if (there) cache_.touch(keys_.taken(n, place));
+    return there;
+}
+
+std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
+    const auto& node = pipeline_.nodes[n];
+    auto entry = cache_.load(key(n, place));
+    if (!entry || entry->outputs.size() != node.outputs.size()) return std::nullopt;
+    Whole out{std::move(entry->outputs), said_in(entry->header)};
+    if (!node.type->growth) return out;
+    const auto extent = extent_in(entry->header);
+    if (!extent) return std::nullopt;
+    const auto wished = wished_for(node, *extent);
+    if (extent->count < wished) return std::nullopt;
+    if (!fits(entry->header, *extent, wished)) cut(*node.type->growth, wished, out.outputs.at(0), out.said);
+    return out;
+}
+
+Said Store::said(std::size_t n, std::size_t place) {
+    const auto& node = pipeline_.nodes[n];
+    const auto header = cache_.look(key(n, place));
+    if (!header) return {};
+    const auto extent = node.type->growth ? extent_in(*header) : std::nullopt;
+    if (!extent || fits(*header, *extent, wished_for(node, *extent))) return said_in(*header);
+    auto found = whole(n, place);
+    return found ? std::move(found->said) : Said{};
+}
+
+Said Store::said_of_digest(std::size_t n, std::size_t place) const {
+    const auto header = cache_.look(keys_.taken(n, place));
+    return header ? said_in(*header) : Said{};
+}
+
+bool Store::inputs_changed(std::size_t n, std::size_t place) {
+    if (!cache_.on()) return false;
+    const auto files = keys_.files(n, place);
+    return std::any_of(files.begin(), files.end(), [&](const std::string& path) { return files_.changed(path); });
+}
+
+std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {
+    auto found = whole(n, place);
+    return found ? std::optional(std::move(found->outputs)) : std::nullopt;
+}
+
+std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
+    auto entry = cache_.load(keys_.taken(n, place));
+    if (!entry || entry->outputs.size() != 1 || !entry->outputs.front() || entry->outputs.front().type() != pipeline_.nodes[n].type->digest)
+        return std::nullopt;
+    return std::move(entry->outputs.front());
+}
+
+std::optional<std::pair<Payload, Json>> Store::part(std::size_t n) {
+    auto entry = cache_.load(key(n, 0));
+    if (!entry || entry->outputs.size() != 1 || !entry->outputs.front()) return std::nullopt;
+    auto said = said_in(entry->header);
+    Json nothing = Json::object();
+    return std::pair(std::move(entry->outputs.front()), grown_entry(said, nothing));
+}
+
+void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
+    const auto& node = pipeline_.nodes[n];
+    if (node.kept && pipeline_.writes(n)) return keep_files(n, place, said);
+    if (node.kept && !outputs.empty()) {
+        if (node.type->growth) return keep_grown(key(n, place), n, outputs.at(0), said, false);
+        cache_.store(key(n, place), to_json(said), outputs);
+        return;
+    }
+    if (said.empty()) return;
+    const auto there = cache_.look(key(n, place));
+    if (!there || !there->contains("outputs")) cache_.store(key(n, place), to_json(said), {});
+}
+
+void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
+    if (!cache_.on()) return;
+    Json now = Json::array();
+    for (const auto& path : outputs(n, place)) {
+        const auto content = files_.anew(path);
+        // Another process may have written there since.
+        if (!content || content->number != OutputFile::number_at(path)) return;
+        now.push_back(content->key.text());
+    }
+    auto header = to_json(said);
+    header["files"] = Json::array({now});
+    // The same result may stand at several places, in bytes that differ: writers give each file a number of its own.
+    if (const auto there = cache_.look(key(n, place)))
+        for (const auto& were : there->value("files", Json::array()))
+            if (were != now && header["files"].size() < most_alternatives) header["files"].push_back(were);
+    cache_.store(key(n, place), std::move(header), {});
+}
+
+void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const Said& said) {
+    if (pipeline_.nodes[n].digests_kept && digest) cache_.store(keys_.taken(n, place), to_json(said), {digest});
+}
+
+void Store::keep_grown(const Key& key, std::size_t n, const Payload& result, const Said& said, bool part) {
+    if (!cache_.on() || !result) return;
+    const auto extent = pipeline_.nodes[n].type->growth->extent(result);
+    // Of pairs, all of one window come first: then there is more in a part of as many seams.
+    const auto bytes = cache_.registry().payload(result.type()).bytes(result);
+    if (const auto there = cache_.look(key)) {
+        const auto known = extent_in(*there);
+        const bool ends_part = !part && there->contains("part");
+        if (known && (known->count > extent.count || (known->count == extent.count && !ends_part && there->value("size", bytes) >= bytes))) return;
+    }
+    auto header = to_json(said);
+    header["size"] = bytes;
+    header["extent"] = {{"count", extent.count}, {"of", extent.of}};
+    if (part) header["part"] = true;
+    cache_.store(key, std::move(header), {result});
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,26 @@
+#include "runtime/plan/frame_run.h"
+
+#include <set>
+
+namespace fluidcarve {
+
+Wiring wire(const Pipeline& pipeline, const Pass& pass) {
+    Wiring out;
+    out.units = pass.per_frame;
+    out.units.insert(out.units.end(), pass.gatherers.begin(), pass.gatherers.end());
+    out.sources.resize(pipeline.nodes.size());
+    out.readers.resize(pipeline.nodes.size());
+    for (const auto unit : out.units) {
+        std::set<std::size_t> distinct;
+        for (const auto& links : pipeline.nodes[unit].inputs)
+            for (const auto& link : links)
+                if (pipeline.nodes[link.node].rate == Rate::frame) distinct.insert(link.node);
+        for (const auto source : distinct) {
+            out.sources[unit].push_back(source);
+            out.readers[source].push_back(unit);
+        }
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,472 @@
+#include "runtime/run/flow.h"
+
+#include "runtime/plan/frame_run.h"
+
+#include <fmt/format.h>
+#include <tbb/flow_graph.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <new>
+
+namespace fluidcarve {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+using Token = std::shared_ptr<FrameRun>;
+using Action = Schedule::Action;
+
+}  // namespace
+
+struct Flow::Self {
+    /// A body's line to the run, and what it said there.
+    struct Line : Context::Host {
+        Line(Self& run, std::size_t node) : run(run), node(node) {}
+        Self& run;
+        const std::size_t node;
+        const Clock::time_point start = Clock::now();
+        std::mutex mutex;
+        Said said;
+        std::optional<Key> grows;  ///< where a growing result is held
+        Clock::time_point next_hold{};
+
+        bool cancelled() const override { return run.cancelled(); }
+        void warn(const std::string& message) override {
+            run.report.warn(node, message);
+            const std::lock_guard lock(mutex);
+            said.warnings.push_back(message);
+        }
+        void report(const std::string& section, const nlohmann::ordered_json& entry) override {
+            run.report.entry(node, section, entry);
+            const std::lock_guard lock(mutex);
+            said.report[section] = entry;
+        }
+        void progress(double fraction) override {
+            if (run.steps[node].finish) run.progress.part(*run.steps[node].finish, fraction, since(start));
+        }
+        void hold(const Payload& result) override {
+            const std::lock_guard lock(mutex);
+            const auto begin = Clock::now();
+            if (!grows || begin < next_hold) return;
+            const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
+            run.store.keep_grown(*grows, node, result, said, true);
+            // Holding must not take longer than what it saves.
+            constexpr int pauses = 10;
+            next_hold = Clock::now() + pauses * (Clock::now() - begin);
+        }
+    };
+    struct Steps {
+        std::optional<std::size_t> run, add, finish;
+    };
+
+    const Pipeline& pipeline;
+    const Registry& registry;
+    const std::vector<int>& frames;
+    const RunOptions& options;
+    Store& store;
+    Report& report;
+    Progress& progress;
+    RunProfile* const profile;
+    const std::function<bool()> cancelled;
+    std::vector<Behaviour> behaviours;
+    std::vector<Steps> steps;
+    std::vector<std::vector<Payload>> held;  ///< outputs of once-run nodes
+    std::atomic<bool> failed{false};         ///< something went wrong
+    std::atomic<bool> fatal{false};          ///< it ends the run even where the user said to keep going
+    std::atomic<bool> lost{false};           ///< a kept result is not there any more
+
+    bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
+
+    Context context(Line& line) {
+        Context out(line, frames);
+        out.limits(options.memory, options.work_folder);
+        return out;
+    }
+
+    /// Hands a node its inputs. @param frame  null: per-frame inputs stay empty
+    void connect(std::size_t n, void* ports, const FrameRun* frame) const {
+        const auto& node = pipeline.nodes[n];
+        for (std::size_t i = 0; i < node.inputs.size(); ++i) {
+            const auto& spec = node.type->inputs[i];
+            std::vector<Payload> in;
+            for (const auto& link : node.inputs[i]) {
+                const auto& source = pipeline.nodes[link.node];
+                const bool per_frame = source.rate == Rate::frame;
+                if (per_frame && !frame) continue;
+                const auto& payload = (per_frame ? frame->outputs : held)[link.node][link.output];
+                if (!payload) throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name, source.name, source.outputs[link.output].name));
+                in.push_back(registry.convert(payload, spec.type));
+            }
+            spec.set(ports, in, node.input_names[i]);
+        }
+    }
+
+    std::vector<Payload> collect(std::size_t n, const void* ports) const {
+        std::vector<Payload> out;
+        for (const auto& output : pipeline.nodes[n].outputs) out.push_back(output.get(ports));
+        return out;
+    }
+
+    std::uint64_t bytes(const std::vector<Payload>& payloads) const {
+        std::uint64_t out = 0;
+        for (const auto& payload : payloads)
+            if (payload) out += registry.payload(payload.type()).bytes(payload);
+        return out;
+    }
+
+    /// Calls a body; whatever it throws becomes a Fault. No exception leaves: one would cancel the whole graph.
+    /// @param what  the profile's category
+    bool guarded(std::size_t n, std::optional<int> frame, const char* what, const std::function<void()>& body) {
+        const RunProfile::Span span(profile, what, n, frame);
+        const auto fault = [&](const std::string& message, Failure::Kind kind) {
+            report.failed({pipeline.nodes[n].name, pipeline.nodes[n].type->name, frame, message, kind});
+            failed = true;
+            return false;
+        };
+        try {
+            // Isolated: a parallel loop inside the body must not pick up another frame's body while it waits.
+            tbb::this_task_arena::isolate(body);
+            return true;
+        } catch (const Cancelled&) {
+            return false;
+        } catch (const Failure& failure) {
+            return fault(failure.what(), failure.kind);
+        } catch (const std::bad_alloc&) {
+            return fault("out of memory; try a smaller --in-flight", Failure::Kind::data);
+        } catch (const std::exception& error) {
+            return fault(error.what(), Failure::Kind::data);
+        }
+    }
+
+    /// The frame that a place means to a node; none to one that runs once.
+    std::optional<int> frame_at(std::size_t n, std::size_t place) const {
+        return pipeline.nodes[n].rate == Rate::frame ? std::optional(frames[place]) : std::nullopt;
+    }
+
+    /// Keeps what a body made and said, if it is to be kept.
+    void keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
+        const bool stores = options.cache && (pipeline.nodes[n].kept || !said.empty());
+        const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frame_at(n, place));
+        store.keep(n, place, outputs, said);
+    }
+
+    /// What a former run kept of a node's outputs. @param into  becomes them @return false if it is gone
+    bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
+        const RunProfile::Span span(profile, "load", n, frame_at(n, place));
+        if (auto outputs = store.result(n, place)) return into = std::move(*outputs), true;
+        lost = true;
+        return false;
+    }
+
+    void load_once(std::size_t n) {
+        if (load(n, 0, held[n])) report.holds(n, bytes(held[n]));
+    }
+
+    /// The end of a gatherer's work, in `ports`, from where a former run has come if its result grows.
+    void end_gathering(std::size_t n, void* ports, Context& where, Line& line) {
+        if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
+            line.grows = store.key(n, 0);
+            const auto part = [&] {
+                const RunProfile::Span span(profile, "load", n, std::nullopt);
+                return store.part(n);
+            }();
+            if (part) behaviours[n].resume(part->first, part->second);
+        }
+        behaviours[n].finish(ports, where);
+    }
+
+    void finish(std::size_t n) {
+        Line line(*this, n);
+        const bool delivers = pipeline.nodes[n].rate != Rate::frame;
+        const bool good = guarded(n, std::nullopt, "finish", [&] {
+            auto ports = behaviours[n].make_ports();
+            connect(n, ports.get(), nullptr);
+            auto where = context(line);
+            end_gathering(n, ports.get(), where, line);
+            if (delivers) held[n] = collect(n, ports.get());
+        });
+        report.finished(n, since(line.start), bytes(held[n]));
+        progress.done(*steps[n].finish, since(line.start), std::nullopt);
+        if (!good) fatal = true;
+        else if (delivers) keep(n, 0, held[n], line.said);
+    }
+
+    /// What was read is what keys speak of: else results would be kept under another's name.
+    void require_inputs(std::size_t n, std::size_t place) {
+        if (store.inputs_changed(n, place)) throw Failure("its file changed while the run was on; run again", Failure::Kind::input);
+    }
+
+    void once(std::size_t n) {
+        const auto& node = pipeline.nodes[n];
+        const auto& behaviour = behaviours[n];
+        const bool connected = std::any_of(node.inputs.begin(), node.inputs.end(), [](const auto& links) { return !links.empty(); });
+        Line line(*this, n);
+        const bool good = guarded(n, std::nullopt, "run", [&] {
+            auto ports = behaviour.make_ports();
+            connect(n, ports.get(), nullptr);
+            auto where = context(line);
+            if (behaviour.add && connected) behaviour.add(ports.get(), where);
+            if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports.get(), where), where);
+            if (behaviour.finish) end_gathering(n, ports.get(), where, line);
+            if (behaviour.run) behaviour.run(ports.get(), where);
+            require_inputs(n, 0);
+            held[n] = collect(n, ports.get());
+        });
+        report.finished(n, since(line.start), bytes(held[n]));
+        progress.done(*steps[n].run, since(line.start), std::nullopt);
+        if (!good) fatal = true;
+        else keep(n, 0, held[n], line.said);
+    }
+
+    /// A per-frame node's work in one frame.
+    void run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
+        if (frame.actions[n] == Action::load) {
+            frame.failed[n] = cancelled() || !load(n, frame.place, frame.outputs[n]);
+        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
+            frame.failed[n] = true;
+        } else if (frame.actions[n] == Action::run) {
+            const auto& node = pipeline.nodes[n];
+            const auto wants = [&](std::string_view output) {
+                if (node.kept && options.cache) return true;
+                for (const auto reader : wiring.readers[n]) {
+                    if (frame.actions[reader] != Action::run) continue;
+                    for (const auto& links : pipeline.nodes[reader].inputs)
+                        for (const auto& link : links)
+                            if (link.node == n && node.outputs[link.output].name == output) return true;
+                }
+                return target;
+            };
+            Line line(*this, n);
+            frame.failed[n] = !guarded(n, frames[frame.place], "run", [&] {
+                auto ports = behaviours[n].make_ports();
+                connect(n, ports.get(), &frame);
+                auto where = context(line);
+                where.at(frame.place).wanting(wants);
+                behaviours[n].run(ports.get(), where);
+                require_inputs(n, frame.place);
+                frame.outputs[n] = collect(n, ports.get());
+            });
+            report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
+            progress.done(*steps[n].run, since(line.start), frames[frame.place]);
+            if (!frame.failed[n]) keep(n, frame.place, frame.outputs[n], line.said);
+        }
+        release(n, frame, wiring);
+    }
+
+    static bool upstream_failed(std::size_t n, const FrameRun& frame, const Wiring& wiring) {
+        return std::any_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
+    }
+
+    /// What a gatherer needs of a frame, found for many frames at once or as it was kept. Its one output here is the digest.
+    void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
+        if (!behaviours[n].digest) return;
+        if (frame.actions[n] == Action::load) {
+            const RunProfile::Span span(profile, "load", n, frames[frame.place]);
+            if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
+            else lost = true;
+            frame.failed[n] = frame.outputs[n].empty();
+        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
+            frame.failed[n] = true;
+        } else if (frame.actions[n] == Action::run) {
+            Line line(*this, n);
+            frame.failed[n] = !guarded(n, frames[frame.place], "digest", [&] {
+                auto ports = behaviours[n].make_ports();
+                connect(n, ports.get(), &frame);
+                auto where = context(line);
+                where.at(frame.place);
+                frame.outputs[n] = {behaviours[n].digest(ports.get(), where)};
+            });
+            report.took(n, frame.place, since(line.start), bytes(frame.outputs[n]));
+            progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+            if (!frame.failed[n]) {
+                const bool stores = options.cache && pipeline.nodes[n].digests_kept;
+                const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frames[frame.place]);
+                store.keep_digest(n, frame.place, frame.outputs[n].front(), line.said);
+            }
+        }
+    }
+
+    /// A gatherer takes one frame; false if the frame had failed.
+    bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
+        bool good = true;
+        if (frame.actions[n] != Action::none) {
+            good = !cancelled() && !frame.failed[n] && (frame.actions[n] == Action::load || !upstream_failed(n, frame, wiring));
+            Line line(*this, n);
+            good = good && (!all || guarded(n, frames[frame.place], "take", [&] {
+                       auto where = context(line);
+                       where.at(frame.place);
+                       if (behaviours[n].digest) return behaviours[n].take(frame.outputs[n].at(0), where);
+                       auto ports = behaviours[n].make_ports();
+                       connect(n, ports.get(), &frame);
+                       behaviours[n].add(ports.get(), where);
+                   }));
+            if (!behaviours[n].digest) {
+                report.took(n, frame.place, since(line.start), 0);
+                progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+            }
+        }
+        release(n, frame, wiring);
+        return good;
+    }
+
+    /// Lets go of what this node was the last to read: not the whole frame stays alive until its end.
+    static void release(std::size_t n, FrameRun& frame, const Wiring& wiring) {
+        for (const auto source : wiring.sources[n])
+            if (frame.readers[source].fetch_sub(1) == 1) frame.outputs[source].clear();
+        if (wiring.readers[n].empty()) frame.outputs[n].clear();
+    }
+
+    void run_once(const std::vector<std::size_t>& nodes, const Schedule& schedule) {
+        for (const auto n : nodes) {
+            if (stopped()) return;
+            if (schedule.once[n] == Action::run) once(n);
+            if (schedule.once[n] == Action::load) load_once(n);
+        }
+    }
+
+    void announce(const Plan& plan, const Schedule& schedule);
+    void run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule);
+};
+
+Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
+           Progress& progress, RunProfile* profile, std::function<bool()> cancelled)
+    : self_(new Self{pipeline, registry, frames, options, store, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
+    const auto count = pipeline.nodes.size();
+    self_->steps.resize(count);
+    self_->held.resize(count);
+    for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
+}
+
+Flow::~Flow() = default;
+
+bool Flow::stopped() const { return self_->stopped(); }
+bool Flow::lost() const { return self_->lost; }
+
+/// Tells the progress of all that will run.
+void Flow::Self::announce(const Plan& plan, const Schedule& schedule) {
+    std::vector<std::size_t> runs(pipeline.nodes.size(), 0);
+    for (std::size_t p = 0; p < plan.passes.size(); ++p) {
+        const auto& pass = plan.passes[p];
+        std::vector<std::size_t> adds(pipeline.nodes.size(), 0);
+        for (const auto& actions : schedule.frames[p]) {
+            for (const auto n : pass.per_frame) runs[n] += actions[n] == Action::run ? 1 : 0;
+            for (const auto n : pass.gatherers) adds[n] += actions[n] == Action::run || (actions[n] == Action::load && !behaviours[n].digest) ? 1 : 0;
+        }
+        for (const auto n : pass.gatherers) {
+            if (adds[n] > 0) steps[n].add = progress.add({pipeline.nodes[n].name, adds[n]});
+            if (schedule.gathers[n]) steps[n].finish = progress.add({pipeline.nodes[n].name, 1});
+        }
+    }
+    const auto count_once = [&](const std::vector<std::size_t>& nodes) {
+        for (const auto n : nodes) runs[n] += schedule.once[n] == Action::run ? 1 : 0;
+    };
+    for (const auto& pass : plan.passes) count_once(pass.before);
+    count_once(plan.after);
+    for (std::size_t n = 0; n < runs.size(); ++n)
+        if (runs[n] > 0) steps[n].run = progress.add({pipeline.nodes[n].name, runs[n]});
+}
+
+void Flow::run(const Plan& plan, const Schedule& schedule) {
+    auto& self = *self_;
+    self.announce(plan, schedule);
+    for (std::size_t p = 0; p < plan.passes.size() && !self.stopped(); ++p) {
+        self.progress.begin_pass(p);
+        self.run_once(plan.passes[p].before, schedule);
+        if (!self.stopped()) self.run_pass(plan.passes[p], schedule.frames[p], plan, schedule);
+    }
+    if (!self.stopped()) self.run_once(plan.after, schedule);
+}
+
+/// Streams the frames through one pass.
+void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule) {
+    namespace flow = tbb::flow;
+    auto& self = *this;
+    const auto wiring = wire(self.pipeline, pass);
+    const auto nodes = self.pipeline.nodes.size();
+    std::vector<std::size_t> places;
+    for (std::size_t place = 0; place < actions.size(); ++place)
+        if (std::any_of(actions[place].begin(), actions[place].end(), [](Action action) { return action != Action::none; })) places.push_back(place);
+
+    flow::graph graph;
+    std::size_t next = 0;
+    // Only numbers wait in front of the limiter; data comes to life behind it.
+    flow::input_node<std::size_t> source(graph, [&](tbb::flow_control& control) -> std::size_t {
+        if (next == places.size() || self.stopped()) return control.stop(), 0;
+        return next++;
+    });
+    flow::limiter_node<std::size_t> limiter(graph, static_cast<std::size_t>(std::max(1, self.options.in_flight)));
+    int ends = 0;
+    for (const auto unit : wiring.units) ends += wiring.readers[unit].empty() ? 1 : 0;
+    flow::function_node<std::size_t, Token> admit(graph, flow::unlimited, [&](std::size_t order) {
+        auto frame = std::make_shared<FrameRun>(places[order], order, nodes);
+        frame->actions = actions[places[order]];
+        frame->open = ends;
+        for (const auto unit : wiring.units) {
+            frame->waiting[unit] = static_cast<int>(std::max<std::size_t>(1, wiring.sources[unit].size()));
+            frame->readers[unit] = static_cast<int>(wiring.readers[unit].size());
+        }
+        return frame;
+    });
+    flow::function_node<Token, flow::continue_msg> retire(graph, flow::unlimited, [&](const Token& frame) {
+        if (frame->open.fetch_sub(1) == 1) limiter.decrementer().try_put(flow::continue_msg{});
+        return flow::continue_msg{};
+    });
+    flow::make_edge(source, limiter);
+    flow::make_edge(limiter, admit);
+
+    using Unit = flow::multifunction_node<Token, std::tuple<Token>>;
+    struct Gather {
+        std::unique_ptr<flow::sequencer_node<Token>> order;
+        std::unique_ptr<flow::function_node<Token, Token>> add;
+        std::vector<int> lost;  ///< frames that failed upstream or here
+    };
+    std::vector<std::unique_ptr<Unit>> units(nodes);
+    std::vector<Gather> gathers(nodes);
+    for (const auto n : wiring.units) {
+        const bool gathers_here = std::find(pass.gatherers.begin(), pass.gatherers.end(), n) != pass.gatherers.end();
+        units[n] = std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &plan, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {
+            if (frame->waiting[n].fetch_sub(1) != 1) return;
+            if (gathers_here) self.digest(n, *frame, wiring);
+            else self.run(n, *frame, wiring, plan.targets[n]);
+            std::get<0>(out).try_put(frame);
+        });
+        if (!gathers_here) continue;
+        auto& gather = gathers[n];
+        // Every admitted frame passes, failed ones too: a gap would stall the sequencer for good.
+        gather.order = std::make_unique<flow::sequencer_node<Token>>(graph, [](const Token& frame) { return frame->order; });
+        gather.add = std::make_unique<flow::function_node<Token, Token>>(graph, flow::serial, [&self, &wiring, &gather, &schedule, n](const Token& frame) {
+            if (!self.add(n, *frame, wiring, schedule.gathers[n] != 0)) gather.lost.push_back(self.frames[frame->place]);
+            return frame;
+        });
+        flow::make_edge(flow::output_port<0>(*units[n]), *gather.order);
+        flow::make_edge(*gather.order, *gather.add);
+        flow::make_edge(*gather.add, retire);
+    }
+    for (const auto n : wiring.units) {
+        if (wiring.sources[n].empty()) flow::make_edge(admit, *units[n]);
+        for (const auto reader : wiring.readers[n]) flow::make_edge(flow::output_port<0>(*units[n]), *units[reader]);
+        if (wiring.readers[n].empty() && !gathers[n].add) flow::make_edge(flow::output_port<0>(*units[n]), retire);
+    }
+    source.activate();
+    graph.wait_for_all();
+
+    for (const auto n : pass.gatherers) {
+        if (self.stopped()) return;
+        if (schedule.once[n] == Action::load) self.load_once(n);
+        if (!schedule.gathers[n]) continue;
+        if (gathers[n].lost.empty()) {
+            self.finish(n);
+            continue;
+        }
+        const auto& node = self.pipeline.nodes[n];
+        self.report.failed({node.name, node.type->name, std::nullopt,
+                            fmt::format("needs every frame of the sequence, but these failed: {}", FrameSet(gathers[n].lost).text()), Failure::Kind::data});
+        self.failed = self.fatal = true;
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,145 @@
+#include "runtime/run/forecast.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<Forecast::Stream> streams(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule) {
+    std::vector<Forecast::Stream> out;
+    for (std::size_t p = 0; p < plan.passes.size(); ++p) {
+        Forecast::Stream stream;
+        std::vector<bool> runs(pipeline.nodes.size(), false);
+        for (const auto& actions : schedule.frames[p]) {
+            bool any = false;
+            for (std::size_t n = 0; n < actions.size(); ++n) {
+                any = any || actions[n] != Schedule::Action::none;
+                runs[n] = runs[n] || actions[n] == Schedule::Action::run;
+            }
+            stream.frames += any ? 1 : 0;
+        }
+        for (const auto n : plan.passes[p].per_frame)
+            if (runs[n]) stream.nodes.push_back(pipeline.nodes[n].name);
+        for (const auto n : plan.passes[p].gatherers)
+            if (runs[n] || schedule.gathers[n]) stream.gatherers.push_back(pipeline.nodes[n].name);
+        if (!stream.nodes.empty() || !stream.gatherers.empty()) out.push_back(std::move(stream));
+    }
+    return out;
+}
+
+std::string duration(double seconds) {
+    if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+    if (seconds < 3600) return fmt::format("{:.0f} min", seconds / 60);
+    return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+std::string size(std::uint64_t bytes) {
+    const auto megabytes = static_cast<double>(bytes) * 1e-6;
+    return megabytes < 1000 ? fmt::format("{:.0f} MB", std::max(1.0, megabytes)) : fmt::format("{:.1f} GB", megabytes * 1e-3);
+}
+
+}  // namespace
+
+Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
+                  Keys& keys, const RunOptions& options) {
+    const auto& plan = prepared.plan();
+    Forecast out;
+    out.pipeline = pipeline.name;
+    out.frames = FrameSet(prepared.frames());
+    out.delivered = FrameSet(prepared.delivered_frames());
+    out.streams = streams(pipeline, plan, schedule);
+    const auto why = reasons(pipeline, shares, history, keys, prepared.frames(), [&](std::size_t n) { return prepared.reads(n); });
+    std::uint64_t input_bytes = 0;
+    for (const auto& [node, bytes] : prepared.input_bytes()) input_bytes = std::max(input_bytes, bytes);
+    double work = 0;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+        const auto& share = shares[n];
+        const auto& node = pipeline.nodes[n];
+        if (share.frames == 0) continue;
+        out.lines.push_back(
+            {node.name, node.type->name, share.frames, share.frames - share.runs, why[n], share.taken_anew + share.taken_kept, share.taken_kept});
+        const bool once = schedule.once[n] == Schedule::Action::run || schedule.gathers[n];
+        const std::size_t runs = node.rate == Rate::frame && !share.only_takes ? share.runs : 0;
+        if (!once && runs == 0 && share.taken_anew == 0) continue;
+        const auto cost = history.cost(node.name, input_bytes).value_or(NodeCost{});
+        const auto add = [&](std::size_t times, const std::optional<double>& seconds) {
+            if (times > 0 && seconds) work += static_cast<double>(times) * *seconds;
+            return times == 0 || seconds;
+        };
+        const bool measured = add(runs, cost.frame_s) & add(share.taken_anew, cost.take_s) & add(once ? 1 : 0, cost.once_s);
+        if (!measured) out.unmeasured.push_back(node.name);
+        // What a node delivers per frame is alive in as many frames as are in flight; what it takes of each, if it digests, until its end.
+        const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
+        const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(runs, share.taken_anew));
+        out.bytes += once && node.type->digest != typeid(void) && node.rate != Rate::frame
+                         ? std::min(options.memory, bytes * (share.taken_anew + share.taken_kept))
+                         : bytes * std::max<std::size_t>(1, in_flight);
+    }
+    out.seconds = work / std::max(1, options.threads);
+    return out;
+}
+
+std::string table(const std::vector<std::vector<std::string>>& rows) {
+    std::vector<std::size_t> widths(rows.front().size(), 0);
+    for (const auto& row : rows)
+        for (std::size_t n = 0; n < row.size(); ++n) widths[n] = std::max(widths[n], row[n].size());
+    std::string out;
+    for (const auto& row : rows) {
+        std::string line;
+        for (std::size_t n = 0; n < row.size(); ++n) {
+            const bool left = n < 2 || n + 1 == row.size();
+            line += left ? fmt::format("{:<{}}  ", row[n], widths[n]) : fmt::format("{:>{}}  ", row[n], widths[n]);
+        }
+        out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    return out;
+}
+
+std::string to_text(const Forecast& forecast) {
+    const auto total = forecast.frames.frames().size();
+    std::string out = fmt::format("{}: {} nodes, frames {} ({})", forecast.pipeline, forecast.lines.size(), forecast.frames.text(), total);
+    if (const auto count = forecast.delivered.frames().size(); count < total)
+        out += fmt::format(", of which {} {} delivered", forecast.delivered.text(), count == 1 ? "is" : "are");
+    out += "\n\n";
+    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "why it runs"}};
+    for (const auto& line : forecast.lines) {
+        auto why = line.why;
+        if (line.taken_cached > 0) why += fmt::format("; takes {} of {} frames as they were kept", line.taken_cached, line.taken);
+        rows.push_back({line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
+    }
+    out += table(rows) + "\n";
+    if (std::all_of(forecast.lines.begin(), forecast.lines.end(), [](const auto& line) { return line.why.empty(); }))
+        return out + "nothing to do: every result is there\n";
+    for (std::size_t n = 0; n < forecast.streams.size(); ++n) {
+        const auto& stream = forecast.streams[n];
+        out += fmt::format("pass {} of {}: {} frame{}{}{}{}\n", n + 1, forecast.streams.size(), stream.frames, stream.frames == 1 ? "" : "s",
+                           stream.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(stream.nodes, ", ")), stream.gatherers.empty() ? "" : "; gathers ",
+                           fmt::join(stream.gatherers, ", "));
+    }
+    if (forecast.seconds > 0) out += fmt::format("time: about {}", duration(forecast.seconds));
+    else out += "time: unknown";
+    if (!forecast.unmeasured.empty())
+        out += fmt::format("{}, without {}, not measured yet", forecast.seconds > 0 ? "" : " yet", fmt::join(forecast.unmeasured, ", "));
+    out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size(forecast.bytes)) : "\n";
+    return out;
+}
+
+Json to_json(const Forecast& forecast) {
+    Json out{{"pipeline", forecast.pipeline}, {"frames", forecast.delivered.frames()}, {"nodes", Json::object()}, {"passes", Json::array()},
+             {"seconds", forecast.seconds},   {"unmeasured", forecast.unmeasured},     {"bytes", forecast.bytes}};
+    for (const auto& line : forecast.lines) {
+        auto& node = out["nodes"][line.node];
+        node = {{"type", line.type}, {"frames", line.frames}, {"cached", line.cached}};
+        if (line.taken > 0) node["taken"] = {{"frames", line.taken}, {"cached", line.taken_cached}};
+        if (!line.why.empty()) node["why"] = line.why;
+    }
+    for (const auto& stream : forecast.streams) out["passes"].push_back({{"frames", stream.frames}, {"nodes", stream.nodes}, {"gathers", stream.gatherers}});
+    return out;
+}
+
+}  // namespace fluidcarve

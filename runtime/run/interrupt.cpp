@@ -1,0 +1,64 @@
+#include "runtime/run/interrupt.h"
+
+#include "graph/output_file.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+#include <csignal>
+#include <cstdint>
+
+namespace fluidcarve {
+namespace {
+
+constexpr int grace_ms = 800;
+
+sigset_t stop_signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    return set;
+}
+
+}  // namespace
+
+Interrupt::Interrupt() {
+    // Blocked here and so in every thread made from here on: only the watcher sees them, outside of any handler.
+    const auto set = stop_signals();
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    signals_ = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    ended_ = eventfd(0, EFD_CLOEXEC);
+    thread_ = std::thread([this] { watch(); });
+}
+
+Interrupt::~Interrupt() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = write(ended_, &one, sizeof one);
+    thread_.join();
+    close(signals_);
+    close(ended_);
+    const auto set = stop_signals();
+    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
+
+void Interrupt::watch() {
+    pollfd fds[] = {{ended_, POLLIN, 0}, {signals_, POLLIN, 0}};
+    int timeout = -1;
+    while (true) {
+        const int events = poll(fds, 2, timeout);
+        if (fds[0].revents != 0) return;
+        if (events == 0 || asked_) {
+            OutputFile::remove_unfinished();
+            _exit(130);
+        }
+        signalfd_siginfo info;
+        if (read(signals_, &info, sizeof info) == sizeof info) {
+            asked_ = true;
+            timeout = grace_ms;
+        }
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,241 @@
+#include "runtime/run/run.h"
+
+#include "graph/output_file.h"
+#include "runtime/keep/history.h"
+#include "runtime/page/html_report.h"
+#include "runtime/run/preparation.h"
+#include "runtime/run/status.h"
+#include "runtime/tell/terminal.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+
+namespace fluidcarve {
+namespace {
+
+/// Where a writer's first file can't be written, no other likely can: told before hours are spent.
+void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame, Report& report) {
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (const auto& spec : node.type->params) {
+            if (shares[n].runs == 0 || spec.shape.kind != Shape::Kind::output_path || spec.path(node.params.get()).text().empty()) continue;
+            try {
+                const OutputFile file(spec.path(node.params.get()).at(frame));
+            } catch (const Failure& failure) {
+                report.failed({node.name, node.type->name, node.rate == Rate::frame ? std::optional(frame) : std::nullopt, failure.what(), failure.kind});
+            }
+        }
+    }
+}
+
+int exit_of(const Report& report, bool cancelled, bool stopped) {
+    const auto faults = report.faults();
+    if (cancelled) return exit_code::interrupted;
+    if (faults.empty()) return exit_code::done;
+    if (!stopped) return exit_code::some_frames_failed;
+    const bool only_inputs = std::all_of(faults.begin(), faults.end(), [](const Fault& fault) { return fault.kind == Failure::Kind::input; });
+    return only_inputs ? exit_code::input : exit_code::node_failed;
+}
+
+/// @param told  warnings that the user has seen
+void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
+    constexpr std::size_t most = 20;
+    const auto faults = report.faults();
+    for (std::size_t n = 0; n < std::min(most, faults.size()); ++n) tell("failed: " + to_text(faults[n]));
+    if (faults.size() > most) tell(fmt::format("... and {} more; --report FILE.json lists them all", faults.size() - most));
+    if (request.quiet) return;
+    for (const auto& warning : report.warnings())
+        if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
+    if (faults.empty() && summary["exit"] == exit_code::done)
+        tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
+    if (request.verbose)
+        for (const auto& [name, node] : summary["nodes"].items())
+            tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(),
+                             node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
+}
+
+/// @param what  the file is, for people @return the exit code, which a file that can't be written changes
+int write_file(const char* what, const std::string& path, const std::string& text, int code) {
+    try {
+        OutputFile file(path);
+        std::ofstream out(file.aside(), std::ios::binary);
+        out << text;
+        out.close();
+        if (!out) throw Failure(fmt::format("cannot write {}: is the disk full?", path));
+        file.commit();
+        return code;
+    } catch (const Failure& failure) {
+        tell(fmt::format("failed: {}: {}", what, failure.what()));
+        return code == exit_code::done ? exit_code::node_failed : code;
+    }
+}
+
+/// The report, the page and the profile, as far as they are asked for. @return the exit code
+int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
+              std::filesystem::file_time_type start, int code) {
+    if (!request.report_path.empty())
+        code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
+    if (!request.profile_path.empty()) code = write_file("profile", request.profile_path, profile.text(), code);
+    if (request.html_path.empty()) return code;
+    const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start);
+    const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
+    return write_file("page", request.html_path, to_html(pipeline, registry, request.origins, summary, files, when), code);
+}
+
+/// What `--only` needs of other nodes and is not there.
+std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const std::vector<Share>& shares) {
+    std::vector<Fault> out;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
+        out.push_back({node.name, node.type->name, std::nullopt,
+                       fmt::format("is not there for {} of {} frames, and --only computes nothing but its own node; run --to {} first", shares[n].runs,
+                                   shares[n].frames, node.name),
+                       Failure::Kind::input});
+    }
+    return out;
+}
+
+/// Runs, and plans anew where a kept result turns out to be gone. @return whether it was stopped before its end
+bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
+             RunProfile* profile, const std::function<bool()>& cancelled) {
+    constexpr int most_attempts = 4;
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
+    tbb::task_arena arena(request.options.threads);
+    for (int attempt = 1;; ++attempt) {
+        bool stopped = true, lost = false;
+        {
+            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
+            arena.execute([&] {
+                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), report, progress, profile, cancelled);
+                flow.run(prepared.plan(), schedule);
+                stopped = flow.stopped();
+                lost = flow.lost();
+            });
+        }
+        if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty())) return stopped;
+        if (attempt == most_attempts) {
+            const auto& node = pipeline.nodes.front();
+            report.failed(
+                {node.name, node.type->name, std::nullopt,
+                 fmt::format("kept results vanish from '{}' again and again; is it being cleaned? --no-cache runs without", request.options.work_folder),
+                 Failure::Kind::data});
+            return true;
+        }
+        // The last one counts on nothing that others may take away.
+        schedule = attempt + 1 == most_attempts ? prepared.whole_schedule() : prepared.careful_schedule();
+    }
+}
+
+std::uint64_t input_bytes(const Preparation& prepared) {
+    std::uint64_t out = 0;
+    for (const auto& [node, bytes] : prepared.input_bytes()) out = std::max(out, bytes);
+    return out;
+}
+
+/// So that a later plan can say what changed.
+void remember(const Pipeline& pipeline, Preparation& prepared, const std::vector<Share>& shares, History& history) {
+    if (!history.on()) return;
+    for (std::size_t n = 0; n < shares.size(); ++n)
+        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.keys(), prepared.frames(), prepared.reads(n)));
+    history.save();
+}
+
+void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const Report& report, History& history) {
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s) history.set_cost(pipeline.nodes[n].name, cost, input_bytes(prepared));
+    history.save();
+}
+
+/// What the user should know of the work folder.
+void tell_of_cache(const Cache& cache) {
+    if (cache.damaged() > 0)
+        tell(fmt::format("warning: {} damaged {} of the work folder {} computed anew", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
+                         cache.damaged() == 1 ? "was" : "were"));
+    if (!cache.fault().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
+}
+
+}  // namespace
+
+int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
+    Report report(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    for (const auto& fault : prepared.missing()) report.failed(fault);
+    for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
+    if (!prepared.missing().empty() || prepared.frames().empty()) return exit_code::input;
+    const auto schedule = prepared.schedule();
+    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+    const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
+    const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
+    std::fputs(json ? (to_json(outlook).dump(2) + "\n").c_str() : to_text(outlook).c_str(), stdout);
+    return exit_code::done;
+}
+
+int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled) {
+    const auto start = std::filesystem::file_time_type::clock::now();
+    for (const auto& [what, path] :
+         {std::pair("report", request.report_path), std::pair("page", request.html_path), std::pair("profile", request.profile_path)}) {
+        try {
+            if (!path.empty()) const OutputFile file(path);
+        } catch (const Failure& failure) {
+            return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
+        }
+    }
+    Report report(pipeline);
+    RunProfile profile(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    if (!request.quiet)
+        for (const auto& warning : report.warnings()) tell("warning: " + warning);
+    const auto told = report.warnings();
+    // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
+    if (!request.options.keep_going)
+        for (const auto& fault : prepared.missing()) report.failed(fault);
+    if (prepared.frames().empty()) {
+        const auto& targets = prepared.plan().targets;
+        const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
+        const auto& node = pipeline.nodes[first];
+        report.failed({node.name, node.type->name, std::nullopt, "no frame is left: of each, some reader that leaves out missing frames has no file",
+                       Failure::Kind::input});
+    }
+
+    const auto delivered = prepared.delivered_frames();
+    bool stopped = true;
+    if (report.faults().empty()) {
+        auto schedule = prepared.schedule();
+        prepared.repeat_said(schedule, report);
+        // Something that was said could not be read to its end: then what goes with it is to be made anew.
+        if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
+        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+        if (request.wish.only)
+            for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
+        History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
+        const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
+        if (request.verbose) std::fputs(to_text(outlook).c_str(), stderr);
+        if (report.faults().empty() && !request.options.keep_going)
+            try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
+        report.expect(to_do);
+        if (report.faults().empty()) {
+            remember(pipeline, prepared, to_do, history);
+            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), outlook, report);
+            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
+            status.end(exit_of(report, cancelled(), stopped));
+            remember_cost(pipeline, prepared, report, history);
+            prepared.cache().trim(request.options.cache_size);
+        }
+    }
+    const int code = exit_of(report, cancelled(), stopped);
+    const auto summary = report.to_json(delivered, code);
+    if (!request.quiet) tell_of_cache(prepared.cache());
+    tell_outcome(report, request, summary, told);
+    return write_all(pipeline, registry, request, summary, profile, start, code);
+}
+
+}  // namespace fluidcarve

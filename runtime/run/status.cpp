@@ -1,0 +1,156 @@
+#include "runtime/run/status.h"
+
+#include "graph/output_file.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double silent_seconds = 30;   ///< without a sign of life, a run on another machine counts as killed
+constexpr std::size_t most_ended = 10;  ///< runs that a work folder remembers
+
+double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+std::string host() {
+    std::array<char, 256> name{};
+    gethostname(name.data(), name.size() - 1);
+    return name.data();
+}
+
+/// "running", "done", "failed", "interrupted" or "killed".
+std::string state_of(const Json& run) {
+    if (run.contains("exit")) return run["exit"] == 0 ? "done" : run["exit"] == 130 ? "interrupted" : "failed";
+    if (run.value("host", "") == host()) return kill(run.value("pid", 0), 0) == 0 || errno == EPERM ? "running" : "killed";
+    return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
+}
+
+/// Whether it is what StatusFile writes: the file may hold anything.
+bool well_formed(const Json& run) {
+    const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
+    if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) || !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
+        !is(run, "host", &Json::is_string) || !is(run, "pipeline", &Json::is_string) || !is(run, "nodes", &Json::is_object))
+        return false;
+    for (const auto& [name, node] : run["nodes"].items())
+        if (!node.is_object() || !is(node, "type", &Json::is_string) || !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
+            (node.contains("why") && !node["why"].is_string()))
+            return false;
+    return true;
+}
+
+struct Run {
+    fs::path file;
+    Json about;
+};
+
+/// The latest first.
+std::vector<Run> runs_in(const std::string& folder) {
+    std::vector<Run> out;
+    std::error_code error;
+    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+        if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
+        std::ifstream in(each->path());
+        auto about = Json::parse(in, nullptr, false);
+        if (well_formed(about)) out.push_back({each->path(), std::move(about)});
+    }
+    std::stable_sort(out.begin(), out.end(), [](const Run& a, const Run& b) { return a.about.value("started", 0.0) > b.about.value("started", 0.0); });
+    return out;
+}
+
+std::string text_of(const Json& run) {
+    std::string out = fmt::format("{}: {}", run.value("pipeline", ""), run.value("state", ""));
+    const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
+    out += fmt::format(", {:.0f} s, process {} on {}\n\n", seconds, run.value("pid", 0), run.value("host", ""));
+    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "why it runs"}};
+    for (const auto& [name, node] : run["nodes"].items())
+        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(), node.value("why", "")});
+    return out + table(rows);
+}
+
+}  // namespace
+
+StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, const Report& report) : about_(to_json(forecast)), report_(report) {
+    if (folder.empty()) return;
+    const auto runs = folder + "/runs";
+    auto former = runs_in(runs);
+    std::erase_if(former, [](const Run& run) { return state_of(run.about) == "running"; });
+    std::error_code ignored;
+    for (std::size_t n = most_ended; n < former.size(); ++n) fs::remove(former[n].file, ignored);
+    about_["host"] = host();
+    about_["pid"] = getpid();
+    about_["started"] = now();
+    path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, fs::path(forecast.pipeline).stem().string(), host(), getpid(), now() * 1000);
+    thread_ = std::thread([this] {
+        std::unique_lock lock(mutex_);
+        while (!end_) {
+            write(nullptr);
+            ended_.wait_for(lock, std::chrono::seconds(1));
+        }
+    });
+}
+
+void StatusFile::end(int exit_code) {
+    if (!thread_.joinable()) return;
+    {
+        const std::lock_guard lock(mutex_);
+        end_ = true;
+    }
+    ended_.notify_all();
+    thread_.join();
+    write(&exit_code);
+}
+
+StatusFile::~StatusFile() {
+    if (thread_.joinable()) end(1);
+}
+
+void StatusFile::write(const int* exit_code) const {
+    auto out = about_;
+    out["updated"] = now();
+    if (exit_code) out["exit"] = *exit_code;
+    const auto done = report_.done();
+    for (std::size_t n = 0; n < done.size(); ++n)
+        if (const auto name = report_.name(n); out["nodes"].contains(name)) out["nodes"][name]["done"] = done[n];
+    try {
+        OutputFile file(path_);
+        std::ofstream(file.aside()) << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
+        file.commit();
+    } catch (const Failure&) {
+        // Nobody is told how far the run has come; the run goes on.
+    }
+}
+
+int show_status(const std::string& folder, bool json) {
+    auto runs = runs_in(folder + "/runs");
+    if (json) {
+        auto out = Json::array();
+        for (auto& run : runs) {
+            run.about["state"] = state_of(run.about);
+            out.push_back(std::move(run.about));
+        }
+        std::fputs((out.dump(2) + "\n").c_str(), stdout);
+        return 0;
+    }
+    if (runs.empty()) std::fputs(fmt::format("no run has left a trace in '{}'\n", folder).c_str(), stdout);
+    for (std::size_t n = 0; n < runs.size(); ++n) {
+        runs[n].about["state"] = state_of(runs[n].about);
+        std::fputs(((n > 0 ? "\n" : "") + text_of(runs[n].about)).c_str(), stdout);
+    }
+    return 0;
+}
+
+}  // namespace fluidcarve

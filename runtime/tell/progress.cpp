@@ -1,0 +1,115 @@
+#include "runtime/tell/progress.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace fluidcarve {
+namespace {
+
+std::string clock_text(double seconds) {
+    const auto whole = static_cast<long>(std::ceil(seconds));
+    if (whole >= 3600) return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+    return fmt::format("{:02}:{:02}", whole / 60, whole % 60);
+}
+
+void put(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+    std::fflush(stderr);
+}
+
+}  // namespace
+
+Progress::~Progress() {
+    if (style_ != ProgressStyle::none) show(true);
+    if (drawn_) put("\n");
+}
+
+std::size_t Progress::add(Step step) {
+    const std::lock_guard lock(mutex_);
+    steps_.push_back({std::move(step), 0, 0});
+    return steps_.size() - 1;
+}
+
+void Progress::begin_pass(std::size_t pass) {
+    const std::lock_guard lock(mutex_);
+    pass_ = pass;
+}
+
+void Progress::done(std::size_t step, double seconds, std::optional<int> frame) {
+    const std::lock_guard lock(mutex_);
+    auto& state = steps_[step];
+    state.done = std::min<double>(std::floor(state.done) + 1, static_cast<double>(state.step.runs));
+    // A run that told of its parts has been counted with them.
+    state.seconds = state.step.runs == 1 ? seconds : state.seconds + seconds;
+    current_ = frame ? fmt::format("{} {}", state.step.label, *frame) : state.step.label;
+    show(false);
+}
+
+void Progress::part(std::size_t step, double fraction, double seconds) {
+    const std::lock_guard lock(mutex_);
+    auto& state = steps_[step];
+    state.done = std::clamp(fraction, 0.0, 0.999);
+    state.seconds = seconds;
+    current_ = state.step.label;
+    show(false);
+}
+
+std::pair<double, double> Progress::spent_and_left() const {
+    double spent = 0;
+    double left = 0;
+    double runs = 0;
+    for (const auto& state : steps_) {
+        spent += state.seconds;
+        runs += state.done;
+    }
+    const double average = runs > 0 ? spent / runs : 0;
+    for (const auto& state : steps_) left += (static_cast<double>(state.step.runs) - state.done) * (state.done > 0 ? state.seconds / state.done : average);
+    return {spent, left};
+}
+
+double Progress::fraction() const {
+    const std::lock_guard lock(mutex_);
+    const auto [spent, left] = spent_and_left();
+    return spent + left > 0 ? spent / (spent + left) : 0;
+}
+
+double Progress::seconds_left() const {
+    const std::lock_guard lock(mutex_);
+    const auto [spent, left] = spent_and_left();
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return spent > 0 ? left * wall / spent : 0;
+}
+
+void Progress::show(bool always) {
+    const auto now = std::chrono::steady_clock::now();
+    const auto pause = style_ == ProgressStyle::bar ? std::chrono::milliseconds(100) : std::chrono::milliseconds(1000);
+    if (style_ == ProgressStyle::none || (!always && now - shown_ < pause)) return;
+    shown_ = now;
+    const auto [spent, left] = spent_and_left();
+    const double wall = std::chrono::duration<double>(now - start_).count();
+    const double fraction = spent + left > 0 ? spent / (spent + left) : 0;
+    const double seconds_left = spent > 0 ? left * wall / spent : 0;
+    if (style_ == ProgressStyle::json) {
+        put(nlohmann::ordered_json{{"event", "progress"},
+                                   {"pass", pass_ + 1},
+                                   {"passes", passes_},
+                                   {"fraction", std::round(fraction * 1000) / 1000},
+                                   {"elapsed_s", std::round(wall * 10) / 10},
+                                   {"left_s", std::round(seconds_left * 10) / 10},
+                                   {"at", current_}}
+                .dump() +
+            "\n");
+        return;
+    }
+    constexpr int width = 24;
+    const int filled = static_cast<int>(fraction * width);
+    put(fmt::format("\r\x1b[K[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_,
+                    clock_text(seconds_left), current_));
+    drawn_ = true;
+}
+
+}  // namespace fluidcarve

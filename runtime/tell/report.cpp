@@ -1,0 +1,175 @@
+#include "runtime/tell/report.h"
+
+#include "graph/text/one_line.h"
+
+#include <fmt/format.h>
+
+#include <sys/resource.h>
+#include <algorithm>
+#include <charconv>
+#include <tuple>
+
+namespace fluidcarve {
+
+std::string to_text(const Fault& fault) {
+    return fmt::format("{} ({}){}: {}", fault.node, fault.type, fault.frame ? fmt::format(", frame {}", *fault.frame) : std::string(), one_line(fault.message));
+}
+
+namespace {
+
+/// An entry with a field per frame, in the order of frames; any other as it is.
+nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
+    std::map<int, nlohmann::ordered_json> frames;
+    if (entry.is_object())
+        for (const auto& [name, value] : entry.items()) {
+            int frame = 0;
+            const auto* const end = name.data() + name.size();
+            const auto parsed = std::from_chars(name.data(), end, frame);
+            if (parsed.ec != std::errc() || parsed.ptr != end) return entry;
+            frames[frame] = value;
+        }
+    if (frames.empty()) return entry;
+    auto out = nlohmann::ordered_json::object();
+    for (const auto& [frame, value] : frames) out[std::to_string(frame)] = value;
+    return out;
+}
+
+}  // namespace
+
+Report::Report(const Pipeline& pipeline) : pipeline_(pipeline), stats_(pipeline.nodes.size()) {}
+
+void Report::expect(std::vector<Share> shares) {
+    const std::lock_guard lock(mutex_);
+    if (shares_.empty()) shares_ = std::move(shares);
+}
+
+void Report::ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    stats.places.insert(place);
+    ++stats.runs;
+    stats.frame_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    stats.taken.insert(place);
+    stats.take_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::finished(std::size_t node, double seconds, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto& stats = stats_[node];
+    stats.finished = true;
+    stats.once_s += seconds;
+    stats.most_bytes = std::max(stats.most_bytes, bytes);
+}
+
+void Report::holds(std::size_t node, std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    stats_[node].most_bytes = std::max(stats_[node].most_bytes, bytes);
+}
+
+std::size_t Report::computed(std::size_t n) const {
+    const auto& stats = stats_[n];
+    if (!stats.places.empty()) return stats.places.size();
+    if (stats.finished && pipeline_.nodes[n].rate != Rate::frame) return shares_[n].frames;
+    return shares_[n].only_takes ? stats.taken.size() : 0;
+}
+
+NodeCost Report::cost(std::size_t n) const {
+    const std::lock_guard lock(mutex_);
+    const auto& stats = stats_[n];
+    const auto mean = [](double sum, std::size_t count) { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
+    return {mean(stats.frame_s, stats.runs), mean(stats.take_s, stats.taken.size()), mean(stats.once_s, stats.finished ? 1 : 0), stats.most_bytes};
+}
+
+std::vector<std::size_t> Report::done() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::size_t> out;
+    for (std::size_t n = 0; n < shares_.size(); ++n) out.push_back(shares_[n].frames - shares_[n].runs + std::min(computed(n), shares_[n].runs));
+    return out;
+}
+
+void Report::failed(Fault fault) {
+    const std::lock_guard lock(mutex_);
+    // A run that has to plan anew may meet the same frame again.
+    const auto same = [&](const Fault& known) { return known.node == fault.node && known.frame == fault.frame && known.message == fault.message; };
+    if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
+}
+
+void Report::warn(std::size_t node, const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    warnings_.emplace(node, message);
+}
+
+void Report::entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry) {
+    const std::lock_guard lock(mutex_);
+    auto& known = entries_[section][pipeline_.nodes[node].name];
+    if (known.is_object()) known.update(entry);
+    else known = std::move(entry);
+}
+
+std::vector<Fault> Report::faults() const {
+    const std::lock_guard lock(mutex_);
+    auto out = faults_;
+    const auto place = [&](const std::string& name) { return pipeline_.find(name); };
+    std::stable_sort(out.begin(), out.end(), [&](const Fault& a, const Fault& b) {
+        return std::tuple(a.frame.has_value() ? 0 : 1, a.frame.value_or(0), place(a.node)) <
+               std::tuple(b.frame.has_value() ? 0 : 1, b.frame.value_or(0), place(b.node));
+    });
+    return out;
+}
+
+std::vector<std::string> Report::warnings() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> out;
+    for (const auto& [node, message] : warnings_)
+        out.push_back(fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message));
+    return out;
+}
+
+nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int exit_code) const {
+    using json = nlohmann::ordered_json;
+    const auto failures = faults();
+    const std::lock_guard lock(mutex_);
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    json out{{"fluidcarve", FLUIDCARVE_VERSION},
+             {"pipeline", pipeline_.name},
+             {"frames", delivered},
+             {"exit", exit_code},
+             {"wall_s", std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count()},
+             {"peak_rss_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
+             {"nodes", json::object()},
+             {"seams", json::object()}};
+    for (std::size_t n = 0; n < shares_.size(); ++n) {
+        const auto& stats = stats_[n];
+        const auto& share = shares_[n];
+        const auto cached = share.frames - std::max(share.runs, std::min(computed(n), share.frames));
+        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken.empty())) continue;
+        auto& node = out["nodes"][pipeline_.nodes[n].name];
+        node = {{"type", pipeline_.nodes[n].type->name},
+                {"frames", cached + computed(n)},
+                {"cached", cached},
+                {"wall_s", stats.seconds()},
+                {"bytes", stats.most_bytes}};
+        if (stats.taken.size() + share.taken_kept > 0) node["taken"] = {{"frames", stats.taken.size() + share.taken_kept}, {"cached", share.taken_kept}};
+    }
+    for (const auto& [section, nodes] : entries_)
+        for (const auto& [node, entry] : nodes) out[section][node] = in_order(entry);
+    out["failures"] = json::array();
+    for (const auto& fault : failures) {
+        json entry{{"node", fault.node}, {"message", fault.message}};
+        if (fault.frame) entry["frame"] = *fault.frame;
+        out["failures"].push_back(std::move(entry));
+    }
+    out["warnings"] = json::array();
+    for (const auto& [node, message] : warnings_) out["warnings"].push_back({{"node", pipeline_.nodes[node].name}, {"message", message}});
+    return out;
+}
+
+}  // namespace fluidcarve

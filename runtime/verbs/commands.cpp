@@ -1,0 +1,372 @@
+#include "runtime/verbs/commands.h"
+
+#include "graph/views/describe.h"
+#include "graph/views/drawing.h"
+#include "graph/views/origins.h"
+#include "graph/views/schema.h"
+#include "runtime/run/interrupt.h"
+#include "runtime/run/run.h"
+#include "runtime/run/status.h"
+#include "runtime/tell/terminal.h"
+#include "runtime/verbs/inspect.h"
+#include "runtime/verbs/new_node.h"
+#include "runtime/verbs/shell.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include <unistd.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+namespace fluidcarve {
+namespace {
+
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+void complain(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+/// "8G", "500M", "1.5 GiB" to bytes; powers of 1024.
+std::optional<std::uint64_t> parse_size(const std::string& text) {
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    std::string unit(end);
+    std::erase(unit, ' ');
+    static const std::map<std::string, double> units{{"", 0},    {"B", 0}, {"K", 1},  {"KB", 1},  {"KiB", 1}, {"M", 2},  {"MB", 2},
+                                                     {"MiB", 2}, {"G", 3}, {"GB", 3}, {"GiB", 3}, {"T", 4},   {"TB", 4}, {"TiB", 4}};
+    const auto found = units.find(unit);
+    if (end == text.c_str() || found == units.end() || !(number > 0) || number > 1e15) return std::nullopt;
+    return static_cast<std::uint64_t>(number * std::pow(1024.0, found->second));
+}
+
+std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2; }
+
+/// What the verbs that take a pipeline share.
+struct PipelineArguments {
+    std::string path;
+    std::vector<std::string> settings;
+    bool allow_plugins = false;
+
+    void declare(CLI::App& verb) {
+        verb.add_option("pipeline", path, "Pipeline file (YAML)")->required()->type_name("PIPELINE");
+        verb.add_option("--set", settings, "Override a field of a node, a param, or the frames; may be repeated")
+            ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
+            ->expected(1)
+            ->take_all();
+        verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names: their code runs with all your rights");
+    }
+
+    /// What the document says, with the plugins that it names, whose types come into the registry.
+    Pipeline build(const Document& document, Registry& registry, Problems& problems) const {
+        PluginFiles files;
+        const auto before = problems.size();
+        load_plugins(document.plugins, {allow_plugins, trusted_plugin_folders()}, registry, files, problems);
+        // Without all types there is no telling what is wrong with nodes.
+        if (problems.size() > before) return {};
+        auto pipeline = build_pipeline(document, registry, problems);
+        pipeline.plugins = std::move(files);
+        return pipeline;
+    }
+
+    /// Nothing where there are problems, which have been told.
+    std::optional<Pipeline> read_or_complain(Registry& registry) const {
+        Problems problems;
+        auto pipeline = build(read_document(path, settings, problems), registry, problems);
+        complain(to_text(problems));
+        return problems.empty() ? std::optional(std::move(pipeline)) : std::nullopt;
+    }
+};
+
+struct RunArguments {
+    std::string frames;
+    std::string only;
+    bool no_cache = false;
+    std::string cache_size;
+    int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    int in_flight = 0;
+    std::string memory;
+    std::string progress = "auto";
+    RunRequest request;
+    const CLI::Option* frames_option = nullptr;  ///< an empty -f, as from an unset variable of a farm's script, is wrong, not "all"
+
+    void declare(CLI::App& verb) {
+        frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
+        auto* const to =
+            verb.add_option("--to", request.wish.to, "Run this node and what it needs, nothing else; NODE.INPUT of a solver: only what it takes of each frame")
+                ->type_name("NODE");
+        auto* const from = verb.add_option("--from", request.wish.from, "Deliver only what this node leads to")->type_name("NODE");
+        verb.add_option("--only", only, "Run this node alone: what it needs must be in the work folder, or cheap")
+            ->type_name("NODE")
+            ->excludes(to)
+            ->excludes(from);
+        verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
+        verb.add_option("--in-flight", in_flight, "Frames alive at once (default: threads + 1)")->check(CLI::Range(1, 100000));
+        verb.add_option("--memory", memory, "What a node may hold for the whole sequence before it uses files (default: half of the machine's)")
+            ->type_name("SIZE")
+            ->envname("FLUIDCARVE_MEMORY");
+        verb.add_option("--work", request.options.work_folder, "Folder for such files and for results, which no later run computes again")
+            ->capture_default_str()
+            ->type_name("DIR")
+            ->envname("FLUIDCARVE_WORK");
+        verb.add_flag("--no-cache", no_cache, "Neither take results from the work folder nor keep any there")->envname("FLUIDCARVE_NO_CACHE");
+        verb.add_option("--cache-size", cache_size, "How much of results stays in the work folder after a run; what was used longest ago goes (default: 50G)")
+            ->type_name("SIZE")
+            ->envname("FLUIDCARVE_CACHE_SIZE");
+        verb.add_option("--report", request.report_path, "Write what happened to this file")->type_name("FILE.json");
+        verb.add_option("--html", request.html_path, "Write what happened as a page for people: pictures, times, seams, where each value comes from")
+            ->type_name("FILE.html");
+        verb.add_option("--profile", request.profile_path, "Write when each node ran, and on which thread, as a trace for chrome://tracing or Perfetto")
+            ->type_name("FILE.json");
+        verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
+        verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
+        const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Tell failures only");
+        verb.add_flag("-v,--verbose", request.verbose, "Show the plan and the time of each node")->excludes(quiet);
+    }
+
+    /// Nothing where an argument is wrong; it has been told.
+    std::optional<RunRequest> read(const Pipeline& pipeline) {
+        const auto wrong = [](const std::string& message) {
+            complain(message + "\n");
+            return std::nullopt;
+        };
+        request.options.threads = threads;
+        request.options.in_flight = in_flight > 0 ? in_flight : threads + 1;
+        request.options.memory = half_of_memory();
+        if (!memory.empty()) {
+            const auto size = parse_size(memory);
+            if (!size) return wrong(fmt::format("--memory wants a size such as 8G, not '{}'", memory));
+            request.options.memory = *size;
+        }
+        if (frames_option->count() > 0) {
+            std::string fault;
+            request.deliver = FrameSet::parse(frames, fault);
+            if (!request.deliver) return wrong("-f: " + fault);
+            std::vector<int> outside;
+            for (const auto frame : request.deliver->frames())
+                if (!pipeline.frames.contains(frame)) outside.push_back(frame);
+            if (!outside.empty()) return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(), pipeline.frames.text()));
+        }
+        request.options.cache = !no_cache;
+        if (!cache_size.empty()) {
+            const auto size = parse_size(cache_size);
+            if (!size) return wrong(fmt::format("--cache-size wants a size such as 50G, not '{}'", cache_size));
+            request.options.cache_size = *size;
+        }
+        request.wish.only = !only.empty();
+        if (request.wish.only) request.wish.to = only;
+        if (const auto fault = fault_of(request.wish, pipeline); !fault.empty()) return wrong(fault);
+        std::map<std::filesystem::path, const char*> own;
+        for (const auto& [option, path] :
+             {std::pair("--report", request.report_path), std::pair("--html", request.html_path), std::pair("--profile", request.profile_path)}) {
+            if (path.empty()) continue;
+            if (const auto user = user_of(pipeline, path); !user.empty()) return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
+            const auto [other, fresh] = own.emplace(std::filesystem::weakly_canonical(std::filesystem::absolute(path)), option);
+            if (!fresh) return wrong(fmt::format("{} and {} name the same file: {}", other->second, option, path));
+        }
+        const bool terminal = coloured_terminal();
+        request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
+                           : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
+                                                                                   : ProgressStyle::json;
+        return request;
+    }
+};
+
+int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registry& registry) {
+    Problems problems;
+    const auto document = read_document(arguments.path, arguments.settings, problems);
+    const auto pipeline = arguments.build(document, registry, problems);
+    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    auto request = run_arguments.read(pipeline);
+    if (!request) return exit_code::usage;
+    request->origins = origins_of(document, registry);
+    const Interrupt interrupt;
+    return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
+}
+
+int check(const PipelineArguments& arguments, bool json, bool verbose, Registry& registry) {
+    Problems problems;
+    const auto document = read_document(arguments.path, arguments.settings, problems);
+    const auto pipeline = arguments.build(document, registry, problems);
+    if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
+    if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(problems)), exit_code::done;
+    print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
+    if (verbose) print("\n" + to_text(origins_of(document, registry)));
+    return exit_code::done;
+}
+
+int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool json, Registry& registry) {
+    const auto pipeline = arguments.read_or_complain(registry);
+    if (!pipeline) return exit_code::usage;
+    const auto request = run_arguments.read(*pipeline);
+    return request ? plan_pipeline(*pipeline, registry, *request, json) : exit_code::usage;
+}
+
+/// Removes what runs left in a work folder, and the folder if nothing else is in it.
+int clean(const std::string& folder) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    std::uintmax_t files = 0;
+    for (const auto* const part : {"cache", "files", "history", "runs"}) {
+        const auto gone = fs::remove_all(fs::path(folder) / part, error);
+        if (error) return complain(fmt::format("cannot clean {}: {}\n", (fs::path(folder) / part).string(), error.message())), exit_code::node_failed;
+        files += gone;
+    }
+    fs::remove(folder, error);
+    print(files == 0 ? fmt::format("{}: nothing to clean\n", folder) : fmt::format("{}: clean\n", folder));
+    return exit_code::done;
+}
+
+/// Whether all plugins are there; what is wrong with one has been told.
+bool load_or_complain(const std::vector<std::string>& plugins, Registry& registry) {
+    PluginFiles files;
+    try {
+        for (const auto& file : plugins) load_plugin(file, registry, files);
+    } catch (const Failure& failure) {
+        return complain(std::string(failure.what()) + "\n"), false;
+    }
+    return true;
+}
+
+int nodes(const std::string& type, bool json, bool markdown, const Registry& registry) {
+    if (!type.empty()) {
+        const auto* const found = registry.node(type);
+        if (!found) return complain(fmt::format("there is no node type '{}'{}\n", type, did_you_mean(type, registry.node_names()))), exit_code::usage;
+        print(json ? to_json(registry, *found) : markdown ? to_markdown(registry, *found) : describe(registry, *found));
+    } else {
+        print(json ? to_json(registry) : markdown ? to_markdown(registry) : listing(registry));
+    }
+    return exit_code::done;
+}
+
+int graph(const PipelineArguments& arguments, const std::string& format, Registry& registry) {
+    const auto pipeline = arguments.read_or_complain(registry);
+    if (!pipeline) return exit_code::usage;
+    print(format == "svg" ? to_svg(*pipeline, registry) : to_dot(*pipeline, registry));
+    return exit_code::done;
+}
+
+/// What `--help` of each verb, and the manual page, end with.
+void add_examples(CLI::App& app) {
+    const std::map<std::string, const char*> examples{
+        {"run",
+         "  fluidcarve run pipelines/plume.yaml --set count=-20\n"
+         "  fluidcarve run shot.yaml -f 1001-1010 --report out/shot.json     a farm's chunk\n"
+         "  fluidcarve run shot.yaml --to seams.energy -f 1-42              what a solver takes of these frames\n"
+         "  fluidcarve run shot.yaml --only seams                           the solver alone, of what is there"},
+        {"check", "  fluidcarve check shot.yaml\n  fluidcarve check shot.yaml -v        where each value comes from"},
+        {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
+        {"status", "  fluidcarve status --work /shared/sh010/work"},
+        {"clean", "  fluidcarve clean --work /shared/sh010/work"},
+        {"nodes", "  fluidcarve nodes\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
+        {"new-node", "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight"},
+        {"schema",
+         "  fluidcarve schema > schema.json      named in a pipeline's first line:\n"
+         "  # yaml-language-server: $schema=schema.json"},
+        {"graph", "  fluidcarve graph shot.yaml --format svg > shot.svg"},
+        {"inspect", "  fluidcarve inspect /shots/sh010/*.vdb"},
+        {"man", "  fluidcarve man | man -l -"},
+        {"completion",
+         "  source <(fluidcarve completion bash)      in ~/.bashrc\n"
+         "  source <(fluidcarve completion zsh)       in ~/.zshrc, after compinit"}};
+    for (auto* const verb : app.get_subcommands([](CLI::App*) { return true; }))
+        if (const auto found = examples.find(verb->get_name()); found != examples.end()) verb->footer(std::string("Examples:\n") + found->second);
+}
+
+/// What is wrong with the first word, if it is meant to be a verb and is none.
+std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
+    std::vector<std::string> names;
+    for (const auto* const verb : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(verb->get_name());
+    if (argc < 2) return fmt::format("fluidcarve wants a verb: {}; `fluidcarve VERB --help` says more\n", fmt::join(names, ", "));
+    const std::string first = argv[1];
+    if (first.starts_with('-') || std::find(names.begin(), names.end(), first) != names.end()) return {};
+    return fmt::format("there is no verb '{}'{}\n", first, did_you_mean(first, names));
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv, Registry registry) {
+    CLI::App app("Carves seams out of volume sequences, or into them: resize a finished simulation without simulating it again.", "fluidcarve");
+    app.set_version_flag("--version", std::string("fluidcarve ") + FLUIDCARVE_VERSION);
+    app.require_subcommand(1);
+    app.failure_message(CLI::FailureMessage::simple);
+
+    PipelineArguments pipeline;
+    RunArguments run_arguments, plan_arguments;  // each verb its own: the environment speaks to all of them
+    bool json = false;
+    bool verbose = false;
+    bool markdown = false;
+    std::string type;
+    std::string format = "dot";
+
+    auto* const run_verb = app.add_subcommand("run", "Run a pipeline");
+    pipeline.declare(*run_verb);
+    run_arguments.declare(*run_verb);
+    auto* const check_verb = app.add_subcommand("check", "Find everything that is wrong with a pipeline, without running it");
+    pipeline.declare(*check_verb);
+    check_verb->add_flag("--json", json, "Problems as JSON; with --verbose and none, the values");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and where it comes from");
+    auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
+    pipeline.declare(*plan_verb);
+    plan_arguments.declare(*plan_verb);
+    plan_verb->add_flag("--json", json, "As JSON");
+    std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
+    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come");
+    status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
+    status_verb->add_flag("--json", json, "As JSON");
+    auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
+    clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
+    auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or describe one");
+    nodes_verb->add_option("type", type, "A node type, for its description")->type_name("TYPE");
+    auto* const json_flag = nodes_verb->add_flag("--json", json, "As JSON");
+    nodes_verb->add_flag("--markdown", markdown, "As Markdown")->excludes(json_flag);
+    auto* const schema_verb = app.add_subcommand("schema", "Print the JSON schema (draft 7) of pipeline files, for editors");
+    std::vector<std::string> plugins;
+    for (auto* const verb : {nodes_verb, schema_verb})
+        verb->add_option("--plugin", plugins, "With the types of this plugin, whose code is loaded; may be repeated")
+            ->type_name("FILE")
+            ->expected(1)
+            ->take_all();
+    NewNode new_node;
+    auto* const new_node_verb = app.add_subcommand("new-node", "Write a plugin with a node type of your own: source, test, build files, a pipeline");
+    new_node_verb->add_option("name", new_node.name, "Of the node type: FAMILY.NAME, such as acme.sparkle; the family is yours")->required()->type_name("NAME");
+    new_node_verb->add_flag("--solver", new_node.solver, "A solver, in place of an energy");
+    new_node_verb->add_option("--folder", new_node.folder, "Where it is written (default: ./FAMILY_NAME)")->type_name("DIR");
+    auto* const graph_verb = app.add_subcommand("graph", "Draw a pipeline");
+    pipeline.declare(*graph_verb);
+    graph_verb->add_option("--format", format, "Language of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
+
+    std::vector<std::string> files;
+    auto* const inspect_verb = app.add_subcommand("inspect", "Say what is in data files: grids, types, transforms, ranges, oddities");
+    inspect_verb->add_option("files", files, "Data files (.vdb)")->required()->type_name("FILE");
+    inspect_verb->add_flag("--json", json, "As JSON");
+
+    std::string shell;
+    auto* const man_verb = app.add_subcommand("man", "Print the manual page");
+    auto* const completion_verb = app.add_subcommand("completion", "Print a script that completes commands in a shell");
+    completion_verb->add_option("shell", shell, "Which shell")->required()->check(CLI::IsMember({"bash", "zsh"}))->type_name("SHELL");
+    add_examples(app);
+
+    if (const auto fault = wrong_verb(app, argc, argv); !fault.empty()) return complain(fault), exit_code::usage;
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error, std::cout, std::cerr) == 0 ? exit_code::done : exit_code::usage;
+    }
+    if (*run_verb) return run(pipeline, run_arguments, registry);
+    if (*check_verb) return check(pipeline, json, verbose, registry);
+    if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
+    if (*status_verb) return show_status(status_folder, json);
+    if (*clean_verb) return clean(clean_folder);
+    if (*new_node_verb) return write_new_node(new_node, registry);
+    if (!load_or_complain(plugins, registry)) return exit_code::usage;
+    if (*nodes_verb) return nodes(type, json, markdown, registry);
+    if (*man_verb) return print(man_page(app, FLUIDCARVE_VERSION)), exit_code::done;
+    if (*completion_verb) return print(completion(app, shell)), exit_code::done;
+    if (*schema_verb) return print(schema(registry)), exit_code::done;
+    if (*inspect_verb) return inspect_files(files, json, half_of_memory(), registry);
+    return graph(pipeline, format, registry);
+}
+
+}  // namespace fluidcarve

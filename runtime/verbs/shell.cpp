@@ -1,0 +1,126 @@
+#include "runtime/verbs/shell.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+namespace fluidcarve {
+namespace {
+
+/// Text that roff takes literally.
+std::string roff(const std::string& text) {
+    std::string out;
+    bool begins = true;
+    for (const char c : text) {
+        if (begins && (c == '.' || c == '\'')) out += "\\&";
+        if (c == '\\') out += "\\e";
+        else if (c == '-') out += "\\-";
+        else out += c;
+        begins = c == '\n';
+    }
+    return out;
+}
+
+std::vector<const CLI::App*> verbs(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+std::vector<const CLI::Option*> options(const CLI::App& app) {
+    return app.get_options([](const CLI::Option*) { return true; });
+}
+
+/// "-f, --frames FRAMES"; of a positional its name.
+std::string spelling(const CLI::Option& option) {
+    std::string out;
+    for (const auto& name : option.get_snames()) out += (out.empty() ? "-" : ", -") + name;
+    for (const auto& name : option.get_lnames()) out += (out.empty() ? "--" : ", --") + name;
+    // A check on choices is no name of a type.
+    const auto type = option.get_type_name().substr(0, option.get_type_name().find(':'));
+    if (out.empty()) return type;
+    return option.get_expected_max() == 0 || type.empty() ? out : out + " " + type;
+}
+
+/// Choices of an option: what stands in braces behind its type, "{auto,bar}".
+std::vector<std::string> choices(const CLI::Option& option) {
+    const auto text = option.get_type_name();
+    const auto begin = text.rfind('{'), end = text.rfind('}');
+    std::vector<std::string> out;
+    if (begin == std::string::npos || end == std::string::npos || end < begin) return out;
+    std::istringstream in(text.substr(begin + 1, end - begin - 1));
+    for (std::string item; std::getline(in, item, ',');) out.push_back(item);
+    return out;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string out;
+    for (const auto& word : words) out += (out.empty() ? "" : " ") + word;
+    return out;
+}
+
+std::vector<std::string> flags_of(const CLI::App& app) {
+    std::vector<std::string> out;
+    for (const auto* const option : options(app)) {
+        for (const auto& name : option->get_lnames()) out.push_back("--" + name);
+        for (const auto& name : option->get_snames()) out.push_back("-" + name);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string man_page(const CLI::App& app, const std::string& version) {
+    std::string out = fmt::format(".TH FLUIDCARVE 1 \"\" \"fluidcarve {}\"\n.SH NAME\nfluidcarve \\- change the size of a finished simulation\n", version);
+    out += ".SH SYNOPSIS\n.B fluidcarve\n.I VERB\n[\n.I options\n]\n.SH DESCRIPTION\n" + roff(app.get_description()) + "\n.SH VERBS\n";
+    for (const auto* const verb : verbs(app)) {
+        out += fmt::format(".SS {}\n{}.\n", roff(verb->get_name()), roff(verb->get_description()));
+        for (const auto* const option : options(*verb)) {
+            out += fmt::format(".TP\n.B {}\n{}", roff(spelling(*option)), roff(option->get_description()));
+            if (const auto all = choices(*option); !all.empty()) out += fmt::format(" ({})", roff(joined(all)));
+            if (!option->get_default_str().empty()) out += fmt::format(" [{}]", roff(option->get_default_str()));
+            if (!option->get_envname().empty()) out += fmt::format("; environment: {}", roff(option->get_envname()));
+            out += "\n";
+        }
+        if (!verb->get_footer().empty()) out += ".PP\n.nf\n" + roff(verb->get_footer()) + "\n.fi\n";
+    }
+    out +=
+        ".SH EXIT STATUS\n0 done; 1 a node failed; 2 wrong usage or pipeline; 3 an input is missing or unreadable; 4 done, but some frames failed; "
+        "130 interrupted.\n";
+    return out + ".SH SEE ALSO\n" + roff("`fluidcarve nodes` lists all node types, `fluidcarve nodes TYPE` describes one.") + "\n";
+}
+
+std::string completion(const CLI::App& app, const std::string& shell) {
+    std::vector<std::string> names;
+    std::string flags, values;
+    for (const auto* const verb : verbs(app)) {
+        names.push_back(verb->get_name());
+        flags += fmt::format("        {}) words=\"{}\" ;;\n", verb->get_name(), joined(flags_of(*verb)));
+        for (const auto* const option : options(*verb))
+            if (const auto all = choices(*option); !all.empty() && !option->get_lnames().empty())
+                values += fmt::format("        {}:--{}) words=\"{}\" ;;\n", verb->get_name(), option->get_lnames().front(), joined(all));
+    }
+    const auto head = shell == "zsh" ? "#compdef fluidcarve\nautoload -U +X bashcompinit && bashcompinit\n" : "";
+    return fmt::format(R"({}_fluidcarve() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} verb=${{COMP_WORDS[1]}} words=""
+    if [ "$COMP_CWORD" -eq 1 ]; then
+        COMPREPLY=($(compgen -W "{} --help --version" -- "$word"))
+        return
+    fi
+    case "$verb:$before" in
+{}    esac
+    if [ -z "$words" ] && [ "$verb" = nodes ] && [[ "$word" != -* ]]; then
+        words=$(fluidcarve nodes | awk '/^  /{{print $1}}')
+    fi
+    if [ -z "$words" ] && [[ "$word" == -* ]]; then
+        case "$verb" in
+{}        esac
+    fi
+    if [ -n "$words" ]; then COMPREPLY=($(compgen -W "$words" -- "$word")); else COMPREPLY=($(compgen -f -- "$word")); fi
+}}
+complete -o filenames -F _fluidcarve fluidcarve
+)",
+                       head, joined(names), values, flags);
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,378 @@
+#include "nodes/expression/evaluate.h"
+#include "nodes/expression/script.h"
+
+#include "graph/text/yaml_reader.h"
+#include "graph/types/module.h"
+#include "nodes/energy/volume.h"
+#include "nodes/field/curl.h"
+#include "nodes/field/gradient.h"
+#include "nodes/io/vdb_file.h"
+#include "tests/support/grid_bytes.h"
+#include "tests/support/node_bench.h"
+
+#include <tbb/global_control.h>
+#include <catch2/catch.hpp>
+
+#include <limits>
+#include <thread>
+
+using namespace fluidcarve;
+using openvdb::Coord;
+using test::failure_of;
+
+namespace {
+
+const ExpressionModule& module() { return load_module<ExpressionModule>("expressions"); }
+
+using Inputs = std::vector<std::pair<std::string, Ref<AnyGrid>>>;
+using Constants = std::map<std::string, ScriptConstant>;
+
+/// "line:column message", a line for each fault.
+std::string faults_of(const std::string& code, const std::vector<std::string>& inputs = {"d", "vel"}, const Constants& constants = {}) {
+    std::vector<ExpressionFault> faults;
+    const auto made = module().compile({code, inputs, constants, "energy"}, faults);
+    CHECK((made == nullptr) == !faults.empty());
+    std::string out;
+    for (const auto& fault : faults) {
+        // Tests that are about something else need not read every input.
+        if (fault.message.ends_with("never reads")) continue;
+        out +=
+            (out.empty() ? "" : "\n") + (fault.line > 0 ? fmt::format("{}:{} {}", fault.line, fault.column, fault.message) : fault.field + " " + fault.message);
+    }
+    return out;
+}
+
+std::shared_ptr<const CompiledExpression> compiled(const std::string& code, const Inputs& inputs, const Constants& constants = {}) {
+    std::vector<std::string> names;
+    for (const auto& [name, grid] : inputs) names.push_back(name);
+    std::vector<ExpressionFault> faults;
+    auto out = module().compile({code, names, constants, "energy"}, faults);
+    for (const auto& fault : faults) UNSCOPED_INFO(fault.line << ":" << fault.column << " " << fault.message);
+    REQUIRE(out);
+    return out;
+}
+
+FloatGrid::Ptr energy(const std::string& code, const Inputs& inputs, const Constants& constants = {}, float least = 0,
+                      std::uint64_t budget = ~std::uint64_t{0}) {
+    return evaluated(module(), *compiled(code, inputs, constants), inputs, "energy", least, budget,
+                     [](int line, int column) { return fmt::format("p.yaml:{}:{}", line, column); });
+}
+
+template <class Grid>
+Ref<AnyGrid> any(const std::shared_ptr<Grid>& grid) {
+    return std::make_shared<AnyGrid>(AnyGrid{grid});
+}
+
+FloatGrid::Ptr numbers(float background, const std::vector<std::pair<Coord, float>>& values) {
+    auto out = FloatGrid::create(background);
+    out->setName("density");
+    for (const auto& [at, value] : values) out->tree().setValue(at, value);
+    return out;
+}
+
+std::string bytes_of(const FloatGrid& grid) { return test::bytes(grid.tree()); }
+
+/// The value of a program that reads nothing of interest.
+float value_of(const std::string& code, float d = 1, const Constants& constants = {}) {
+    const auto grid = numbers(0, {{{0, 0, 0}, d}});
+    return energy("float unused = @d; " + code, {{"d", any(grid)}}, constants, -std::numeric_limits<float>::infinity())->tree().getValue({0, 0, 0});
+}
+
+}  // namespace
+
+TEST_CASE("the paper's energy of smoke, eq. 10, as a program, is that of energy.volume") {
+    const auto volume = read_vdb(TEST_DATA "/plume/plume.0053.vdb");
+    const auto velocity = openvdb::gridConstPtrCast<VectorGrid>(volume.find("velocity"));
+    const auto density = openvdb::gridConstPtrCast<FloatGrid>(volume.find("density"));
+    const VolumeWeights weights{1, 0.5f, 0.25f};
+    auto terms = volume_terms(velocity, {density}, weights);
+    terms[0].range = {0, 40};
+    terms[1].range = {0, 300};
+    terms[2].range = {0, 2};
+    const auto expected = combined_energy(terms);
+    const auto result = energy(
+        "@energy = min(length(v@curl) / 40, 1.0f)\n"
+        "  + $lambda1 * min(dot(v@u, v@u) / 300, 1.0f)\n"
+        "  + $lambda2 * min(length(v@slope) / 2, 1.0f);",
+        {{"curl", any(curl_field(velocity))}, {"u", any(velocity)}, {"slope", any(gradient_field(*density))}}, {{"lambda1", 0.5}, {"lambda2", 0.25}});
+    CHECK(result->tree().hasSameTopology(expected->tree()));
+    CHECK(result->transform() == expected->transform());
+    float worst = 0, largest = 0;
+    for (auto value = expected->cbeginValueOn(); value; ++value) {
+        worst = std::max(worst, std::abs(result->tree().getValue(value.getCoord()) - *value));
+        largest = std::max(largest, *value);
+    }
+    CHECK(largest > 0.5f);
+    CHECK(worst < 1e-4f);
+}
+
+TEST_CASE("a program protects hot smoke only") {
+    const auto smoke = numbers(0, {{{0, 0, 0}, 0.8f}, {{1, 0, 0}, 0.8f}, {{2, 0, 0}, 0.01f}, {{3, 0, 0}, 0.8f}});
+    const auto heat = numbers(0, {{{0, 0, 0}, 2.0f}, {{1, 0, 0}, 0.5f}, {{2, 0, 0}, 2.0f}});
+    const auto result = energy("@energy = @smoke > 0.02f && @heat >= $hot ? @smoke * @heat : 0;", {{"smoke", any(smoke)}, {"heat", any(heat)}}, {{"hot", 1.0}});
+    CHECK(result->tree().getValue({0, 0, 0}) == Approx(1.6));
+    for (const int x : {1, 2, 3}) CHECK(result->tree().getValue({x, 0, 0}) == 0);
+    CHECK(result->activeVoxelCount() == 4);
+}
+
+TEST_CASE("a program runs where any input is active, and beyond its voxels an input has what it holds there") {
+    const auto d = numbers(0.5f, {{{0, 0, 0}, 3}, {{1, 0, 0}, 4}});
+    const auto vel = VectorGrid::create(openvdb::Vec3s(0, 0, 2));
+    vel->tree().setValue({1, 0, 0}, {3, 4, 0});
+    vel->tree().setValue({9, 9, 9}, {6, 8, 0});
+    const auto result = energy("@energy = abs(@d) + length(v@vel);", {{"d", any(d)}, {"vel", any(vel)}});
+    CHECK(result->activeVoxelCount() == 3);
+    CHECK(result->tree().getValue({0, 0, 0}) == 5);
+    CHECK(result->tree().getValue({1, 0, 0}) == 9);
+    CHECK(result->tree().getValue({9, 9, 9}) == 10.5f);
+    CHECK(result->background() == 0);
+    CHECK(result->getName() == "energy");
+    // An argument counts as written, in AX: it must not be.
+    CHECK(d->tree().getValue({0, 0, 0}) == 3);
+    CHECK(d->activeVoxelCount() == 2);
+    CHECK(d->getName() == "density");
+}
+
+TEST_CASE("a mask reads as 1 and 0, a staggered velocity at the voxels' centres") {
+    const auto mask = MaskGrid::create();
+    mask->tree().setValueOn({0, 0, 0});
+    const auto vel = VectorGrid::create();
+    vel->setGridClass(openvdb::GRID_STAGGERED);
+    vel->tree().setValue({0, 0, 0}, {2, 0, 0});
+    vel->tree().setValue({1, 0, 0}, {4, 0, 0});
+    const auto result = energy("@energy = v@vel.x + 10 * @m;", {{"vel", any(vel)}, {"m", any(mask)}});
+    CHECK(result->tree().getValue({0, 0, 0}) == 13);
+    CHECK(result->tree().getValue({1, 0, 0}) == 2);
+}
+
+TEST_CASE("a tile stays one, unless the program asks where it is") {
+    const auto d = FloatGrid::create(0);
+    d->tree().addTile(1, {8, 0, 0}, 2, true);
+    d->tree().setValue({0, 0, 0}, 5);
+    d->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    const auto same = energy("@energy = 3 * @d;", {{"d", any(d)}});
+    CHECK(same->tree().activeTileCount() == 1);
+    CHECK(same->tree().getValue({9, 1, 1}) == 6);
+    CHECK(same->tree().getValue({0, 0, 0}) == 15);
+    const std::string by_place = "vec3d p = getvoxelpws(); @energy = @d * p.x + getcoordy();";
+    const auto placed = energy(by_place, {{"d", any(d)}});
+    CHECK(placed->tree().activeTileCount() == 0);
+    CHECK(placed->activeVoxelCount() == 513);
+    CHECK(placed->tree().getValue({9, 3, 1}) == 2 * 4.5f + 3);
+    CHECK(failure_of([&] {
+              energy(by_place, {{"d", any(d)}}, {}, 0, 1000);
+          }) == "the program asks where it is, so that all 513 voxels, also those of tiles, need values of their own: 0.0 GiB, of which --memory allows 0.0");
+}
+
+TEST_CASE("params are numbers and vectors") {
+    CHECK(value_of("@energy = $gain + dot(v$axis, {1, 10, 100});", 1, {{"gain", 0.5}, {"axis", Vec3{1, 2, 3}}}) == 321.5f);
+    CHECK(ParamTraits<ScriptConstant>::text(0.5) == "0.5");
+    CHECK(ParamTraits<ScriptConstant>::text(Vec3{1, 2.5, 3}) == "[1, 2.5, 3]");
+}
+
+TEST_CASE("a program's value is what AX says") {
+    CHECK(value_of("if (@d > 0.5f) { @energy = 1; } else { @energy = 2; }") == 1);
+    CHECK(value_of("@energy = 3; if (@d > 0.5f) return; @energy = 4;") == 3);
+    CHECK(value_of("float s; for (int i = 1; i <= 4; ++i) { if (i == 3) continue; s += i; } @energy = s;") == 7);
+    CHECK(value_of("for (int i = 6; i > 0; i -= 2) for (int j = 0; j < $n; j++) @energy += 1;", 1, {{"n", 4.0}}) == 12);
+    CHECK(value_of("for (int i = 3; i < 0; ++i) @energy = 9;") == 0);
+    CHECK(value_of("@energy = 7 / 2; @energy += 7 % 4;") == 6);
+    CHECK(value_of("float d = 5; { float d = 2; @energy += d; } @energy += d;") == 7);
+    CHECK(value_of("@energy = rand(@d);") == value_of("@energy = rand(@d);"));
+    CHECK(value_of("vec3f v = {1, 2, 3}; v.y = 5; @energy = v[0] + v.y + v.b;") == 9);
+}
+
+TEST_CASE("a whole exponent, which would crash AX, is as good as any") {
+    CHECK(value_of("@energy = pow(2.5, 2) + pow(@d, getcoordx() + 1) + pow(3, 2) + pow(pow(2.0, 2), 0.5f);", 4) == Approx(6.25 + 4 + 9 + 2));
+}
+
+TEST_CASE("a variable without a value is 0") { CHECK(value_of("float a; vec3f v; int i; @energy = a + v.x + i + 1;") == 1); }
+
+TEST_CASE("a cast that would crash AX is refused at its place, or harmless where its value's type is not known beforehand") {
+    const auto redundant = [](const std::string& place, const std::string& type) {
+        return place + " the cast is redundant: the value is " + type + " already; leave it out";
+    };
+    CHECK(faults_of("@energy = float(@d);") == redundant("1:11", "float"));
+    CHECK(faults_of("vec3f v = v@vel;\n@energy = 2 + float(v.x);") == redundant("2:15", "float"));
+    CHECK(faults_of("@energy = float(v@vel.x);") == redundant("1:11", "float"));
+    CHECK(faults_of("int i = 3; @energy = int(i + 1);") == redundant("1:22", "int32"));
+    CHECK(faults_of("@energy = float(1.0f);") == redundant("1:11", "float"));
+    CHECK(faults_of("@energy = float(-@d);") == redundant("1:11", "float"));
+    CHECK(faults_of("float a; @energy = float(a = 3);") == redundant("1:20", "float"));
+    CHECK(faults_of("float a; @energy = float(a++);") == redundant("1:20", "float"));
+    CHECK(faults_of("@energy = float(@d > 1 ? @d : 2.0f);") == redundant("1:11", "float"));
+    CHECK(faults_of("@energy = bool(@d > 1);") == redundant("1:11", "bool"));
+    CHECK(faults_of("@energy = float((1, 2.5f));") == redundant("1:11", "float"));
+    CHECK(faults_of("@energy = float($g);", {"d"}, {{"g", 1.0}}) == redundant("1:11", "float"));
+    CHECK(value_of("@energy = float(abs(@d));", -2) == 2);
+    CHECK(value_of("@energy = int(@d) + int(2.7f);", 1.9f) == 3);
+    CHECK(value_of("@energy = int(int(@d) * 1.5f);", 3) == 4);
+    CHECK(value_of("bool b = true; @energy = int(b + b) + float(floor(2.5f));") > 2);
+}
+
+TEST_CASE("a loop that may not end is refused, and so are those that take too long") {
+    const auto endless = [](const std::string& place, const std::string& kind) {
+        return place + " '" + kind + "' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break";
+    };
+    CHECK(faults_of("@energy = 1; while (true) @energy = 2;") == endless("1:14", "while"));
+    CHECK(faults_of("@energy = 1; do { @energy += 1; } while (@energy < 9);") == endless("1:14", "do"));
+    for (const auto* const loop : {"for (;;)", "for (int i = 0; ; ++i)", "for (int i = 0; i < 9;)", "for (int i = 0; i < 9; --i)",
+                                   "for (int i = 9; i > 0; ++i)", "for (int i = 0; i < @d; ++i)", "for (int i = 0; i < 9; i += 0)",
+                                   "for (int i = 0; i != 9; ++i)", "for (float i = 0; i < 9; i += 1)", "int n = 9; for (int i = 0; i < n; ++i)",
+                                   "int i; for (i = 0; i < 9; ++i)", "for (int i = 2147483640; i <= 2147483647; ++i)", "int j; for (int i = 0; i < 9; ++j)"}) {
+        INFO(loop);
+        CHECK_THAT(faults_of(std::string("@energy = 1; ") + loop + " { @energy = 2; }"), Catch::Contains("'for' may never end"));
+    }
+    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = 2; i = 0; }") == "1:44 'i' counts a loop and can't be written in it");
+    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = i--; }") == "1:41 'i' counts a loop and can't be written in it");
+    CHECK(faults_of("for (int i = 0; i < 9; ++i)\n for (int i = 0; i < 9; ++i) @energy = 1;") ==
+          "2:2 'i' counts a loop around this one; call this one's otherwise");
+    CHECK(faults_of("for (int i = 0; i < 101; ++i)\n  for (int j = 0; j < 100; ++j) @energy = 1;") ==
+          "2:3 the loops run 10201 times for each voxel; 10000 are the most");
+    CHECK(faults_of("for (int i = 0; i < 99; ++i)\n  for (int j = 0; j < 100; ++j) @energy = 1;") == "");
+}
+
+TEST_CASE("what would trap or reach beyond memory is refused at its place") {
+    const std::string divisor = " a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f * a / b";
+    CHECK(faults_of("int i = @d;\n@energy = 5 / i;") == "2:15" + divisor);
+    CHECK(faults_of("int i = @d; @energy = 5 % i;") == "1:27" + divisor);
+    CHECK(faults_of("int i = @d; i /= i; @energy = i;") == "1:18" + divisor);
+    CHECK(faults_of("vec3i v = v@vel; int i; v /= i; @energy = 1;") == "1:30" + divisor);
+    CHECK(faults_of("@energy = 5 / (3 - 3);") == "1:16" + divisor);
+    CHECK(faults_of("@energy = floormod(5, int(@d));") == "1:23" + divisor);
+    CHECK(faults_of("int i = @d; @energy = 1.0f * 5 / i + 5 / @d + i / 2 + i / 2.0f;") == "");
+    const std::string index = " a component is .x, .y, .z or [0], [1], [2]; other indices are not offered";
+    CHECK(faults_of("@energy = v@vel[3];") == "1:11" + index);
+    CHECK(faults_of("int i = @d; vec3f v; v[i] = 1; @energy = v.x;") == "1:22" + index);
+    CHECK(faults_of("float a = external(\"d\"); @energy = a;").substr(0, 4) == "1:20");
+}
+
+TEST_CASE("what differs from run to run, prints or is of no use is refused") {
+    CHECK(faults_of("@energy = rand();") == "1:11 rand needs a seed, as in rand(@density): without one no two runs are the same");
+    CHECK_THAT(faults_of("print(1); @energy = 1;"), Catch::StartsWith("1:1 there is no function 'print'"));
+    CHECK(faults_of("@energy = sqr(@d);") == "1:11 there is no function 'sqr'; did you mean 'sqrt'?");
+    CHECK(faults_of("@energy = 1 << 40;") == "1:11 bit shifts are not offered");
+    CHECK(faults_of("mat3f m; @energy = 1;") == "1:1 'mat3f' is not offered; use float, vec3f, int, bool, double, vec3d, vec3i or int64");
+}
+
+TEST_CASE("names that are not there, and names that nothing reads, are told") {
+    CHECK(faults_of("@energy = @vle + @d;") == "1:11 '@vle' is no input; did you mean 'vel'?");
+    CHECK(faults_of("@energy = $gian;", {}, {{"gain", 1.0}}) == "1:11 '$gian' is not among the params; did you mean 'gain'?");
+    CHECK(faults_of("float e = @d;") == "code never writes @energy");
+    CHECK(faults_of("") == "code never writes @energy");
+    CHECK(faults_of("@enrgy = @d;") == "1:1 '@enrgy' can't be written; write @energy");
+    CHECK(faults_of("@d = 2; @energy = 1;") == "1:1 '@d' can't be written; write @energy");
+    CHECK(faults_of("v@vel.x += 2; @energy = 1; @d++;") == "1:1 '@vel' can't be written; write @energy\n1:28 '@d' can't be written; write @energy");
+    CHECK(faults_of("v@energy = 2;") == "1:1 @energy is a number, not 'vec3f@energy'");
+    CHECK(faults_of("@energy = @d + v@d.x;") == "1:16 'd' is read as @d and as v@d; it can't be both");
+    CHECK(faults_of("@energy = i@d;") == "1:11 'int32@d' can't be read; inputs are @d (numbers, masks) or v@d (vectors)");
+    CHECK(faults_of("vec3f v = v$gain; @energy = v.x;", {}, {{"gain", 1.0}}) == "1:11 'gain' is a number: write $gain");
+    CHECK(faults_of("@energy = energy;", {}) == "1:11 variable \"energy\" hasn't been declared");
+
+    std::vector<ExpressionFault> faults;
+    module().compile({"@energy = @d;", {"d", "vel", "energy"}, {{"gain", 1.0}}, "energy"}, faults);
+    std::string all;
+    for (const auto& fault : faults) all += fault.field + " " + fault.message + "\n";
+    CHECK(all ==
+          "inputs has 'vel', which the program never reads\ninputs can't have the name 'energy', which is the output's\n"
+          "params has 'gain', which the program never reads\n");
+}
+
+TEST_CASE("what the parser and the compiler say bears its place") {
+    CHECK(faults_of("@energy = 1 +;") == "1:14 unexpected ';'");
+    CHECK(faults_of("@energy = 1") == "1:11 unexpected end of file, expecting ';'");
+    CHECK(faults_of("float a = 1;\n\n  vec3f v = 2; @energy = a * v;", {}) ==
+          "3:16 cannot assign a scalar value from a vector or matrix. Consider using the [] operator to get a particular element");
+    CHECK_THAT(faults_of("@energy =\n  length(2.0f);", {}),
+               Catch::StartsWith("2:3 no matching function for void length(float); known: double length(vec2d v), "));
+    CHECK(faults_of("@energy = 1;" + std::string(20'000, ' ')) == "code has 20012 bytes; 16384 are the most");
+    std::string deep = "@energy = ";
+    for (int n = 0; n < 4000; ++n) deep += "1+";
+    CHECK_THAT(faults_of(deep + "1;"), Catch::Contains("nested more than 100 levels deep"));
+}
+
+TEST_CASE("a program that reads an input as what it is not, or inputs of several transforms, fails with their names") {
+    const auto d = numbers(0, {{{0, 0, 0}, 1}});
+    const auto vel = VectorGrid::create();
+    vel->tree().setValue({0, 0, 0}, {1, 2, 3});
+    CHECK(failure_of([&] { energy("@energy = @vel;", {{"vel", any(vel)}}); }) == "input 'vel' holds vectors, but p.yaml:1:11 reads it as @vel; write v@vel");
+    CHECK(failure_of([&] { energy("@energy = v@d.x;", {{"d", any(d)}}); }) == "input 'd' holds numbers, but p.yaml:1:11 reads it as v@d; write @d");
+    const auto other = numbers(0, {{{0, 0, 0}, 1}});
+    other->setName("heat");
+    other->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    CHECK_THAT(failure_of([&] {
+                   energy("@energy = @d + @t;", {{"d", any(d)}, {"t", any(other)}});
+               }),
+               Catch::StartsWith("inputs 'd' and 't' have different transforms: 'density' (voxels of 1 x 1 x 1"));
+    const auto whole = openvdb::Int32Grid::create();
+    CHECK_THAT(failure_of([&] {
+                   energy("@energy = @n;", {{"n", any(whole)}});
+               }),
+               Catch::StartsWith("input 'n' is the grid '' of type int32; programs read numbers"));
+}
+
+TEST_CASE("a result that is no energy fails with its lowest voxel") {
+    const auto d = numbers(1, {{{5, 0, 0}, 0}, {{3, 0, 0}, 2}, {{4, 1, 0}, 0}});
+    CHECK(failure_of([&] {
+              energy("@energy = 1 / @d;", {{"d", any(d)}});
+          }) == "@energy is inf at voxel [4, 1, 0]; guard divisions, roots and logarithms against what their inputs may hold there");
+    CHECK(failure_of([&] {
+              energy("@energy = @d - 1.5f;", {{"d", any(d)}});
+          }) == "@energy is -1.5 at voxel [4, 1, 0]; it must be at least 0: use max(..., 0) or abs(...)");
+    CHECK(energy("@energy = @d - 1.5f;", {{"d", any(d)}}, {}, -std::numeric_limits<float>::infinity())->tree().getValue({5, 0, 0}) == -1.5f);
+}
+
+TEST_CASE("a program gives the same bytes whatever the threads, also to several at once") {
+    const auto d = FloatGrid::create(0);
+    for (int x = 0; x < 40; ++x)
+        for (int y = 0; y < 40; ++y)
+            for (int z = 0; z < 40; ++z) d->tree().setValue({x, y, z}, 0.1f * static_cast<float>(x * y - z));
+    const Inputs inputs{{"d", any(d)}};
+    const std::string code = "@energy = 2 + sin(@d) + rand(@d) + simplexnoise(@d, getcoordx());";
+    std::string alone;
+    {
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        alone = bytes_of(*energy(code, inputs));
+    }
+    const auto program = compiled(code, inputs);
+    std::vector<std::string> together(4);
+    std::vector<std::thread> threads;
+    for (auto& bytes : together)
+        threads.emplace_back([&] { bytes = bytes_of(*evaluated(module(), *program, inputs, "energy", 0, ~std::uint64_t{0}, [](int, int) { return ""; })); });
+    for (auto& thread : threads) thread.join();
+    for (const auto& bytes : together) CHECK(bytes == alone);
+}
+
+TEST_CASE("a place in a program is a place in its YAML, in every style of scalar") {
+    const auto place = [](const std::string& yaml, int line, int column) {
+        Problems problems;
+        const auto value = read_yaml(std::make_shared<Source>(Source{"p.yaml", yaml, ""}), problems);
+        REQUIRE(problems.empty());
+        ValueReader reader(problems, "code", any_number());
+        const auto script = ParamTraits<Script>::parse(value.find("code")->value, reader);
+        const auto at = script->place(line, column);
+        return fmt::format("{}:{}", at.line, at.column);
+    };
+    // Each holds "@a = 1;" and an "@b = 2;" on another line, or behind it.
+    CHECK(place("code: |\n  @a = 1;\n\n  // so\n  @b = 2;\n", 4, 6) == "5:8");
+    CHECK(place("code: |\n  @a = 1;\n    @b = 2;\n", 2, 3) == "3:5");
+    CHECK(place("x: 1\ncode: |4- # why\n\n      @a = 1;\n      @b = 2;\n", 3, 8) == "5:12");
+    CHECK(place("code: \"@a = 1; @b = 2;\"\n", 1, 9) == "1:16");
+    CHECK(place("{x: 1, code: '@a = 1; @b = 2;'}\n", 1, 9) == "1:23");
+    CHECK(place("code: &it '@a = 1; @b = 2;'\n", 1, 1) == "1:12");
+    CHECK(place("code: !!str \"@a = 1;\\n\\\n    \\t@b = 2;\"\n", 2, 2) == "2:7");
+    CHECK(place("code: \"'\\\"' \\\\ @b\"\n", 1, 7) == "1:16");
+    CHECK(place("code: 'it''s @b'\n", 1, 6) == "1:14");
+    CHECK(place("code: >\n  @a = 1;\n  @b = 2;\n\n  @c = 3;\n", 1, 9) == "3:3");
+    CHECK(place("code: >\n  @a = 1;\n  @b = 2;\n\n  @c = 3;\n", 2, 6) == "5:8");
+    CHECK(place("code: float a = 1;\n  @b = a;\n", 1, 19) == "2:8");
+    CHECK(place("code: |\r\n  @a = 1;\r\n  @b = 2;\r\n", 2, 1) == "3:3");
+    // What a param stands for is not in the file: the end of what stands before it.
+    const auto source = std::make_shared<Source>(Source{"p.yaml", "code: \"@a = ${x} + @b\"\n", ""});
+    CHECK(Script{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 12).column == 12);
+    CHECK(Script{"@a = 1.5 + @b", {source, 1, 7}}.place(1, 2).column == 9);
+    // The end, and beyond it.
+    CHECK(place("code: |\n  @a = 1\n\nx: 1\n", 2, 1) == "2:9");
+    CHECK(place("code: \"@a = 1\"\n", 1, 7) == "1:14");
+    CHECK(place("code: \"@a = 1\"\n", 0, 0) == "1:7");
+}

@@ -1,0 +1,625 @@
+#include "nodes/mesh/mesh_file.h"
+
+#include "graph/text/problem.h"
+#include "nodes/mesh/read.h"
+#include "nodes/mesh/topology.h"
+#include "nodes/mesh/triangles.h"
+#include "nodes/mesh/write.h"
+#include "tests/support/node_bench.h"
+#include "tests/support/scratch.h"
+
+#include <catch2/catch.hpp>
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+using namespace fluidcarve;
+using openvdb::Vec3d;
+using Attribute = Mesh::Attribute;
+
+namespace {
+
+/// A quad and a triangle that share an edge, with UVs per corner, of which the edge's differ on its sides, normals, a group and
+/// materials; one vertex has no face.
+const std::string small_obj =
+    "# made by hand\n"
+    "mtllib bank.mtl\n"
+    "o bank\n"
+    "v 0.1 0.2 0.30000000000000004\n"
+    "v 1 0 1e-05\n"
+    "v 1.5 1 0\n"
+    "v 0 1 0\n"
+    "v 2.5 0.5 -0.123456789012345\n"
+    "v 7 8 9\n"
+    "vt 0 0\n"
+    "vt 0.5 0\n"
+    "vt 0.5 1\n"
+    "vt 0 1\n"
+    "vt 0.6 0\n"
+    "vn 0 0 1\n"
+    "vn 0 0.6 0.8\n"
+    "g shore\n"
+    "usemtl sand\n"
+    "s off\n"
+    "f 1/1/1 2/2/1 3/3/1 4/4/1\n"
+    "usemtl gr\xe4ss\n"
+    "f 2/5/2 5/3/2 3//2\n"
+    "l 1 6\n";
+
+Mesh read(const Scratch& scratch, const std::string& name, const std::string& text) {
+    const auto file = read_mesh(scratch.write(name, text));
+    CHECK(file.losses == std::vector<std::string>{});
+    return file.mesh;
+}
+
+std::string fault_of(const Scratch& scratch, const std::string& name, const std::string& text) {
+    try {
+        read_mesh(scratch.write(name, text));
+    } catch (const Failure& failure) {
+        CHECK(failure.kind == Failure::Kind::input);
+        const std::string message = failure.what();
+        CHECK(message.starts_with(scratch / name + ":"));
+        return message.substr((scratch / name).size() + 1);
+    }
+    return "none";
+}
+
+/// What writing loses, and the text.
+struct Written {
+    std::vector<std::string> losses;
+    std::string text;
+};
+Written written(const Scratch& scratch, const std::string& name, const Mesh& mesh, const Placement* placement = nullptr) {
+    Written out;
+    out.losses = write_mesh(scratch / name, mesh, placement);
+    out.text = Scratch::read(scratch / name);
+    return out;
+}
+
+template <class T>
+std::string bytes(T value, bool big = false) {
+    std::string out(reinterpret_cast<const char*>(&value), sizeof(T));
+    if (big) std::reverse(out.begin(), out.end());
+    return out;
+}
+
+void check_same_shape(const Mesh& a, const Mesh& b) {
+    CHECK(a.points == b.points);
+    CHECK(a.corners == b.corners);
+    CHECK(a.ends == b.ends);
+}
+
+std::string ply_of(const std::string& format, bool big) {
+    std::string out = "ply\nformat " + format +
+                      " 1.0\ncomment a liquid\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+                      "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nproperty double age\n"
+                      "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nproperty short material\nend_header\n";
+    const bool text = format == "ascii";
+    for (int n = 0; n < 3; ++n) {
+        const std::array<float, 3> at{0.5f * static_cast<float>(n), n == 1 ? 1.0f : 0.0f, -2};
+        const double age = 0.1 * n;
+        if (text) {
+            out +=
+                std::to_string(n) + (n == 1 ? "e-1 1 -2" : "e-1 0 -2") + " 0 0 1 255 " + std::to_string(n) + " 7 128 " + (n == 1 ? "0.1" : "3") + " 0.25 1\n";
+            continue;
+        }
+        for (const float c : at) out += bytes(c, big);
+        for (const float c : {0.0f, 0.0f, 1.0f}) out += bytes(c, big);
+        for (const int c : {255, n, 7, 128}) out += static_cast<char>(c);
+        out += bytes(age, big) + bytes(0.25f, big) + bytes(1.0f, big);
+    }
+    if (text) return out + "3 0 1 2 -5\n";
+    out += '\3';
+    for (const std::int32_t n : {0, 1, 2}) out += bytes(n, big);
+    return out + bytes(static_cast<std::int16_t>(-5), big);
+}
+
+Mesh cube(double size) {
+    Mesh out;
+    for (int n = 0; n < 8; ++n) out.points.emplace_back(n & 1 ? size : 0, n & 2 ? size : 0, n & 4 ? size : 0);
+    const std::array<std::array<std::uint32_t, 4>, 6> quads{{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+    for (const auto& quad : quads) out.add_face(quad);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("an OBJ file comes back as it was: numbers, faces, UVs and normals per corner, groups and materials in their places") {
+    const Scratch scratch;
+    const auto mesh = read(scratch, "in.obj", small_obj);
+    REQUIRE(mesh.points.size() == 6);
+    CHECK(mesh.points[4] == Vec3d(2.5, 0.5, -0.123456789012345));
+    REQUIRE(mesh.faces() == 2);
+    CHECK(mesh.face(0).size() == 4);
+    CHECK(mesh.face(1)[1] == 4);
+    const auto* const uv = mesh.find("uv");
+    REQUIRE(uv);
+    CHECK(uv->on == Attribute::On::corners);
+    CHECK(uv->at == std::vector<std::uint32_t>{0, 1, 2, 3, 4, 2, Attribute::none});
+    CHECK(uv->entry(4)[0] == 0.6);
+    REQUIRE(mesh.find("normal"));
+
+    const auto out = written(scratch, "out.obj", mesh);
+    CHECK(out.losses.empty());
+    CHECK(out.text == small_obj);
+}
+
+TEST_CASE("OBJ's other ways of saying the same are read: indices from the end, comments, colours, blanks, no end of the last line") {
+    const Scratch scratch;
+    const auto mesh = read(scratch, "a.obj", "v 0 0 0 1 0.5 0\r\nv +1 0 0 0 0 0 # two\r\n\r\n  v 0 1 0 0.25 0 1\r\n\tf -3 -2 -1");
+    CHECK(mesh.points == std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    CHECK(mesh.corners == std::vector<std::uint32_t>{0, 1, 2});
+    const auto* const colour = mesh.find("colour");
+    REQUIRE(colour);
+    CHECK(colour->entry(2)[0] == 0.25);
+    CHECK(written(scratch, "b.obj", mesh).text == "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 0\nv 0 1 0 0.25 0 1\nf 1 2 3\n");
+    // A face may name a vertex that comes later.
+    CHECK(read(scratch, "c.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").corners == std::vector<std::uint32_t>{0, 1, 2});
+}
+
+TEST_CASE("a PLY file comes back byte by byte, in text and in both orders of bytes, with all properties under their names") {
+    const Scratch scratch;
+    for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        INFO(format);
+        const auto text = ply_of(format, format == "binary_big_endian");
+        const auto mesh = read(scratch, "in.ply", text);
+        REQUIRE(mesh.points.size() == 3);
+        CHECK(mesh.points[1].y() == 1);
+        CHECK(mesh.corners == std::vector<std::uint32_t>{0, 1, 2});
+        REQUIRE(mesh.find("normal"));
+        REQUIRE(mesh.find("uv"));
+        REQUIRE(mesh.find("colour"));
+        CHECK(mesh.find("colour")->parts.size() == 4);
+        CHECK(mesh.find("colour")->entry(2)[1] == 2);
+        CHECK(mesh.find("age")->entry(1)[0] == 0.1);
+        CHECK(mesh.find("material")->on == Attribute::On::faces);
+        CHECK(mesh.find("material")->entry(0)[0] == -5);
+        const auto out = written(scratch, "out.ply", mesh);
+        CHECK(out.losses.empty());
+        if (format != "ascii") {
+            CHECK(out.text == text);
+        } else {
+            const auto again = read(scratch, "again.ply", out.text);
+            check_same_shape(again, mesh);
+            CHECK(again.find("age")->values == mesh.find("age")->values);
+            CHECK(out.text.find("\n0.1 1 -2 0 0 1 255 1 7 128 0.1 0.25 1\n") != std::string::npos);
+        }
+    }
+}
+
+TEST_CASE("what of a PLY file can't be kept is told") {
+    const Scratch scratch;
+    const auto file = read_mesh(scratch.write("a.ply",
+                                              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                                              "property list uchar int vertex_index\nproperty list uchar float texcoord\nelement edge 1\nproperty int a\n"
+                                              "property int b\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 2 0 1\n0 1\n"));
+    CHECK(file.losses == std::vector<std::string>{"the list 'texcoord' of element 'face' is left out", "element 'edge' with 1 entries is left out"});
+    CHECK(file.mesh.corners == std::vector<std::uint32_t>{0, 1, 2});
+}
+
+TEST_CASE("an OFF file comes back with its normals, colours and UVs, and the colours of faces") {
+    const Scratch scratch;
+    const std::string all = "STCNOFF\n3 1 0\n0.123456789012345 0 0 0 0 1 255 0 0 0 0\n1 0 0 0 0 1 0 255 0 1 0\n0 1 0 0 0 1 0 0 255 0 1\n3 0 1 2 10 20 30\n";
+    const auto file = read_mesh(scratch.write("a.off", "# a comment\n" + all));
+    CHECK(file.losses == std::vector<std::string>{"comments are left out"});
+    const auto& mesh = file.mesh;
+    CHECK(mesh.points[0].x() == 0.123456789012345);
+    CHECK(mesh.find("colour")->type == Attribute::Type::uint8);
+    CHECK(mesh.find("uv")->entry(1)[0] == 1);
+    CHECK(written(scratch, "b.off", mesh).text == all);
+    // Colours with a point reach from 0 to 1.
+    const auto fractions = read(scratch, "c.off", "COFF 3 0 0\n0 0 0 1.0 1.0 1.0\n1 0 0 1 1 1\n0 1 0 0 0 0\n");
+    CHECK(fractions.find("colour")->type == Attribute::Type::float64);
+    CHECK(fractions.faces() == 0);
+}
+
+TEST_CASE("whole colours of OFF keep their meaning: 1.0 stays full light, and 1 a byte") {
+    const Scratch scratch;
+    for (const std::string one : {"1.0", "1"}) {
+        const std::string zero = one == "1" ? "0" : "0.0", light = " " + one + " " + zero + " " + zero;
+        const auto text = "COFF\n3 1 0\n0 0 0" + light + "\n1 0 0" + light + "\n0 1 0" + light + "\n3 0 1 2" + light + "\n";
+        const auto mesh = read(scratch, "a.off", text);
+        CHECK(mesh.find("colour")->type == (one == "1" ? Attribute::Type::uint8 : Attribute::Type::float64));
+        CHECK(written(scratch, "b.off", mesh).text == text);
+    }
+    // A single number is an index, which a byte may not hold.
+    const std::string painted = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 70000\n";
+    const auto mesh = read(scratch, "c.off", painted);
+    CHECK(written(scratch, "c.off", mesh).text == painted);
+    written(scratch, "c.ply", mesh);
+    CHECK(read_mesh(scratch / "c.ply").mesh.attributes.at(0).values == std::vector<double>{70000});
+}
+
+TEST_CASE("integer colours reach to their type's maximum, in whatever format they are written; only OBJ's own weights become w") {
+    const Scratch scratch;
+    const auto mesh = read(scratch, "a.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
+                           "property ushort green\nproperty ushort blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                           "0 0 0 65535 0 257\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+    written(scratch, "a.obj", mesh);
+    const auto obj = read_mesh(scratch / "a.obj").mesh;
+    CHECK(obj.find("colour")->entry(0)[0] == 1);
+    CHECK(obj.find("colour")->entry(0)[2] == Approx(1 / 255.0));
+    const auto off = written(scratch, "a.off", mesh);
+    CHECK(off.text.find("\n0 0 0 255 0 1\n") != std::string::npos);
+    CHECK(off.losses == std::vector<std::string>{"colours of vertices are rounded to bytes: .off holds no finer whole ones"});
+
+    const std::string weighed = "v 0 0 0 2\nv 1 0 0 3\nv 0 1 0 4\nf 1 2 3\n";
+    CHECK(written(scratch, "b.obj", read(scratch, "b.obj", weighed)).text == weighed);
+    const auto skin = read(scratch, "b.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float weight\n"
+                           "end_header\n0 0 0 0.5\n");
+    const auto out = written(scratch, "c.obj", skin);
+    CHECK(out.text == "v 0 0 0\n");
+    CHECK(out.losses.size() == 1);
+}
+
+TEST_CASE("attributes that share a name alone with those of a format are told, not read beyond their width") {
+    const Scratch scratch;
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string tail = "end_header\n0 0 0 5\n1 0 0 5\n0 1 0 5\n3 0 1 2 7 8 9\n";
+    for (const std::string name : {"normal", "colour", "uv"}) {
+        INFO(name);
+        const auto mesh = read(scratch, "a.ply",
+                               head + "property float " + name +
+                                   "\nelement face 1\nproperty list uchar int vertex_indices\nproperty float normal\n"
+                                   "property float attribute\nproperty float colour\n" +
+                                   tail);
+        const auto stl = written(scratch, "a.stl", mesh), off = written(scratch, "a.off", mesh), obj = written(scratch, "a.obj", mesh);
+        for (const auto* const each : {&stl, &off, &obj}) CHECK(each->losses.size() == 4);
+        CHECK(read_mesh(scratch / "a.stl").mesh.find("normal")->values == std::vector<double>{0, 0, 1});
+        CHECK(off.text == "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        CHECK(obj.text == "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    }
+}
+
+TEST_CASE("a number of PLY's faces that is called like their list is an attribute, and a list that is called like an axis is none") {
+    const Scratch scratch;
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nproperty int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 7\n";
+    const auto mesh = read(scratch, "a.ply", text);
+    CHECK(mesh.corners == std::vector<std::uint32_t>{0, 1, 2});
+    REQUIRE(mesh.find("vertex_index"));
+    CHECK(mesh.find("vertex_index")->values == std::vector<double>{7});
+    CHECK(written(scratch, "b.ply", mesh).text == text);
+    const auto listed = read_mesh(scratch.write("c.ply",
+                                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nproperty float x\nproperty float y\n"
+                                                "property float z\nend_header\n2 8 9 1 2 3\n"));
+    CHECK(listed.mesh.points == std::vector<Vec3d>{{1, 2, 3}});
+    CHECK(listed.losses == std::vector<std::string>{"the list 'x' of element 'vertex' is left out"});
+}
+
+TEST_CASE("PLY's whole coordinates stay whole where vertices stay, and keep their fractions where they move; types that differ lose nothing") {
+    const Scratch scratch;
+    const auto head = [](const std::string& x, const std::string& z) {
+        return "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty " + x + " x\nproperty " + x + " y\nproperty " + z + " z\n" +
+               "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
+    };
+    const std::int16_t low = -32768, one = 1, two = 2;
+    const auto whole = head("short", "short") + bytes(low) + bytes(one) + bytes(two);
+    auto mesh = read(scratch, "a.ply", whole);
+    CHECK(written(scratch, "b.ply", mesh).text == whole);
+    for (const Vec3d& moved : {Vec3d(0.5, 1, 2), Vec3d(0.1, 1, 2), Vec3d(32768, 1, 2)}) {
+        mesh.points[0] = moved;
+        written(scratch, "b.ply", mesh);
+        CHECK(read_mesh(scratch / "b.ply").mesh.points[0] == moved);
+    }
+    const auto mixed = read(scratch, "c.ply", head("double", "short") + bytes(0.1) + bytes(0.2) + bytes(two));
+    written(scratch, "d.ply", mixed);
+    CHECK(read_mesh(scratch / "d.ply").mesh.points[0] == Vec3d(0.1, 0.2, 2));
+}
+
+TEST_CASE("a probe reads the head alone, and asks for a regular file") {
+    const Scratch scratch;
+    // So large that no memory holds it, but without a block on the disk.
+    const auto huge = [&](const std::string& name, const std::string& head) {
+        const auto path = scratch.write(name, head);
+        std::filesystem::resize_file(path, std::uintmax_t{1} << 42);
+        return path;
+    };
+    const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+    const std::string axes = "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+    CHECK_NOTHROW(probe_mesh(huge("a.obj", "v 0 0 0\n")));
+    CHECK_NOTHROW(probe_mesh(huge("a.ply", ply + "100000000000" + axes)));
+    CHECK_THROWS_WITH(probe_mesh(huge("b.ply", ply + "1000000000000" + axes)), Catch::Contains("for which the file is too short"));
+    CHECK_NOTHROW(probe_mesh(huge("a.off", "OFF\n100000 1000000 0\n")));
+    CHECK_NOTHROW(probe_mesh(huge("a.stl", std::string(80, 'x') + "\xff\xff\xff\xff")));
+    // Heads longer than is usual are heads too.
+    std::string comments;
+    for (int n = 0; n < 5000; ++n) comments += "comment of no use\n";
+    CHECK_NOTHROW(probe_mesh(scratch.write("c.ply", "ply\n" + comments + "format ascii 1.0\nelement vertex 1" + axes + "0 0 0\n")));
+
+    const auto pipe = scratch / "pipe.obj";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    CHECK_THROWS_WITH(probe_mesh(pipe), pipe + " is a pipe or a device; a mesh is read from a regular file");
+}
+
+TEST_CASE("STL's triangles without an area have a normal of nan, which comes back; of the tiniest others one is computed") {
+    const Scratch scratch;
+    const std::string text = "solid\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid\n";
+    CHECK(written(scratch, "a.stl", read(scratch, "a.stl", text)).text == text);
+    Mesh tiny;
+    tiny.points = {{0, 0, 0}, {1e-5, 0, 0}, {0, 1e-5, 0}};
+    tiny.add_face(std::array<std::uint32_t, 3>{0, 1, 2});
+    written(scratch, "b.stl", tiny);
+    CHECK(read_mesh(scratch / "b.stl").mesh.find("normal")->values == std::vector<double>{0, 0, 1});
+}
+
+TEST_CASE("an STL file comes back as it was, its corners at one place made one vertex") {
+    const Scratch scratch;
+    const std::string text =
+        "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\nsolid\nfacet normal 0 0 1\n"
+        "outer loop\nvertex 1 0 0\nvertex 1.1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+    const auto mesh = read(scratch, "a.stl", text);
+    CHECK(mesh.points.size() == 4);
+    CHECK(topology_of(mesh).boundary_edges == 4);
+    CHECK(written(scratch, "b.stl", mesh).text == text);
+
+    std::string binary(80, 'h');
+    binary += bytes(std::uint32_t{2});
+    for (int n = 0; n < 2; ++n) {
+        for (const float c : {0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.1f, 1.0f, 0.0f, 0.0f, 0.0f, static_cast<float>(1 - 2 * n), 0.0f}) binary += bytes(c);
+        binary += bytes(static_cast<std::uint16_t>(17 + n));
+    }
+    const auto two = read(scratch, "c.stl", binary);
+    CHECK(two.points.size() == 4);
+    CHECK(two.find("attribute")->entry(1)[0] == 18);
+    CHECK(written(scratch, "d.stl", two).text == binary);
+}
+
+TEST_CASE("a mesh without faces comes back too") {
+    const Scratch scratch;
+    CHECK(written(scratch, "a.obj", read(scratch, "a.obj", "v 1 2 3\n")).text == "v 1 2 3\n");
+    CHECK(written(scratch, "b.obj", read(scratch, "b.obj", "o nothing\n")).text == "o nothing\n");
+    const std::string off = "OFF\n1 0 0\n1 2 3\n", stl = "solid none\nendsolid\n";
+    CHECK(written(scratch, "a.off", read(scratch, "a.off", off)).text == off);
+    CHECK(written(scratch, "a.stl", read(scratch, "a.stl", stl)).text == stl);
+    const auto ply =
+        read(scratch, "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n");
+    CHECK(ply.points == std::vector<Vec3d>{{1, 2, 3}});
+    CHECK(written(scratch, "c.obj", Mesh{}).text == "o nothing\n");
+    CHECK(read(scratch, "b.ply", written(scratch, "b.ply", ply).text).faces() == 0);
+}
+
+TEST_CASE("between formats all travels that the other can hold, and the rest is told exactly") {
+    const Scratch scratch;
+    const auto mesh = read(scratch, "a.obj", small_obj);
+    const auto ply = written(scratch, "a.ply", mesh);
+    CHECK(ply.losses ==
+          std::vector<std::string>{"UVs of corners are not written: .ply holds one per vertex, and 2 vertices have several or corners without",
+                                   "normals of corners are not written: .ply holds one per vertex, and 2 vertices have several or corners without",
+                                   "groups, materials, lines and the like of the .obj file are not written: .ply holds none"});
+    check_same_shape(read_mesh(scratch / "a.ply").mesh, mesh);
+    const auto off = written(scratch, "a.off", mesh);
+    CHECK(off.losses.size() == 3);
+    check_same_shape(read_mesh(scratch / "a.off").mesh, mesh);
+    const auto stl = written(scratch, "a.stl", mesh);
+    CHECK(stl.losses[0] == "UVs of corners are not written: .stl holds nothing but triangles and their normals");
+    CHECK(std::count(stl.losses.begin(), stl.losses.end(), "1 faces of more than three corners are written as triangles: .stl has no others") == 1);
+    CHECK(std::count(stl.losses.begin(), stl.losses.end(), "1 vertices without a face are not written: .stl has none") == 1);
+    CHECK(read_mesh(scratch / "a.stl").mesh.faces() == 3);
+
+    // One UV per vertex is all that PLY and OFF need.
+    const auto single = read(scratch, "b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/3 2/2 3/1\n");
+    for (const std::string name : {"b.ply", "b.off"}) {
+        CHECK(written(scratch, name, single).losses.empty());
+        CHECK(read_mesh(scratch / name).mesh.find("uv")->values == std::vector<double>{0, 1, 1, 0, 0, 0});
+    }
+    // And back: vertices' UVs and normals, and colours as fractions.
+    const auto coloured = read(scratch, "c.ply", ply_of("ascii", false));
+    const auto obj = written(scratch, "c.obj", coloured);
+    CHECK(obj.losses == std::vector<std::string>{"'age' of vertices are not written: .obj holds none of vertices",
+                                                 "'material' of faces are not written: .obj holds none of faces"});
+    CHECK(obj.text.find("\nf 1/1/1 2/2/2 3/3/3\n") != std::string::npos);
+    CHECK(read_mesh(scratch / "c.obj").mesh.find("colour")->entry(0)[0] == 1);
+}
+
+TEST_CASE("a placement is undone to the file's own numbers, and moved vertices go back into its space") {
+    const Scratch scratch;
+    auto mesh = placed(read(scratch, "a.obj", small_obj), {Vec3d(0.3, -7.7, 1e3), 0.0533333});
+    CHECK((mesh.points[1] - Vec3d(0.3533333, -7.7, 1000 + 0.0533333e-5)).length() < 1e-12);
+    CHECK(written(scratch, "b.obj", mesh).text == small_obj);
+    mesh.points[5] += Vec3d(0.0533333, 0, 0);
+    const auto moved = read_mesh(scratch.write("c.obj", written(scratch, "c.obj", mesh).text)).mesh;
+    CHECK(moved.points[4] == Vec3d(2.5, 0.5, -0.123456789012345));
+    CHECK((moved.points[5] - Vec3d(8, 8, 9)).length() < 1e-10);
+    const Placement other{Vec3d(1, 0, 0), 2};
+    CHECK(written(scratch, "d.obj", cube(2), &other).text.starts_with("v -0.5 0 0\nv 0.5 0 0\n"));
+}
+
+TEST_CASE("malformed OBJ files are refused with line and reason") {
+    const Scratch scratch;
+    const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const auto fault = [&](const std::string& text) { return fault_of(scratch, "a.obj", text); };
+    CHECK(fault("") == " the file is empty");
+    CHECK(fault("\n\n# nothing\n") == " this is no OBJ file: there is no statement in it");
+    CHECK(fault("v 0 0\n") == "1: a vertex needs three numbers");
+    CHECK(fault("v 0 nan 0\n") == "1: 'nan' is no number");
+    CHECK(fault("v 0 1e999 0\n") == "1: '1e999' is no number");
+    CHECK(fault("v 0 \xff\xfe 0\n") == "1: '?\?' is no number");
+    CHECK(fault("v 1 2 3 4 5 6 7 8\n") == "1: these are more than 7 numbers");
+    CHECK(fault("v 1 2 3\nv 1 2 3 4\n") == "2: there are not as many numbers as in the statements before of its kind");
+    CHECK(fault(three + "f 1 2\n") == "4: a face needs at least three corners");
+    CHECK(fault(three + "f 0 1 2\n") == "4: '0' is none of the 3 above");
+    CHECK(fault(three + "f -1 -2 -4\n") == "4: '-4' is none of the 3 above");
+    CHECK(fault(three + "f 1 2 4\n") == " face 1 has vertex 4, but there are 3 vertices");
+    CHECK(fault(three + "f 1 2 99999999999\n") == "4: '99999999999' is none of the 3 above");
+    CHECK(fault(three + "vt 0 0\nf 1/1 2/1 3/2\n") == " face 1 has uv 2, but there are 1 uvs");
+    CHECK(fault(three + "f 1//1 2//1 3//1\n") == " face 1 has normal 1, but there are 0 normals");
+    CHECK(fault(three + "f 1/1/1/1 2 3\n") == "4: a corner has at most three indices, as in 1/2/3");
+    CHECK(fault(three + "l 1 -1\n") == "4: '-1' counts back from the last vertex, which can't be kept in lines and points");
+    CHECK(fault(three + "vt 0 0\nl 1/-1 2/-1\n") == "5: '-1' counts back from the last UV, which can't be kept in lines");
+    CHECK(fault(three + "f 1 2 \\\n3\n") == "4: a statement that is continued in the next line, by a '\\' at the end, can't be read; join the lines");
+    CHECK(fault("\x89PNG\n") == "1: '?PNG' is no statement that can be kept: a mesh is made of v, vt, vn, f, l and p");
+    CHECK_THROWS_WITH(read_mesh(scratch / "none.obj"), scratch / "none.obj" + " can't be opened");
+    CHECK_THROWS_WITH(read_mesh(scratch.path()), scratch.path() + ": a mesh is a .obj, .ply, .off or .stl file, not ''");
+}
+
+TEST_CASE("malformed PLY files are refused before anything is allocated for what they promise") {
+    const Scratch scratch;
+    const auto fault = [&](const std::string& text) { return fault_of(scratch, "a.ply", text); };
+    const auto head = [](const std::string& format, const std::string& vertices, const std::string& list = "uchar") {
+        return "ply\nformat " + format + " 1.0\nelement vertex " + vertices +
+               "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list " + list + " int vertex_indices\nend_header\n";
+    };
+    const std::string three = "0 0 0\n1 0 0\n0 1 0\n";
+    CHECK(fault("") == " the file is empty");
+    CHECK(fault("plx\n") == "1: this is no PLY file: its first line is not 'ply'");
+    CHECK(fault("ply\nformat ascii 1.0\n") == "2: the header has no 'end_header'");
+    CHECK(fault("ply\nformat binary 1.0\n") == "2: 'binary' is no format of PLY");
+    CHECK(fault("ply\nend_header\n") == "2: the header states no format");
+    CHECK(fault("ply\nformat ascii 1.0\nend_header\n") == " a mesh has one element 'vertex' and at most one 'face'");
+    CHECK(fault(head("ascii", "-3")) == "3: '-3' is no count");
+    CHECK(fault(head("ascii", "18446744073709551615")) == "3: '18446744073709551615' is no whole number");
+    for (const auto* const format : {"ascii", "binary_little_endian"})
+        CHECK(fault(head(format, "4000000000")) ==
+              " the header promises 4000000000 entries of 'vertex', for which the file is too short: it is cut off or damaged");
+    CHECK(fault(head("ascii", "3") + three + "3 0 1") == "13: the file ends too early");
+    CHECK(fault(head("ascii", "3") + three + "3 0 1 3\n") == " face 0 has a vertex 3, but there are 3 (both counted from 0)");
+    CHECK(fault(head("ascii", "3") + three + "3 0 1 -1\n") == " face 0 (counted from 0) has a vertex -1");
+    CHECK(fault(head("ascii", "3") + three + "2 0 1 1\n") == " face 0 (counted from 0) has 2 corners; it needs at least three");
+    CHECK(fault(head("ascii", "3") + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n") == "11: 'nan' is no number");
+    CHECK(fault(head("binary_little_endian", "0", "uint") + "\xff\xff\xff\xff" + std::string(8, '\0')) ==
+          " a list 'vertex_indices' of 4294967295 entries can't be: the file is cut off or damaged");
+    CHECK(fault(head("binary_little_endian", "0", "char") + "\xff" + std::string(8, '\0')) ==
+          " a list 'vertex_indices' of -1 entries can't be: the file is cut off or damaged");
+    CHECK(fault(head("ascii", "3", "float") + three + "3 0 1 2\n") == "8: a list is counted in whole numbers");
+    CHECK(fault(head("binary_little_endian", "1") + bytes(0.0f) + bytes(std::numeric_limits<float>::quiet_NaN()) + bytes(0.0f) + '\3' +
+                std::string(12, '\0')) == " vertex 0 (counted from 0) is not at a finite place: its y is nan");
+    auto whole = ply_of("binary_little_endian", false);
+    for (const std::size_t less : {1, 2, 13, 30}) CHECK(fault(whole.substr(0, whole.size() - less)).find("cut off or damaged") != std::string::npos);
+}
+
+TEST_CASE("malformed OFF and STL files are refused") {
+    const Scratch scratch;
+    const auto off = [&](const std::string& text) { return fault_of(scratch, "a.off", text); };
+    CHECK(off("ply\n") == "1: this is no OFF file of three-dimensional points: it begins with 'ply'");
+    CHECK(off("4OFF\n1 0 0\n") == "1: this is no OFF file of three-dimensional points: it begins with '4OFF'");
+    CHECK(off("OFF BINARY\n") == "1: binary OFF can't be read; export it as text");
+    CHECK(off("OFF\n99999999 1 0\n") == " the head promises 99999999 vertices and 1 faces, for which the file is too short: it is cut off or damaged");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n") == "5: a vertex of this file does not have 2 numbers");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n") == "6: a face has a vertex 3, but there are 3, counted from 0");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n") == "6: a face has a vertex -1, but there are 3, counted from 0");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n") == "6: a face of 4 corners has only 3 numbers behind the count");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 inf\n3 0 1 2\n") == "5: 'inf' is no number");
+    CHECK(off("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0 # cut\n") == "5: the file ends too early");
+
+    const auto stl = [&](const std::string& text) { return fault_of(scratch, "a.stl", text); };
+    CHECK(stl("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n") == "4: the file ends too early");
+    CHECK(stl("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n") == "4: 'x' is no number");
+    CHECK(stl("solid a\nvertex 0 0 0\n") == "2: 'facet' or 'endsolid' should stand here, not 'vertex'");
+    CHECK(stl("solid a\n") == "1: the file ends without 'endsolid': it is cut off");
+    CHECK(stl("xx") == " this is no STL file: it neither begins with 'solid' nor has the head of a binary one");
+    CHECK(stl(std::string(80, 'x') + "\xff\xff\xff\xff" + std::string(50, '\0')) ==
+          " the head promises 4294967295 triangles, for which the file is too short: it is cut off, damaged, or no STL file");
+    const auto nan = bytes(std::numeric_limits<float>::quiet_NaN());
+    CHECK(stl(std::string(80, 'x') + bytes(std::uint32_t{1}) + std::string(12, '\0') + nan + std::string(34, '\0')) ==
+          " triangle 0 (counted from 0) has a corner that is not at a finite place");
+}
+
+TEST_CASE("what is unusual about how faces hang together is counted") {
+    CHECK(topology_of(cube(1)).closed());
+    CHECK(faults_of(topology_of(cube(1))).empty());
+    auto open = cube(1);
+    open.corners.resize(20);
+    open.ends.resize(5);
+    CHECK(topology_of(open).boundary_edges == 4);
+    CHECK(!topology_of(open).closed());
+    auto winged = cube(1);
+    winged.points.emplace_back(2, 2, 2);
+    winged.add_face(std::array<std::uint32_t, 3>{0, 1, 8});
+    winged.add_face(std::array<std::uint32_t, 3>{0, 1, 1});
+    winged.points.emplace_back(3, 3, 3);
+    const auto topology = topology_of(winged);
+    CHECK(topology.non_manifold_faces == 1);
+    CHECK(topology.degenerate_faces == 1);
+    CHECK(topology.lone_vertices == 1);
+    CHECK(!topology.closed());
+    CHECK(faults_of(topology) ==
+          "1 face beyond two at an edge, turned against their neighbours, or touching others at a vertex alone, and 1 face with a vertex twice");
+}
+
+TEST_CASE("a concave face is cut along its own diagonals") {
+    // A comb seen from below: the triangles' areas add up to its own, none lies beside it.
+    std::vector<Vec3d> points;
+    for (int n = 0; n <= 8; ++n) points.emplace_back(n, n % 2 == 0 ? 5 : 1, 0.1);
+    points.emplace_back(8, 0, 0.1);
+    points.emplace_back(0, 0, 0.1);
+    std::vector<std::uint32_t> face(points.size());
+    for (std::size_t n = 0; n < face.size(); ++n) face[n] = static_cast<std::uint32_t>(n);
+    std::vector<std::array<std::uint32_t, 3>> parts;
+    for (const bool turned : {false, true}) {
+        if (turned) std::reverse(face.begin(), face.end());
+        triangulate(points, face, parts);
+        REQUIRE(parts.size() == face.size() - 2);
+        double sum = 0, sizes = 0;
+        for (const auto& [a, b, c] : parts) {
+            const double area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).z();
+            sum += area;
+            sizes += std::abs(area);
+        }
+        CHECK(sum == Approx(turned ? 24 : -24));
+        CHECK(sizes == Approx(24));
+    }
+}
+
+TEST_CASE("a face of very many corners is cut in a moment, where hardly any is an ear") {
+    // A thin zigzag band: in each peak's triangle lies the corner beneath it.
+    const int side = 4000;
+    const Vec3d far(1e6, 1e6, 0);
+    std::vector<Vec3d> points;
+    for (int n = 0; n < side; ++n) points.push_back(far + Vec3d(n, n % 2, 0));
+    for (int n = side - 1; n >= 0; --n) points.push_back(far + Vec3d(n, n % 2 + 0.25, 0));
+    std::vector<std::uint32_t> face(points.size());
+    for (std::size_t n = 0; n < face.size(); ++n) face[n] = static_cast<std::uint32_t>(n);
+    std::vector<std::array<std::uint32_t, 3>> parts;
+    triangulate(points, face, parts);
+    double sum = 0, sizes = 0;
+    for (const auto& [a, b, c] : parts) {
+        const double area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).z();
+        sum += area;
+        sizes += std::abs(area);
+    }
+    CHECK(sum == Approx(0.25 * (side - 1)));
+    CHECK(sizes == Approx(sum));
+}
+
+TEST_CASE("how a face lies is told far away from the origin, too") {
+    // So small and so far that products of its coordinates lose its area. The corner at (2, 1) points inwards.
+    const std::array<Vec3d, 5> corners{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}}};
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::uint32_t first = 0; first < 5; ++first) {
+            std::vector<Vec3d> points;
+            for (const auto& at : corners) points.push_back(Vec3d(3.1e7, -2.3e7, 5.7e7) + 0.01 * Vec3d(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]));
+            std::vector<std::uint32_t> face;
+            for (std::uint32_t n = 0; n < 5; ++n) face.push_back((first + n) % 5);
+            std::vector<std::array<std::uint32_t, 3>> parts;
+            triangulate(points, face, parts);
+            double sizes = 0;
+            for (const auto& [a, b, c] : parts) sizes += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).length();
+            CHECK(sizes == Approx(1e-4 * 10).epsilon(1e-3));
+        }
+}
+
+TEST_CASE("mesh.read warns of what is unusual, places, and holds or misses frames; mesh.write wants an ending that it knows") {
+    const Scratch scratch;
+    const auto path = scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n");
+    test::NodeBench bench(mesh_read(), "{path: " + path + ", translate: [1, 0, 0], scale: 2}");
+    REQUIRE(bench.faults().empty());
+    struct Heard : Context::Host {
+        std::vector<std::string> warnings;
+        void warn(const std::string& message) override { warnings.push_back(message); }
+    } heard;
+    const std::vector<int> frames{1};
+    const auto mesh = bench.run({}, Context(heard, frames)).at("mesh").as<Mesh>();
+    CHECK(mesh->points[1] == Vec3d(3, 0, 0));
+    CHECK(heard.warnings == std::vector<std::string>{"1 face with a vertex twice: they are kept as they are"});
+    CHECK(test::NodeBench(mesh_read(), "{path: a.abc}").faults() == "path: a.abc: a mesh is a .obj, .ply, .off or .stl file, not '.abc'\n");
+    CHECK(test::NodeBench(mesh_write(), "{path: a}").faults() == "path: a: a mesh is a .obj, .ply, .off or .stl file, not ''\n");
+    CHECK(test::NodeBench(mesh_read(), "{path: a.obj, missing: hold}").faults() != "");
+}

@@ -1,0 +1,101 @@
+#include "nodes/seam/dynamic.h"
+#include "nodes/payloads.h"
+#include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/greedy.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/node_bench.h"
+
+#include <catch2/catch.hpp>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+
+namespace {
+
+const Tick nobody = [](double) {};
+
+}  // namespace
+
+TEST_CASE("dynamic programming finds the least energy of a line in any dimension, also of a ring, to the last digit") {
+    std::mt19937 random(1);
+    for (int n = 0; n < 1500; ++n) {
+        std::array<int, 3> size{1, 1, 1};
+        size[static_cast<std::size_t>(n % 3)] = 1 + static_cast<int>(random() % 11);
+        const ColumnGraph graph(size, n % 2 == 0);
+        const int width = 1 + static_cast<int>(random() % 7);
+        const auto energy = random_volume(random, graph, width, n % 5 == 0 ? 3 : 1024);
+        const auto window = random_window(random, width);
+        const auto band = Band::whole(graph.count(), window);
+        const auto want = brute_force(graph, band, energies_of(energy));
+        const auto seam = dynamic_seam(energy, window, n, nobody);
+        INFO("case " << n);
+        REQUIRE(is_seam(graph, band, seam.at));
+        REQUIRE(sum_along(seam.at, energies_of(energy)) == want.cost);
+        REQUIRE(seam.energy == want.cost);
+        REQUIRE(seam.lower_bound == want.cost);
+    }
+}
+
+TEST_CASE("dynamic programming and the cut agree on images") {
+    std::mt19937 random(2);
+    for (const bool across : {false, true}) {
+        const ColumnGraph graph(across ? std::array{90, 1, 1} : std::array{1, 90, 1});
+        const auto energy = random_volume(random, graph, 70);
+        const auto seam = dynamic_seam(energy, {3, 66}, 0, nobody);
+        CHECK(is_seam(graph, Band::whole(90, {3, 66}), seam.at));
+        CHECK(seam.energy == exact_seam(energy, {3, 66}, 0, [] {}).energy);
+        CHECK(seam.energy < greedy_seam(energy, {3, 66}, 0, 16, nobody).energy);
+    }
+}
+
+TEST_CASE("long lines in windows: of least energy, whatever columns their ways are kept for") {
+    std::mt19937 random(4);
+    for (int n = 0; n < 60; ++n) {
+        const ColumnGraph graph({1 + static_cast<int>(random() % 140), 1, 1});
+        const int width = 1 + static_cast<int>(random() % 90);
+        const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
+        const auto window = random_window(random, width);
+        std::vector<double> ways(static_cast<std::size_t>(window.size()), 0.0);
+        for (std::size_t c = 0; c < graph.count(); ++c) {
+            const auto before = ways;
+            for (std::size_t i = 0; i < ways.size(); ++i) {
+                const auto first = before.begin() + static_cast<std::ptrdiff_t>(i > 0 ? i - 1 : 0), last = before.begin() + static_cast<std::ptrdiff_t>(i + 1);
+                ways[i] = *std::min_element(first, last == before.end() ? last : last + 1) + energies_of(energy)(c, window.first + static_cast<int>(i));
+            }
+        }
+        const auto seam = dynamic_seam(energy, window, n, nobody);
+        INFO("case " << n);
+        REQUIRE(is_seam(graph, Band::whole(graph.count(), window), seam.at));
+        REQUIRE(seam.energy == *std::min_element(ways.begin(), ways.end()));
+        REQUIRE(sum_along(seam.at, energies_of(energy)) == seam.energy);
+    }
+}
+
+TEST_CASE("static seams of many frames are lines too") {
+    std::mt19937 random(3);
+    const auto sum = random_volume(random, ColumnGraph({9, 1, 4}), 6).sum();
+    const ColumnGraph frame({9, 1, 1});
+    CHECK(dynamic_seam(sum, {0, 5}, 0, nobody).energy == brute_force(frame, Band::whole(9, {0, 5}), energies_of(sum)).cost);
+}
+
+TEST_CASE("of equal ways dynamic programming stays, and else leans to one side for even seams, to the other for odd") {
+    const auto flat = volume_of(ColumnGraph({7, 1, 1}), 5, [](std::size_t, int) { return 1.0; });
+    for (const int number : {0, 1}) {
+        const auto seam = dynamic_seam(flat, {1, 4}, number, nobody);
+        CHECK(std::all_of(seam.at.begin(), seam.at.end(), [&](auto entry) { return entry == seam.at[0]; }));
+    }
+    // The last column holds a seam in the middle, and the one before it is dear there.
+    const auto fork =
+        volume_of(ColumnGraph({2, 1, 1}), 5, [](std::size_t c, int entry) { return c == 1 ? (entry == 2 ? 0.0 : 5.0) : (entry == 2 ? 1.0 : 0.0); });
+    CHECK(dynamic_seam(fork, {0, 4}, 0, nobody).at == SeamEntries{1, 2});
+    CHECK(dynamic_seam(fork, {0, 4}, 1, nobody).at == SeamEntries{3, 2});
+}
+
+TEST_CASE("volumes are no images: dynamic programming names who takes them") {
+    const auto energy = volume_of(ColumnGraph({3, 2, 4}), 5, [](std::size_t, int) { return 1.0; });
+    CHECK(failure_of([&] {
+              dynamic_seam(energy, {0, 4}, 0, nobody);
+          }) ==
+          "seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in 3 x 2 x 4 (lateral, k, frames); seam.pyramid and "
+          "seam.graph_cut take any");
+}

@@ -1,0 +1,84 @@
+#include "nodes/payloads.h"
+#include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/search/bound.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/synthetic_energy.h"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <catch2/catch.hpp>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+
+namespace {
+
+const Tick nobody = [](double) {};
+
+}  // namespace
+
+TEST_CASE("no seam has less energy than the lower bound, with any number of passes") {
+    std::mt19937 random(1);
+    for (int n = 0; n < 4000; ++n) {
+        const ColumnGraph graph(random_size(random, 12), n % 2 == 0);
+        const int width = 1 + static_cast<int>(random() % 6);
+        const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
+        const auto window = random_window(random, width);
+        const auto least = brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost;
+        INFO("case " << n);
+        for (const int passes : {0, 1, 3, 20}) REQUIRE(lower_bound(energy, window, passes, nobody) <= least);
+    }
+}
+
+TEST_CASE("the bound holds for static seams, in the sums of energies") {
+    std::mt19937 random(2);
+    for (int n = 0; n < 200; ++n) {
+        const auto size = random_size(random, 12);
+        const ColumnGraph frame({size[0], size[1], 1}, n % 2 == 0);
+        const auto sum = random_volume(random, ColumnGraph({size[0], size[1], 4}, n % 2 == 0), 5).sum();
+        const auto least = brute_force(frame, Band::whole(frame.count(), {0, 4}), energies_of(sum)).cost;
+        INFO("case " << n);
+        for (const int passes : {0, 10}) REQUIRE(lower_bound(sum, {0, 4}, passes, nobody) <= least);
+    }
+}
+
+TEST_CASE("for an open line the bound is the least energy but for rounding") {
+    std::mt19937 random(3);
+    for (int n = 0; n < 200; ++n) {
+        std::array<int, 3> size{1, 1, 1};
+        size[static_cast<std::size_t>(n % 3)] = 1 + n % 11;
+        const ColumnGraph graph(size);
+        const auto energy = random_volume(random, graph, 5);
+        const auto least = brute_force(graph, Band::whole(graph.count(), {1, 4}), energies_of(energy)).cost;
+        INFO("case " << n);
+        for (const int passes : {0, 2}) REQUIRE(lower_bound(energy, {1, 4}, passes, nobody) == Approx(least).epsilon(2e-5));
+    }
+}
+
+TEST_CASE("the bound rises with every pass and comes near the least energy, and the number of threads does not change it") {
+    struct Case {
+        Synthetic kind;
+        bool closed;
+        double even, passed;  ///< wanted shares of the least energy, with no pass and with 10
+    };
+    for (const auto& [kind, closed, even, passed] :
+         {Case{Synthetic::smoke, false, 0.65, 0.92}, Case{Synthetic::smoke, true, 0.65, 0.9}, Case{Synthetic::noise, false, 0.6, 0.8}}) {
+        const auto energy = SyntheticEnergy(kind, 5)({24, 12, 16}, 6, closed);
+        const double least = exact_seam(energy, {0, 23}, 0, [] {}).energy;
+        double before = 0;
+        for (const int passes : {0, 1, 2, 5, 10, 20}) {
+            const double bound = lower_bound(energy, {0, 23}, passes, nobody);
+            INFO(passes << " passes, least " << least);
+            CHECK(bound >= before);
+            CHECK(bound <= least);
+            if (passes == 0) CHECK(bound >= even * least);
+            if (passes == 10) CHECK(bound >= passed * least);
+            before = bound;
+            for (const std::size_t threads : {1, 3}) {
+                const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+                tbb::task_arena(static_cast<int>(threads)).execute([&] { CHECK(lower_bound(energy, {0, 23}, passes, nobody) == bound); });
+            }
+        }
+    }
+}
