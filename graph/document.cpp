@@ -29,7 +29,7 @@ std::vector<std::string> names(const Value& map) {
     return out;
 }
 
-/// `later` over `earlier`, down to `levels` of maps. A field without a value takes the earlier one away.
+/// Merges `later` into `earlier`, down to `levels` nested maps. A null field in `later` removes the field from `earlier`.
 void merge(Value& earlier, const Value& later, int levels) {
     if (levels == 0 || earlier.kind != Value::Kind::map || later.kind != Value::Kind::map) {
         earlier = later;
@@ -49,7 +49,7 @@ void merge(Value& earlier, const Value& later, int levels) {
     earlier.mark = later.mark;
 }
 
-/// A list of `later` starts with what it is in `earlier`.
+/// Prepends the items of the list in `earlier` to the same list in `later`.
 void put_before(Value& later, const Value& earlier, const char* list) {
     auto* const now = later.find(list);
     const auto* const before = earlier.find(list);
@@ -61,7 +61,7 @@ class Reader {
 public:
     explicit Reader(Problems& problems) : problems_(problems) {}
 
-    /// The file with all that it extends merged below it; a map even if it could not be read.
+    /// Reads a file and merges it over the files that it extends. Returns a map even if the file can't be read.
     Value load(const std::string& path, const Mark& from) {
         Value nothing;
         nothing.kind = Value::Kind::map;
@@ -98,7 +98,7 @@ public:
         return merged;
     }
 
-    std::vector<Mark> sources;  ///< of the files read so far
+    std::vector<Mark> sources;  ///< the files read so far
 
 private:
     std::shared_ptr<const Source> open(const std::string& path, const Mark& from) {
@@ -112,7 +112,7 @@ private:
         auto source = std::make_shared<Source>();
         source->name = path;
         source->folder = fs::path(path).parent_path().string();
-        // One byte past the limit is enough to see that it is passed.
+        // One byte more than read_yaml accepts: it then reports that the file is too large.
         source->text.resize((1 << 20) + 1);
         in.read(source->text.data(), static_cast<std::streamsize>(source->text.size()));
         source->text.resize(static_cast<std::size_t>(in.gcount()));
@@ -142,7 +142,7 @@ private:
     std::vector<std::string> loading_;
 };
 
-/// Everything that `${name}` may mean, and its replacement in values.
+/// Holds the values of params and environment variables, and replaces `${name}` by them.
 class Names {
 public:
     explicit Names(Problems& problems) : problems_(problems) {}
@@ -155,7 +155,7 @@ public:
             else add(problems_, item.mark, "'env' wants names, not " + item.describe());
     }
 
-    /// @return a map of what they stand for
+    /// @return map: param name to value
     Value declare_params(const Value& params, const std::map<std::string, Value>& settings) {
         Value out;
         out.kind = Value::Kind::map;
@@ -167,10 +167,10 @@ public:
         return out;
     }
 
-    /// Replaces `${name}` all through a value.
+    /// Replaces every `${name}` in a value and its parts.
     void replace(Value& value) { replace(value, values_, {}); }
 
-    std::vector<Insertion> insertions;  ///< of what was replaced so far
+    std::vector<Insertion> insertions;  ///< all replacements so far
 
 private:
     void replace(Value& value, const std::map<std::string, Value>& params, const Mark& in) {
@@ -182,7 +182,7 @@ private:
 
     void declare_param(const Value::Field& field, const std::map<std::string, Value>& settings) {
         const auto& [name, mark, param] = field;
-        values_[name].kind = Value::Kind::unresolved;  // known, whatever else is wrong with it
+        values_[name].kind = Value::Kind::unresolved;  // declared, even if the declaration has faults
         if (param.kind != Value::Kind::map)
             return add(problems_, param.mark, fmt::format("param '{}' wants {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
         for (const auto& each : param.fields)
@@ -207,7 +207,7 @@ private:
             return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
 
         Value replaced = *value;
-        // Params may build on the environment, but not on each other: no order to get wrong.
+        // A default may use environment variables but not other params, so the order of params does not matter.
         if (value != &from_environment) replace(replaced, {}, {});
         if (fits(*type, replaced, name, range)) values_[name] = std::move(replaced);
     }
@@ -242,7 +242,7 @@ private:
         return out;
     }
 
-    /// @param in  what the value stands in
+    /// @param in  the list or map that contains the value
     void replace_scalar(Value& value, const std::map<std::string, Value>& params, const Mark& in) {
         if (value.text.find("${") == std::string::npos) return;
         const auto give_up = [&] { value.kind = Value::Kind::unresolved; };
@@ -290,7 +290,7 @@ private:
     std::map<std::string, Value> from_environment_;
 };
 
-/// A command line's `--set`, split at its sign, the value with places inside the text as typed.
+/// One `--set` of the command line, split at `=`. Marks point into the text as typed.
 struct Setting {
     Value::Field target;
     Value value;
@@ -329,7 +329,8 @@ std::optional<Setting> read_setting(const std::string& text, Problems& problems)
     return out;
 }
 
-/// Puts `node.field` settings into the nodes, and `frames` into those, unless a param has that name; returns those of params.
+/// Applies `node.field=...` to `nodes` and `frames=...` to `frames` (unless a param is called `frames`).
+/// @return the settings of params, by name
 std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value& nodes, Value& frames, const Value& params, Problems& problems) {
     std::map<std::string, Value> of_params;
     for (const auto& text : texts) {

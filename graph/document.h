@@ -7,27 +7,27 @@
 
 namespace fluidcarve {
 
-/// A `${name}` that stands inside a text or a list. Of one that is a whole value, that value has the place of what it stands for.
+/// One `${name}` that was replaced. If it was a whole value, the new value has the mark of the param or variable.
 struct Insertion {
-    Mark in;  ///< the text, or the list
+    Mark in;  ///< the text that contains `${name}`; if it was a whole value, the list or map around it
     std::string name;
 };
 
-/// A pipeline's text after everything that stands above types: `extends` merged, `--set` applied, `${name}` replaced.
+/// A pipeline's text before node types are looked up: `extends` merged, `--set` applied, `${name}` replaced.
 struct Document {
     std::string name;           ///< the file, as given
-    Mark mark;                  ///< of the file
-    std::vector<Mark> sources;  ///< the file and those that it extends
-    Value params;               ///< a map: what each param stands for
-    Value frames;               ///< null: one frame, 1
-    Value nodes;                ///< a map of maps
-    Value plugins;              ///< null, or a list of files, those of extended files first
+    Mark mark;                  ///< the file as a whole
+    std::vector<Mark> sources;  ///< the file and the files that it extends
+    Value params;               ///< map: param name to value
+    Value frames;               ///< null: one frame, number 1
+    Value nodes;                ///< map of maps
+    Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
 /// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or `frames=value`
-/// @param problems  everything that is wrong is added, all at once
+/// @param problems  receives all faults of the text
 Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems);
 
 }  // namespace fluidcarve

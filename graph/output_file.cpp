@@ -28,9 +28,9 @@ namespace fs = std::filesystem;
 std::mutex unfinished_mutex;
 std::set<std::string> unfinished;
 
-std::map<std::string, std::uint64_t> committed;  ///< number of the file that was renamed to a path
+std::map<std::string, std::uint64_t> committed;  ///< path to inode of the file renamed to it
 
-/// Where this process's number means this process: this start of this machine, or container.
+/// Identifies the boot and PID namespace, within which a process id is unique: 16 hex digits.
 const std::string& realm() {
     static const std::string name = [] {
         std::string boot;
@@ -41,7 +41,7 @@ const std::string& realm() {
     return name;
 }
 
-/// Removes what processes that were killed left aside in a folder; once per folder, and only what is known to be theirs.
+/// Removes temporary files of killed processes from a folder, once per folder. Only files of this realm, whose process is gone.
 void remove_orphans(const fs::path& folder) {
     static std::set<fs::path> seen;
     if (!seen.insert(folder).second) return;
@@ -69,8 +69,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
     const std::lock_guard lock(unfinished_mutex);
     remove_orphans(folder);
-    // Made here and now: what a folder's rights say and what it takes are two things. A killed run of the same number may have left
-    // its own.
+    // Create the file now: permission bits alone do not tell whether the folder can be written to. A killed process with the same
+    // id may have left a file of the same name; then try the next.
     int file = -1;
     do {
         aside_ = (folder / fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), realm(), getpid(), serial++, target.extension().string())).string();

@@ -5,25 +5,25 @@
 
 namespace fluidcarve {
 
-/// A file that appears whole or not at all: written aside in its own folder, then renamed.
-/// Give up, by an exception or otherwise, and the destructor removes what was written; after a kill, the next process that
-/// writes into the folder does.
+/// A file that appears whole or not at all: written under a temporary name in the same folder, then renamed.
+/// Without a commit, the destructor removes the temporary file. If the process is killed, the next process that writes into
+/// the folder removes it.
 class OutputFile {
 public:
-    /// Makes the folder if it is not there. @throws Failure where it can't be written to
+    /// Makes missing folders. @throws Failure if the folder can't be written to
     explicit OutputFile(std::string path);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
-    /// Where to write: beside the path, with the same ending.
+    /// The temporary file to write to: in the same folder, with the same extension.
     const std::string& aside() const { return aside_; }
-    /// Renames the written file to its path. Call it after verifying. @throws Failure
+    /// Renames the temporary file to the path. Verify the content first. @throws Failure if it can't be renamed
     void commit();
 
-    /// The number (inode) of the file that this process last renamed to a path; 0: none.
+    /// Inode of the file that this process last renamed to `path`; 0: none.
     static std::uint64_t number_at(const std::string& path);
-    /// Removes the files aside of all outputs not yet committed: the last act before a hard exit.
+    /// Removes the temporary files of all outputs that are not committed. To be called before a hard exit.
     static void remove_unfinished();
 
 private:

@@ -1,6 +1,5 @@
 #include "graph/pipeline.h"
 
-#include "graph/types/placed_check.h"
 
 #include <fmt/format.h>
 
@@ -23,15 +22,15 @@ struct Reference {
     std::string port;  ///< empty: the main output
 };
 
-/// A node while it is being checked.
+/// A node during the checks.
 struct Draft {
     Node node;
-    const Value* value = nullptr;                    ///< its map
-    std::vector<std::vector<Reference>> references;  ///< per input
-    bool unsure = false;                             ///< something that decides its rate is wrong, here or upstream
+    const Value* value = nullptr;                    ///< the node's map in the document
+    std::vector<std::vector<Reference>> references;  ///< `[input][connection]`
+    bool unsure = false;                             ///< the rate is unknown because of a problem here or upstream
 };
 
-class NodeCheckOf : public PlacedCheck {
+class NodeCheckOf : public NodeCheck {
 public:
     NodeCheckOf(const Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
     bool stated(std::string_view field) const override { return draft_.value->find(field) != nullptr; }
@@ -126,7 +125,7 @@ private:
         drafts_.push_back(std::move(draft));
     }
 
-    /// The nearest type, else the family's, else where to find them all: the whole list would drown the place.
+    /// Suggests the nearest type, else the types of the family, else the command that lists all types.
     std::string near_type(const std::string& name) const {
         const auto all = registry_.node_names();
         if (const auto best = nearest(name, all); !best.empty()) return fmt::format("; did you mean '{}'?", best);
@@ -157,7 +156,7 @@ private:
             for (auto& output : type.named_outputs(params.get())) draft.node.outputs.push_back(std::move(output));
     }
 
-    /// Whether results are kept: as the type says, or as the pipeline does.
+    /// Decides whether results are cached: the node's `cache` field, else the type.
     void read_cache(Draft& draft) {
         const auto& type = *draft.node.type;
         draft.node.kept = type.kept || draft.node.outputs.empty();
@@ -248,7 +247,7 @@ private:
         return link;
     }
 
-    /// Sorts the drafts so that each comes after its inputs; false, and a problem, if there is a cycle.
+    /// Sorts the drafts so that each comes after its inputs. If there is a cycle, adds a problem and returns false.
     bool order() {
         enum class State { fresh, open, done };
         std::vector<State> state(drafts_.size(), State::fresh);
@@ -285,7 +284,7 @@ private:
         return true;
     }
 
-    /// @param nodes  each takes an output of the next, the last of the first
+    /// @param nodes  each reads the next; the last reads the first
     void report_cycle(std::vector<std::size_t> nodes) {
         std::reverse(nodes.begin(), nodes.end());
         const auto first = std::min_element(nodes.begin(), nodes.end());
@@ -322,8 +321,8 @@ private:
         }
     }
 
-    /// Writers: a token where they run per frame and none where not, either of them where there is but one frame and no sequence is
-    /// read; no file is written twice or over an input.
+    /// Checks the paths of writers. A writer that runs per frame needs a frame token, unless there is one frame and it reads no
+    /// sequence; a writer that runs once can't have one. No file may be written twice or overwrite an input.
     void check_paths(const FrameSet& frames) {
         std::map<std::string, std::pair<Mark, std::string>> used;
         const auto each_path = [&](Shape::Kind kind, const auto& visit) {
@@ -337,7 +336,7 @@ private:
         };
         namespace fs = std::filesystem;
         std::error_code error;
-        // Most frames lie in one folder, whose links are followed once.
+        // Most frames lie in one folder: resolve the links of each folder once.
         std::map<fs::path, fs::path> folders;
         const auto resolved = [&](const fs::path& file) {
             const auto [found, fresh] = folders.try_emplace(file.parent_path());
@@ -381,9 +380,9 @@ private:
     const Registry& registry_;
     Problems& problems_;
     std::vector<Draft> drafts_;
-    std::map<std::string, std::size_t> index_;  ///< of the drafts, by name
-    std::set<std::string> known_;               ///< all node names as written, of unknown types too
-    std::set<std::string> sequences_;           ///< nodes that read a file per frame, or from nodes that do
+    std::map<std::string, std::size_t> index_;  ///< name to index in `drafts_`
+    std::set<std::string> known_;               ///< all node names in the file, also of nodes with an unknown type
+    std::set<std::string> sequences_;           ///< nodes that read a file per frame, and nodes downstream of them
 };
 
 }  // namespace

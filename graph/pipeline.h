@@ -11,9 +11,9 @@
 
 namespace fluidcarve {
 
-/// How often a node delivers.
+/// How often a node delivers its outputs.
 enum class Rate {
-    fixed,     ///< `static`: once, from files and parameters alone
+    fixed,     ///< called `static` in texts: once, from files and parameters alone
     sequence,  ///< once, after all frames
     frame,     ///< for every frame
 };
@@ -25,45 +25,45 @@ struct Link {
     std::size_t output = 0;  ///< index in Node::outputs
 };
 
-/// A node of a pipeline, its type resolved, its parameters parsed, its inputs connected.
+/// A node of a pipeline with resolved type, parsed parameters and connected inputs.
 struct Node {
     std::string name;
     Mark mark;
     const NodeType* type = nullptr;
     std::shared_ptr<const void> params;                 ///< null in a pipeline with problems
-    std::vector<OutputSpec> outputs;                    ///< the type's, then those that a parameter names
-    std::vector<std::vector<Link>> inputs;              ///< per InputSpec of the type
-    std::vector<std::vector<std::string>> input_names;  ///< per InputSpec: the names of a named input's links
-    bool kept = false;                                  ///< its results go to the work folder; of a writer: files that are current stay
-    bool digests_kept = false;                          ///< what it digests of each frame does
+    std::vector<OutputSpec> outputs;                    ///< outputs of the type, then outputs named by a parameter
+    std::vector<std::vector<Link>> inputs;              ///< `[input of the type][link]`
+    std::vector<std::vector<std::string>> input_names;  ///< `[input of the type][link]`: names of a named input's links, else empty texts
+    bool kept = false;                                  ///< results are cached in the work folder; for a writer: up-to-date files are not rewritten
+    bool digests_kept = false;                          ///< digests of frames are cached in the work folder
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
-    Rate rate = Rate::fixed;                            ///< of its outputs, or of its run if it has none
-    bool per_frame_input = false;                       ///< some input arrives per frame
+    Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
+    bool per_frame_input = false;                       ///< at least one input arrives per frame
 };
 
-/// A checked pipeline: typed, acyclic, complete. Nodes stand in an order in which each comes after its inputs.
+/// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.
 struct Pipeline {
     std::string name;                ///< the file, as given
-    std::vector<std::string> files;  ///< it and those that it extends
+    std::vector<std::string> files;  ///< the file and the files that it extends
     FrameSet frames;                 ///< the sequence
     std::vector<Node> nodes;
-    PluginFiles plugins;  ///< of node types that are not built in
+    PluginFiles plugins;  ///< plugin file of each node type that is not built in
 
     const Node* find(std::string_view name) const;
     std::vector<std::string> node_names() const;
-    /// Whether a node delivers files and nothing else.
+    /// Whether a node only writes files: it has no outputs.
     bool writes(std::size_t node) const;
-    /// Nodes whose outputs nobody reads: writers, and whatever hangs loose.
+    /// Nodes whose outputs no node reads: writers and unconnected nodes.
     std::vector<std::size_t> leaves() const;
-    /// `nodes` and all that they need, as one flag per node.
+    /// `nodes` and everything upstream of them, as one flag per node of the pipeline.
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
 
-/// Who uses a file that is about to be written: "'sim' reads it", "it is the pipeline"; empty if nobody does.
+/// How the pipeline uses a file: "'sim' reads it", "it is the pipeline"; empty if it does not. Checked before writing to the file.
 std::string user_of(const Pipeline& pipeline, const std::string& path);
 
-/// Checks a document against the registry. Opens no data.
-/// @return the pipeline; meaningless if problems were added
+/// Checks a document against the registry. Opens no data files.
+/// @return the pipeline; not usable if problems were added
 Pipeline build_pipeline(const Document& document, const Registry& registry, Problems& problems);
 
 }  // namespace fluidcarve

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// A text that others wrote, fit for a terminal: without line ends and commands.
+/// Makes foreign text safe to print on one line of a terminal: control characters become spaces.
 std::string one_line(std::string text);
 
 }  // namespace fluidcarve

@@ -30,7 +30,7 @@ void put(std::string& out, const Mark& mark, const std::string& message) {
     if (mark.source && mark.line > 0) out += fmt::format("{}:{}:", mark.line, mark.column);
     out += (out.empty() || out.back() == '\n' ? "" : " ") + one_line(message) + "\n";
     if (!mark.source || mark.line == 0) return;
-    // Long lines are shown around the place, so that the caret stays in sight.
+    // Show only the part of a long line around the caret.
     constexpr std::size_t widest = 160;
     auto line = line_of(mark);
     if (line.empty()) return;
@@ -47,7 +47,7 @@ nlohmann::ordered_json json_of(const Mark& mark, const std::string& message) {
     return {{"file", mark.source ? mark.source->name : ""}, {"line", mark.line}, {"column", mark.column}, {"message", message}};
 }
 
-/// In the order of places, each once.
+/// Sorted by place, without duplicates.
 Problems ordered(Problems problems) {
     const auto key = [](const Problem& problem) {
         return std::tuple(problem.at.source ? std::string_view(problem.at.source->name) : std::string_view(), problem.at.line, problem.at.column);
@@ -87,7 +87,7 @@ std::string to_json(const Problems& problems) {
 }
 
 std::string nearest(std::string_view name, const std::vector<std::string>& candidates) {
-    // Two letters swapped count as one slip.
+    // A swap of two neighbouring letters counts as one edit.
     const auto distance = [](std::string_view a, std::string_view b) {
         std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
         std::iota(row.begin(), row.end(), std::size_t{0});
@@ -107,7 +107,7 @@ std::string nearest(std::string_view name, const std::vector<std::string>& candi
     auto least = std::max<std::size_t>(1, name.size() / 3) + 1;
     for (const auto& candidate : candidates) {
         const auto d = distance(name, candidate);
-        // A single letter that became another is no slip but another name.
+        // If every letter of the name changes, it is another name.
         if (d < least && d < name.size()) {
             least = d;
             best = candidate;

@@ -8,12 +8,12 @@
 namespace fluidcarve {
 namespace {
 
-/// Enough of a text to know it by; a whole file may be one.
+/// Shortens a text for a message: a scalar may be as long as a file.
 std::string shown(const std::string& text) {
     constexpr std::size_t most = 60;
     if (text.size() <= most) return text;
     auto end = most;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // not inside a letter
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // not inside a UTF-8 character
     return text.substr(0, end) + "...";
 }
 

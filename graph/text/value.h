@@ -8,15 +8,15 @@
 
 namespace fluidcarve {
 
-/// One value of a pipeline file as written, with its place. What a scalar means is decided by the declaration
-/// that it meets (a parameter's type), never by its looks or its quotes.
+/// One value of a pipeline file as written, with its place. The declared type of the parameter decides how a scalar is read;
+/// its form and quotes do not.
 struct Value {
     enum class Kind {
         null,
         scalar,
         list,
         map,
-        unresolved,  ///< stood for something that is wrong and has been reported
+        unresolved,  ///< has a fault that is already reported
     };
     struct Field;
 
@@ -29,13 +29,13 @@ struct Value {
     const Field* find(std::string_view name) const;
     Field* find(std::string_view name);
 
-    /// Short form for messages: 'text', a list, a map, nothing.
+    /// Short form for messages: the text in quotes, "a list", "a map", "nothing".
     std::string describe() const;
 };
 
 struct Value::Field {
     std::string name;
-    Mark mark;  ///< of the name
+    Mark mark;  ///< place of the name
     Value value;
 };
 

@@ -17,9 +17,9 @@ constexpr std::size_t most_bytes = 1 << 20;
 constexpr std::size_t most_levels = 64;
 constexpr std::size_t most_values = 100'000;
 
-struct Stop {};  // a problem was recorded, reading further is pointless
+struct Stop {};  // a problem was added: stop reading
 
-/// Builds a Value from the parser's events. yaml-cpp's own tree would drop duplicate keys and follow alias bombs.
+/// Builds a Value from the parser's events. yaml-cpp's own tree drops duplicate keys and expands alias bombs.
 class Builder : public YAML::EventHandler {
 public:
     Builder(const std::shared_ptr<const Source>& source, Problems& problems) : source_(source), problems_(problems) {}
@@ -30,7 +30,7 @@ public:
     void OnDocumentEnd() override {}
 
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-        // The parser places an empty value at the next token, which may be another key's line: its own key is the better place.
+        // The parser places an empty value at the next token, perhaps on another line. Use the place of its key instead.
         const bool after_key = !open_.empty() && open_.back().value.kind == Value::Kind::map && open_.back().key;
         Value value;
         value.mark = after_key ? open_.back().key->mark : place(mark);
@@ -67,7 +67,7 @@ private:
         YAML::anchor_t anchor;
         std::size_t first_value;
         std::optional<Value> key;
-        std::map<std::string, Mark> seen = {};  ///< names of a map; a search through its fields would be slow on hostile files
+        std::map<std::string, Mark> seen = {};  ///< names of a map's fields, for fast lookup: hostile files may have very many
     };
     struct Anchored {
         Value value;

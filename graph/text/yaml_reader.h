@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// YAML text to a Value with places. Safe on hostile text: at most 1 MiB, 64 levels, 100 000 values with aliases
-/// followed; duplicate keys, aliases into themselves and non-scalar keys are problems.
-/// @return a null value if a problem was added
+/// Reads YAML text into a Value with places. Safe on hostile text: at most 1 MiB, 64 levels, and 100 000 values after aliases are
+/// expanded. Duplicate keys, recursive aliases and non-scalar keys are problems.
+/// @return null if a problem was added
 Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems);
 
 }  // namespace fluidcarve

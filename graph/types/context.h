@@ -12,11 +12,11 @@
 
 namespace fluidcarve {
 
-/// What a node body may ask of the run that it is part of, and tell it.
-/// A default-made Context stands alone: one frame, 1, nothing listens; so that a test can call a body.
+/// A node body's connection to its run: the frame, the limits, warnings, report and progress.
+/// A default-constructed Context lets a test call a body alone: one frame, number 1, and messages go nowhere.
 class Context {
 public:
-    /// The run's side. All calls may come from several threads at once.
+    /// The run's side of the connection. Implementations must be thread-safe.
     struct Host {
         virtual ~Host() = default;
         virtual bool cancelled() const { return false; }
@@ -29,31 +29,31 @@ public:
     Context();
     Context(Host& host, const std::vector<int>& frames) : host_(&host), frames_(&frames) {}
 
-    /// The frame's number, and its place in the sequence. In `finish` and in static nodes: of the first frame.
+    /// Number of the frame, and its index in `frames()`. In `finish` and in static nodes: those of the first frame.
     int frame() const { return place_ < frames_->size() ? (*frames_)[place_] : 1; }
     std::size_t place() const { return place_; }
-    /// The whole sequence, whatever part of it is delivered.
+    /// Frame numbers of the whole sequence, even if only a part of it is delivered.
     const std::vector<int>& frames() const { return *frames_; }
 
     /// Whether the body runs for one frame of many; false in `finish` and in nodes that run once.
     bool per_frame() const { return per_frame_; }
 
-    /// Whether anyone reads this output now; bodies may leave other outputs empty.
+    /// Whether the run reads this output. Bodies may leave unread outputs empty.
     bool wants(std::string_view output) const { return !wants_ || wants_(output); }
 
     bool cancelled() const { return host_->cancelled(); }
-    /// Throws Cancelled once the run is being stopped; long bodies call it a few times a second.
+    /// Throws Cancelled once the run is being stopped. Long bodies call it a few times per second.
     void check_cancelled() const;
-    /// How far `finish` has come, 0 to 1.
+    /// Reports how much of `finish` is done, 0 to 1.
     void progress(double fraction) const { host_->progress(fraction); }
-    /// What of a growing result (Growth) is there already, so that a run that is killed need not find it again.
+    /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is killed.
     void hold(const Payload& result) const { host_->hold(result); }
-    /// Shown at the end and kept in the report, once per node and text.
+    /// Shows a warning at the end of the run and adds it to the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
-    /// An entry for this node in a section of the report (`seams`).
+    /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
 
-    /// Bytes that one node may hold for the whole sequence before it moves to files below `work_folder`.
+    /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
     std::uint64_t memory_budget() const { return memory_budget_; }
     const std::string& work_folder() const { return work_folder_; }
 

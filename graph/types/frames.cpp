@@ -27,7 +27,7 @@ std::string_view trimmed(std::string_view text) {
     return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Takes a whole number off the front of `text`.
+/// Parses a whole number at the start of `text` and removes it from there.
 std::optional<std::int64_t> take_number(std::string_view& text) {
     int out = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -36,7 +36,7 @@ std::optional<std::int64_t> take_number(std::string_view& text) {
     return out;
 }
 
-/// Whether it was a number's size that was wrong: some digits are more than a frame can have.
+/// Whether `text` contains a number too large for a frame number.
 bool beyond_counting(std::string_view text) {
     while (!text.empty()) {
         int ignored = 0;
@@ -47,17 +47,17 @@ bool beyond_counting(std::string_view text) {
     return false;
 }
 
-/// One part between commas.
+/// One range of a frame list, between two commas.
 struct FrameRange {
     std::int64_t first = 0;
     std::int64_t last = 0;
     std::int64_t step = 1;
     char kind = 'x';
 
-    /// At least as many as it names.
+    /// Upper bound on the number of frames.
     std::int64_t most() const { return std::abs(last - first) / (kind == 'x' ? step : 1) + 1; }
     void add_to(std::vector<int>& frames) const {
-        // Staggering changes the order in which frames are made, not which.
+        // Staggering (`:`) changes only the order of frames.
         const std::int64_t stride = (last < first ? -1 : 1) * (kind == 'x' ? step : 1);
         for (std::int64_t n = 0; n < most(); ++n)
             if (kind != 'y' || n % step != 0) frames.push_back(static_cast<int>(first + stride * n));
@@ -92,10 +92,10 @@ std::optional<FrameRange> parse_range(std::string_view part, std::string& fault)
     return out;
 }
 
-/// The token at the front of `text`, if there is one.
+/// The frame token at the start of a text.
 struct Token {
-    std::size_t length = 0;  ///< 0: none
-    int digits = 0;          ///< 0: it only looks like a token
+    std::size_t length = 0;  ///< characters; 0: no token
+    int digits = 0;          ///< minimum digits of the number; 0: it only looks like a token
 };
 
 std::size_t count(std::string_view text, std::size_t from, bool (*wanted)(char)) {
@@ -104,7 +104,7 @@ std::size_t count(std::string_view text, std::size_t from, bool (*wanted)(char))
     return n - from;
 }
 
-/// Digits that a width's text asks for; 0 if it can't be a width.
+/// Parses the width of a token: number of digits, 0 if the text is not a valid width.
 int width_of(std::string_view text) {
     int out = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -151,7 +151,7 @@ Token token_at(std::string_view text) {
             return {wide, wide <= most_digits ? static_cast<int>(wide) : 0};
         }
         case '@': {
-            // fileseq's other padding; a single one is common in names.
+            // `@` is fileseq's other padding character; a single one is common in file names.
             const auto wide = text.find_first_not_of('@') == std::string_view::npos ? text.size() : text.find_first_not_of('@');
             return wide > 1 ? Token{wide, 0} : Token{};
         }
@@ -190,7 +190,7 @@ std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& faul
         const auto end = std::min(text.find(',', begin), text.size());
         const auto range = parse_range(trimmed(text.substr(begin, end - begin)), fault);
         if (!range) return std::nullopt;
-        // Counted with repeats, so that no text takes long.
+        // Repeated frames count too, so that every text is parsed fast.
         total += range->most();
         if (total > most_frames) return fault = fmt::format("'{}' names more than {} frames", trimmed(text).substr(0, 60), most_frames), std::nullopt;
         range->add_to(frames);
@@ -216,7 +216,7 @@ std::string FrameSet::text() const {
         const auto step = step_at(from);
         return fmt::format("{}-{}", frames_[from], frames_[from + length - 1]) + (step == 1 ? "" : fmt::format("x{}", step));
     };
-    // From the back: the cheapest text of each tail. A regular run may leave its last frame to the next.
+    // Dynamic programming from the last frame: the shortest text of each tail. A regular run may leave its last frame to the next run.
     struct Choice {
         std::size_t cost = 0, run = 0, taken = 1;
     };

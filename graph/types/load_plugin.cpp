@@ -51,8 +51,11 @@ void check(const PluginHeader& header, const std::string& file, const Registry& 
                                       family, name));
 }
 
-/// @param before  the registry without the plugin
-/// @return the plugin's node types
+/// Checks that all types and conversions of a plugin belong to its family.
+/// @param before    the registry without the plugin
+/// @param registry  the registry with the plugin
+/// @return names of the plugin's node types
+/// @throws Failure naming a type or conversion outside of the family
 std::vector<std::string> own_types(const Registry& before, const Registry& registry, const std::string& family, const std::string& file) {
     const auto refuse = [&](const std::string& what, const std::string& name) {
         throw Failure(fmt::format("the plugin {} adds the {} '{}', which is not of its own family '{}'; call it '{}.{}'", file, what, name, family, family,
@@ -75,7 +78,7 @@ std::vector<std::string> own_types(const Registry& before, const Registry& regis
     return out;
 }
 
-/// Who else than its owner and group might change a file that lies below a trusted folder: the path that everybody may write to.
+/// The first path, from a file up to its trusted folder, that every user may write to.
 std::optional<fs::path> open_to_all(const fs::path& file, const fs::path& folder) {
     std::error_code error;
     for (auto path = file;; path = path.parent_path()) {
@@ -84,7 +87,7 @@ std::optional<fs::path> open_to_all(const fs::path& file, const fs::path& folder
     }
 }
 
-/// Why a plugin may not be loaded, and how it may; or empty.
+/// Why a plugin may not be loaded, with the remedy; empty if it may.
 std::string refusal(const std::string& as_written, const fs::path& file, const PluginTrust& trust) {
     if (trust.all) return {};
     std::string why = "nobody allowed that";
@@ -102,7 +105,8 @@ std::string refusal(const std::string& as_written, const fs::path& file, const P
         as_written, why, file.string());
 }
 
-/// The file that a pipeline means.
+/// The existing file that a plugin path refers to.
+/// @param looked  receives the paths that do not exist
 std::optional<fs::path> find_file(const Value& path, const PluginTrust& trust, std::vector<std::string>& looked) {
     std::vector<fs::path> folders{path.mark.source ? path.mark.source->folder : "", ""};
     for (const auto& folder : trust.folders) folders.emplace_back(folder);
@@ -129,7 +133,8 @@ std::vector<std::string> trusted_plugin_folders() {
 void load_plugin(const std::string& file, Registry& registry, PluginFiles& files) {
     for (const auto& [type, loaded] : files)
         if (loaded == file) return;
-    // Absolute, or the system's folders would be searched. All symbols are looked up now: one that is missing later ends the program.
+    // The path must be absolute: for a bare name dlopen searches the system's folders. RTLD_NOW finds missing symbols now; found later,
+    // they would end the program.
     void* const library = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library)
         throw Failure(fmt::format("the plugin {} can't be opened: {}; build it again with the headers of fluidcarve {}", file, dlerror(), FLUIDCARVE_VERSION));

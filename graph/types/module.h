@@ -4,16 +4,16 @@
 
 namespace fluidcarve {
 
-/// What a module's library exports under the name `fluidcarve_module`: bodies of nodes whose libraries are too heavy for every
-/// start of the program. Declarations stay in the core, which opens a module when a pipeline runs one of its nodes.
+/// The symbol `fluidcarve_module` of a module. A module is a shared library with the bodies of nodes that need libraries too slow
+/// to load at every start of the program. The core declares these nodes, and opens the module when a pipeline runs one of them.
 struct Module {
-    const char* version;  ///< FLUIDCARVE_VERSION of its build
-    const void* table;    ///< its functions, a plain struct that the family's header declares
+    const char* version;  ///< FLUIDCARVE_VERSION at build time
+    const void* table;    ///< function table: a plain struct declared by a header of the core
 };
 
-/// The table of the module `name`: `fluidcarve_NAME.so` beside this library or the program, or in `../lib/fluidcarve` of it.
-/// Opened by the first call, once, from whatever thread; it stays open.
-/// @throws Failure saying where it was looked for, if there is none; if it can't be opened, or is of another version
+/// The function table of the module `name`. Its file `fluidcarve_NAME.so` is in the folder of this library or of the program, or in
+/// `../lib/fluidcarve` of such a folder. The first call opens it; it stays open. Thread-safe.
+/// @throws Failure if there is no file (names the paths tried), it can't be opened, or has another version
 const void* module_table(const std::string& name);
 
 template <class Table>

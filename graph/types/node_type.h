@@ -15,20 +15,20 @@
 
 namespace fluidcarve {
 
-/// Port members of a node's `Ports`, besides a plain Ref<T> (one connection, required):
+/// Types of input members in a node's `Ports`. A plain Ref<T> is one required connection; the others are:
 template <class T>
-struct Optional : Ref<T> {  ///< may stay unconnected, then null
+struct Optional : Ref<T> {  ///< one connection or none; null if unconnected
     using Ref<T>::operator=;
 };
 template <class T>
-using List = std::vector<Ref<T>>;  ///< `terms: [a, b]`
+using List = std::vector<Ref<T>>;  ///< one connection or more: `terms: [a, b]`
 template <class T>
-struct OptionalList : List<T> {  ///< may stay unconnected, then empty
+struct OptionalList : List<T> {  ///< empty if unconnected
     using List<T>::operator=;
 };
 template <class T>
-using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< `inputs: {d: a}`
-/// Outputs that a parameter names (`outputs_from`).
+using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< connections with names: `inputs: {d: a}`
+/// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
 struct InputSpec {
@@ -37,9 +37,10 @@ struct InputSpec {
     std::string doc;
     Arity arity = Arity::one;
     std::type_index type = typeid(void);
-    /// Hands the connected payloads, of `type`, to a node's Ports. `names`: those of a named input.
+    /// Stores the connected payloads, all of type `type`, in a node's Ports.
+    /// @param names  of the connections, if the input is named
     std::function<void(void* ports, const std::vector<Payload>&, const std::vector<std::string>& names)> set;
-    bool optional = false;  ///< may stay unconnected
+    bool optional = false;  ///< may be unconnected
 };
 
 struct OutputSpec {
@@ -56,69 +57,72 @@ struct ParamSpec {
     Unit unit = Unit::none;
     Range range;
     bool required = false;
-    std::string fallback;  ///< the default, as YAML; empty where required
+    std::string fallback;  ///< the default as YAML; empty if the parameter is required
     std::function<bool(void* params, const Value&, ValueReader&)> parse;
-    std::function<std::string(const void* params)> text;  ///< the value, as YAML that parses to the same
-    /// Set for path parameters: the pattern in parsed params.
+    std::function<std::string(const void* params)> text;  ///< the value as YAML that `parse` reads back
+    /// The path of a path parameter; empty for all others.
     std::function<const PathPattern&(const void* params)> path;
 };
 
-/// What a node's own `check` may ask and say: faults that the declaration alone can't express.
+/// Interface for a node's own `check`, which finds faults that the declaration can't express.
 class NodeCheck {
 public:
     virtual ~NodeCheck() = default;
-    virtual bool stated(std::string_view field) const = 0;  ///< the user wrote this port or parameter
-    virtual std::size_t connections(std::string_view input) const = 0;
-    virtual void fault(std::string_view field, const std::string& message) = 0;  ///< at the field's place, or the node's
+    virtual bool stated(std::string_view field) const = 0;              ///< whether the pipeline states this input or parameter
+    virtual std::size_t connections(std::string_view input) const = 0;  ///< number of connections of an input
+    /// Names of the connections of a named input, in the order of the file.
+    virtual std::vector<std::string> names(std::string_view input) const = 0;
+    virtual void fault(std::string_view field, const std::string& message) = 0;  ///< adds a problem at the field, else at the node
+    virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
 };
 
-/// What a reader says of its files before a run starts.
+/// Interface for a reader's `survey`, which looks at its files before a run starts.
 class Survey {
 public:
     virtual ~Survey() = default;
-    virtual const std::vector<int>& frames() const = 0;
+    virtual const std::vector<int>& frames() const = 0;               ///< frame numbers of the sequence
     virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
     virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
-    virtual void stands_in(int frame, int file) = 0;                  ///< the file of frame `file` serves `frame`
-    virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< memory that the frame will take, by what its file says
-    virtual void leave_out(int frame) = 0;                            ///< for every node; its neighbours become adjacent in time
-    virtual void missing(int frame, const std::string& message) = 0;  ///< or there, but unreadable
+    virtual void stands_in(int frame, int file) = 0;                  ///< frame `frame` uses the file of frame `file`
+    virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< bytes of memory for the frame, estimated from its file
+    virtual void leave_out(int frame) = 0;                            ///< removes the frame for all nodes; its neighbours become adjacent in time
+    virtual void missing(int frame, const std::string& message) = 0;  ///< the file is missing or unreadable
     virtual void warn(const std::string& message) = 0;
 };
 
 /// How much a growing result holds.
 struct Extent {
-    std::size_t count = 0;
-    std::size_t of = 0;  ///< what a percentage is of
+    std::size_t count = 0;  ///< items, such as seams
+    std::size_t of = 0;     ///< 100 % of a count given as a percentage
 };
 
-/// A node whose result holds the answers to smaller wishes, and can be continued to larger ones: a solver, whose first seams
-/// are the same however many are asked for. Then it has but one output.
+/// A result that can be cut to a smaller count of items, or continued to a larger one. Example: the seams of a solver, whose first
+/// seams do not depend on the count. The node must have exactly one output.
 struct Growth {
-    std::string param;                                    ///< how much is wished for: no part of what the result depends on,
-    std::function<std::string(const void* params)> rest;  ///< but for this, as text
-    std::function<Extent(const Payload& result)> extent;  ///< of what is there
-    std::function<std::size_t(const void* params, std::size_t of)> wanted;
-    /// The first `count`, and a report entry of all turned into one of these.
+    std::string param;                                    ///< the parameter with the wanted count; not part of the cache key
+    std::function<std::string(const void* params)> rest;  ///< the part of that parameter that belongs to the cache key, as text
+    std::function<Extent(const Payload& result)> extent;  ///< extent of a result
+    std::function<std::size_t(const void* params, std::size_t of)> wanted;  ///< wanted count; `of` as in Extent
+    /// The first `count` items of a result. Changes `entry`, the report entry of the whole result, to that of the cut one.
     std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
-    /// Those of the node's warnings that depend on how much there is, by its report entry; empty: there are none.
+    /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
     std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
 };
 
-/// A node at work: parameters bound, state of its own if it gathers. Made anew for every run.
+/// A node with bound parameters and, if it gathers, its state. Made anew for every run.
 struct Behaviour {
     std::function<std::shared_ptr<void>()> make_ports;
-    std::function<void(void* ports, Context&)> run;              ///< per frame, concurrently; empty if the node only gathers
-    std::function<void(const void* ports, Context&)> add;        ///< in frame order, one at a time; empty if it gathers nothing, or digests
-    std::function<Payload(const void* ports, Context&)> digest;  ///< per frame, concurrently: what `take` needs of it
-    std::function<void(const Payload& digest, Context&)> take;   ///< in frame order, one at a time, in place of `add`
-    /// Before `finish`, of a growing result: what was found before, less than is wished for, and what was reported of it.
+    std::function<void(void* ports, Context&)> run;              ///< called per frame, concurrently; empty if the node only gathers
+    std::function<void(const void* ports, Context&)> add;        ///< called in frame order, one at a time; empty if the node digests or does not gather
+    std::function<Payload(const void* ports, Context&)> digest;  ///< called per frame, concurrently: extracts the digest for `take`
+    std::function<void(const Payload& digest, Context&)> take;   ///< replaces `add`: called in frame order, one at a time
+    /// Hands a growing result of a former run, too small for this run, and its report entry to the node; called before `finish`.
     std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;
-    std::function<void(void* ports, Context&)> finish;  ///< once, after the last add; before any run
-    std::function<bool(const Context&)> wants;          ///< whether `add` needs the context's frame
+    std::function<void(void* ports, Context&)> finish;  ///< called once, after the last `add` and before any `run`
+    std::function<bool(const Context&)> wants;          ///< whether `add` needs the frame of the context; empty: always
 };
 
-/// All that is known of a node type. Made by Declare.
+/// The description of a node type, made by Declare.
 struct NodeType {
     std::string name;
     std::string doc;
@@ -126,24 +130,24 @@ struct NodeType {
     std::vector<OutputSpec> outputs;
     std::vector<ParamSpec> params;
     std::string outputs_param;               ///< the parameter that names further outputs, or empty
-    bool per_frame_outputs = true;           ///< false: outputs come from `finish`, once
-    int version = 1;                         ///< of its results: those of another version are not used again
-    bool kept = false;                       ///< results are worth a file in the work folder, unless the pipeline says otherwise
-    std::type_index digest = typeid(void);   ///< what `Behaviour::digest` makes; void: nothing
-    std::vector<std::string> digest_fields;  ///< inputs and parameters that it depends on
+    bool per_frame_outputs = true;           ///< false: `finish` makes the outputs, once
+    int version = 1;                         ///< part of the cache key: cached results of another version are not used
+    bool kept = false;                       ///< results are cached in the work folder, unless the pipeline states `cache: false`
+    std::type_index digest = typeid(void);   ///< type that `Behaviour::digest` returns; void: no digests
+    std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
     std::optional<Growth> growth;
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
-    std::function<bool(const void* params)> animates;  ///< delivers something else in each frame, though no input or file does; empty: never
+    std::function<bool(const void* params)> animates;  ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;  ///< empty: opens no files
+    std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
     const InputSpec* input(std::string_view name) const;
     const ParamSpec* param(std::string_view name) const;
-    std::vector<std::string> field_names() const;  ///< inputs and parameters
+    std::vector<std::string> field_names() const;  ///< names of inputs and parameters
 };
 
 namespace detail {
@@ -193,33 +197,61 @@ requires requires { typename Node::Params; }
 struct ParamsOf<Node> {
     using type = typename Node::Params;
 };
+
+/// `has_NAME<Node>`: whether a node has a member of that name, whatever its signature. Beside a member of another base class of
+/// the same name, the name of such a node is ambiguous.
+#define FLUIDCARVE_HOOK(name)                            \
+    struct Other_##name {                                \
+        int name;                                        \
+    };                                                   \
+    template <class Node>                                \
+    struct Both_##name : Node, Other_##name {};          \
+    template <class Node>                                \
+    inline constexpr bool has_##name = !requires { &Both_##name<Node>::name; };
+FLUIDCARVE_HOOK(run)
+FLUIDCARVE_HOOK(add)
+FLUIDCARVE_HOOK(digest)
+FLUIDCARVE_HOOK(resume)
+FLUIDCARVE_HOOK(gathers)
+FLUIDCARVE_HOOK(wants)
+FLUIDCARVE_HOOK(animates)
+FLUIDCARVE_HOOK(check)
+FLUIDCARVE_HOOK(survey)
+#undef FLUIDCARVE_HOOK
 }  // namespace detail
 
-/// The one declaration of a node type. `Node` is a plain struct with
+/// Declares a node type. `Node` is a plain struct with
 ///
-///     struct Params { ... };   optional; one, const, for all frames; the fields' initialisers are the defaults
-///     struct Ports { ... };    inputs and outputs, one per frame
+///     struct Params { ... };   optional; one const object for all frames; the fields' initialisers are the defaults
+///     struct Ports { ... };    inputs and outputs; one object per frame
 ///     static void run(const Params&, Ports&, Context&);              a node that works frame by frame
 ///
-/// or, if it gathers, the members (state lives in the struct; `add` comes once per frame in the order of frames)
+/// A node that gathers frames keeps its state in the struct, and has these members instead of the static `run`:
 ///
-///     void add(const Params&, const Ports&, Context&);
+///     void add(const Params&, const Ports&, Context&);               called once per frame, in frame order
 ///     void finish(const Params&, Ports&, Context&);                  sets the outputs, unless there is a run
-///     void run(const Params&, Ports&, Context&) const;               optional; per frame, after finish; sets the outputs
-///     static bool gathers(const Params&);                            optional; false: add and finish are left out
-///     static bool wants(const Params&, const Context&);              optional; false: add does not need this frame
+///     void run(const Params&, Ports&, Context&) const;               optional; called per frame after finish; sets the outputs
+///     static bool gathers(const Params&);                            optional; false: add and finish are not called
+///     static bool wants(const Params&, const Context&);              optional; false: add is not called for this frame
 ///
-/// What `add` needs of a frame may be small beside the frame, or dear to find. Then it is a value of its own, which is found
-/// for many frames at once and kept, so that no later run needs the frame:
+/// If `add` needs only data that is much smaller than the frame, or expensive to compute, that data can be a digest. Digests are
+/// computed for many frames concurrently and cached, so that later runs do not need the frames:
 ///
 ///     static std::shared_ptr<Digest> digest(const Params&, const Ports&, Context&);       with Declare::digests
-///     void add(const Params&, const Ref<Digest>&, Context&);                              in place of the other add
+///     void add(const Params&, const Ref<Digest>&, Context&);                              replaces the other add
 ///
-/// and, each optional,
+/// Any node may also have
 ///
-///     static bool animates(const Params&);                           runs per frame, though no input or file of its own does
-///     static void check(const Params&, NodeCheck&);                  what one field alone does not show
-///     static void survey(const Params&, Survey&);                    which of its files are there
+///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
+///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
+///     static void survey(const Params&, Survey&);                    looks at its files before the run
+///
+/// A result that smaller wishes are answered from, and larger ones go on from (Declare::grows), may have
+///
+///     void resume(const Payload& result, const nlohmann::ordered_json& entry);
+///
+/// called once, after the last `add` and before `finish`, if the work folder keeps a result of less than is wished for, with what
+/// the node reported of it. Then `finish` continues it.
 template <class Node>
 class Declare {
 public:
@@ -233,14 +265,14 @@ public:
         type_.per_frame_outputs = has_run;
         type_.gathers = [](const void* params) {
             if constexpr (!has_add) return (void)params, false;
-            else if constexpr (requires { Node::gathers(Params{}); }) return Node::gathers(*static_cast<const Params*>(params));
+            else if constexpr (detail::has_gathers<Node>) return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
-        if constexpr (requires { Node::animates(Params{}); })
+        if constexpr (detail::has_animates<Node>)
             type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
-        if constexpr (requires(NodeCheck & check) { Node::check(Params{}, check); })
+        if constexpr (detail::has_check<Node>)
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
-        if constexpr (requires(Survey & survey) { Node::survey(Params{}, survey); })
+        if constexpr (detail::has_survey<Node>)
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
         type_.bind = &bind;
     }
@@ -263,8 +295,8 @@ public:
         return *this;
     }
 
-    /// Further outputs, named and typed by a parameter, delivered in a NamedOutputs port.
-    /// @param list  parsed params -> name and payload type of each
+    /// Declares further outputs, named and typed by a parameter, delivered in a NamedOutputs port.
+    /// @param list  maps parsed params to the name and payload type of each output
     Declare& outputs_from(std::string param, NamedOutputs Ports::*member,
                           std::function<std::vector<std::pair<std::string, std::type_index>>(const Params&)> list) {
         type_.outputs_param = std::move(param);
@@ -281,17 +313,17 @@ public:
         return *this;
     }
 
-    /// Results of another version are not used again: to be raised whenever the same inputs come to give another result.
+    /// Raise the version whenever the same inputs give another result: cached results of another version are not used.
     Declare& version(int number) {
         type_.version = number;
         return *this;
     }
-    /// Results are worth a file in the work folder: reading them takes less time than making them.
+    /// Caches results in the work folder by default. For nodes whose results are faster to read than to compute.
     Declare& kept() {
         type_.kept = true;
         return *this;
     }
-    /// @param fields  inputs and parameters that Node::digest depends on
+    /// Declares that the node has a digest. @param fields  inputs and parameters that Node::digest depends on
     Declare& digests(std::vector<std::string> fields) {
         static_assert(has_digest);
         type_.digest = typeid(typename Digested<Node>::type);
@@ -312,7 +344,7 @@ public:
         type_.params.push_back(std::move(spec));
         return *this;
     }
-    /// The same for what is no number.
+    /// The same for a parameter that is not a number.
     template <class T, class P>
     requires std::derived_from<Params, P> Declare& param(std::string name, T P::*member, std::string doc) {
         return param(std::move(name), member, Unit::none, any_number(), std::move(doc));
@@ -343,6 +375,22 @@ private:
         node.add(params, ports, context);
     };
     static_assert(has_run || has_add, "a node needs run, or add and finish");
+    // A hook of the wrong signature would else be left out in silence.
+    static_assert(has_run || !detail::has_run<Node>, "`run` must be `static void run(const Params&, Ports&, Context&)`, or const if the node gathers");
+    static_assert(has_digest || !detail::has_digest<Node>, "`digest` must be `static std::shared_ptr<T> digest(const Params&, const Ports&, Context&)`");
+    static_assert(has_add || !detail::has_add<Node>, "`add` must be `void add(const Params&, const Ports&, Context&)`");
+    static_assert(!detail::has_resume<Node> || requires(Node node, const Payload& result, const nlohmann::ordered_json& entry) { node.resume(result, entry); },
+                  "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`");
+    static_assert(!detail::has_gathers<Node> || requires(const Params& params) { { Node::gathers(params) } -> std::same_as<bool>; },
+                  "`gathers` must be `static bool gathers(const Params&)`");
+    static_assert(!detail::has_wants<Node> || requires(const Params& params, const Context& context) { { Node::wants(params, context) } -> std::same_as<bool>; },
+                  "`wants` must be `static bool wants(const Params&, const Context&)`");
+    static_assert(!detail::has_animates<Node> || requires(const Params& params) { { Node::animates(params) } -> std::same_as<bool>; },
+                  "`animates` must be `static bool animates(const Params&)`");
+    static_assert(!detail::has_check<Node> || requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
+                  "`check` must be `static void check(const Params&, NodeCheck&)`");
+    static_assert(!detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
+                  "`survey` must be `static void survey(const Params&, Survey&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
@@ -372,7 +420,7 @@ private:
             out.run = [params, node](void* ports, Context& context) { std::as_const(*node).run(*params, *static_cast<Ports*>(ports), context); };
         if constexpr (has_add) {
             bool gathers = true;
-            if constexpr (requires { Node::gathers(Params{}); }) gathers = Node::gathers(*params);
+            if constexpr (detail::has_gathers<Node>) gathers = Node::gathers(*params);
             if (gathers) {
                 if constexpr (has_digest) {
                     using Digest = typename Digested<Node>::type;
@@ -383,10 +431,10 @@ private:
                 } else {
                     out.add = [params, node](const void* ports, Context& context) { node->add(*params, *static_cast<const Ports*>(ports), context); };
                 }
-                if constexpr (requires(Node & each, const Payload& result, const nlohmann::ordered_json& entry) { each.resume(result, entry); })
+                if constexpr (detail::has_resume<Node>)
                     out.resume = [node](const Payload& result, const nlohmann::ordered_json& entry) { node->resume(result, entry); };
                 out.finish = [params, node](void* ports, Context& context) { node->finish(*params, *static_cast<Ports*>(ports), context); };
-                if constexpr (requires(const Context& context) { Node::wants(Params{}, context); })
+                if constexpr (detail::has_wants<Node>)
                     out.wants = [params](const Context& context) { return Node::wants(*params, context); };
             }
         }

@@ -10,9 +10,9 @@ namespace {
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 
-/// A finite number, and nothing else in the text.
+/// Parses a text that is one finite number and nothing else.
 std::optional<double> parse_number(std::string_view text) {
-    // A plus sign is not from_chars' own.
+    // from_chars does not accept a plus sign.
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     double out = 0;
     const auto* const end = text.data() + text.size();
@@ -20,7 +20,7 @@ std::optional<double> parse_number(std::string_view text) {
     return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
 }
 
-/// Two or three numbers in brackets, each checked against the reader's range.
+/// Parses a list of N numbers and checks each against the reader's range.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader, const char* wanted) {
     if (value.kind != Value::Kind::list || value.items.size() != N) return reader.unwanted(value, wanted), std::nullopt;

@@ -16,25 +16,25 @@ namespace fluidcarve {
 
 using Vec3 = std::array<double, 3>;
 
-/// A number of seams: whole, or a percentage of the carved axis. Negative removes, positive inserts.
+/// A number of seams: a whole number, or a percentage of the vertices along the carved axis. Negative removes, positive inserts.
 struct Count {
     double value = 0;
     bool percent = false;
-    /// @param size  vertices along the carved axis
+    /// The count as a whole number. @param size  vertices along the carved axis
     int of(int size) const;
 };
 
-/// A file that the pipeline reads: relative to the text that states it, then to the current folder.
+/// A file that the pipeline reads. A relative path starts at the folder of the text that states it, else at the current folder.
 struct InputPath : PathPattern {
     using PathPattern::PathPattern;
 };
 
-/// A file that the pipeline writes: relative to the current folder.
+/// A file that the pipeline writes. A relative path starts at the current folder.
 struct OutputPath : PathPattern {
     using PathPattern::PathPattern;
 };
 
-/// `auto`, or a value.
+/// A value, or nothing for `auto`.
 template <class T>
 using Auto = std::optional<T>;
 
@@ -44,11 +44,11 @@ struct Interval {
     double high = 0;
 };
 
-/// The unit of a parameter, for people.
+/// The unit of a parameter, shown in the reference.
 enum class Unit { none, world, voxels, vertices, seams, frames, per_world, world_per_second, pixels };
 std::string to_text(Unit unit);
 
-/// Inclusive bounds of a number, or of each number in a value.
+/// Inclusive bounds of each number in a parameter's value.
 struct Range {
     double min = -std::numeric_limits<double>::infinity();
     double max = std::numeric_limits<double>::infinity();
@@ -57,26 +57,26 @@ constexpr Range at_least(double min) { return {min, std::numeric_limits<double>:
 constexpr Range between(double min, double max) { return {min, max}; }
 constexpr Range any_number() { return {}; }
 
-/// What a parameter's value looks like: from it come messages, listing and JSON schema.
+/// The form of a parameter's value. Messages, the reference and the JSON schema are derived from it.
 struct Shape {
     enum class Kind { boolean, integer, number, text, input_path, output_path, count, vector, interval, choice, list, map, automatic, any_of };
     Kind kind = Kind::text;
-    std::vector<std::string> choices;                        ///< choice
-    std::vector<Shape> of;                                   ///< list, map, automatic: one; any_of: the alternatives
-    std::vector<std::pair<std::string, Shape>> fields = {};  ///< map with fixed fields
+    std::vector<std::string> choices;                        ///< of `choice`: the names
+    std::vector<Shape> of;                                   ///< of `list`, `map`, `automatic`: the shape of a value; of `any_of`: the alternatives
+    std::vector<std::pair<std::string, Shape>> fields = {};  ///< of a map with fixed fields: name and shape of each; `of` is then empty
 };
-/// For people: "a number", "a list of [low, high]", "linear | quadratic".
+/// The shape in words.
 std::string to_text(const Shape& shape);
 
-/// Collects what is wrong with one field's value.
+/// Collects the faults in one field's value.
 class ValueReader {
 public:
     ValueReader(Problems& problems, std::string what, Range range) : problems_(problems), what_(std::move(what)), range_(range) {}
-    /// Records "<what> wants <wanted>, not <value>" at the value's place.
+    /// Adds the problem "<what> wants <wanted>, not <value>" at the value's place.
     void unwanted(const Value& value, const std::string& wanted);
-    /// Records "<what> <message>" at the value's place.
+    /// Adds the problem "<what> <message>" at the value's place.
     void fault(const Value& value, const std::string& message);
-    /// A number within the range, else a problem.
+    /// A finite number within the range; else adds a problem and returns nothing. @param whole  accept whole numbers only
     std::optional<double> number(const Value& value, bool whole);
 
 private:
@@ -85,14 +85,14 @@ private:
     Range range_;
 };
 
-/// How a C++ type is read from a Value. Specialise it to give a node a parameter type of its own:
+/// How a C++ type is read from a Value. Specialise it for a node's own parameter type:
 ///   static Shape shape();
-///   static std::optional<T> parse(const Value&, ValueReader&);   nothing returned: a problem was recorded
-///   static std::string text(const T&);                           as YAML, for the stated default
+///   static std::optional<T> parse(const Value&, ValueReader&);   returns nothing after it added a problem
+///   static std::string text(const T&);                           the value as YAML that parse reads back
 template <class T>
 struct ParamTraits;
 
-/// Names of an enum's values in YAML; specialise with
+/// Names of an enum's values in YAML. Specialise it with
 ///   static constexpr std::array names = {std::pair{"linear", Interpolation::linear}, ...};
 template <class E>
 struct ChoiceNames;

@@ -10,11 +10,11 @@
 
 namespace fluidcarve {
 
-/// Data on an edge: shared and never changed after it was made. A node that edits makes a copy.
+/// Shared data on an edge of the graph. It is never changed after its creation: a node that edits makes a copy.
 template <class T>
 using Ref = std::shared_ptr<const T>;
 
-/// Type-erased Ref, as the runtime carries it.
+/// A type-erased Ref, as the runtime passes it between nodes.
 class Payload {
 public:
     Payload() = default;
@@ -24,7 +24,7 @@ public:
     explicit operator bool() const { return data_ != nullptr; }
     std::type_index type() const { return type_; }
 
-    /// The data as T, which must be the type that it was made from.
+    /// The data as T. T must be the type that the payload was made from.
     template <class T>
     Ref<T> as() const {
         return std::static_pointer_cast<const T>(data_);
@@ -36,29 +36,30 @@ private:
     std::type_index type_ = typeid(void);
 };
 
-/// What the framework knows of a type that may travel; registered like a node type (Registry::add).
+/// A type of data that nodes may exchange. Registered like a node type (Registry::add).
 struct PayloadType {
-    std::string name;  ///< as YAML, messages and docs call it: `float`, `volume`, `lattice`
+    std::string name;  ///< name in YAML, messages and docs: `float`, `volume`, `lattice`
     std::string doc;
     std::type_index type = typeid(void);
-    std::function<std::uint64_t(const Payload&)> bytes;  ///< memory held, for the report
+    std::function<std::uint64_t(const Payload&)> bytes;  ///< bytes of memory held, for the report
 
-    int version = 0;  ///< of what `write` writes
-    /// How a value goes to a file and comes back, to the last bit; empty: it can't be kept.
+    int version = 0;  ///< version of the format that `write` writes
+    /// Writes a value to a file, bit for bit; empty: values can't be cached.
     std::function<void(const Payload&, std::ostream&)> write;
-    std::function<Payload(std::istream&)> read;  ///< throws Failure where `write` has not written that
+    std::function<Payload(std::istream&)> read;  ///< reads what `write` wrote; throws Failure on anything else
 };
 
-/// How values of a type go to a file and come back.
+/// How values of a type are written to a file and read back.
 template <class T>
 struct Filed {
-    int version = 1;  ///< raise it whenever `write` changes
+    int version = 1;  ///< raise it whenever `write` changes its format
     std::function<void(const T&, std::ostream&)> write;
     std::function<Ref<T>(std::istream&)> read;
 };
 
-/// @param bytes  memory held by a value of the type
-/// @param filed  left out: values can't be kept in files
+/// Makes a payload type.
+/// @param bytes  bytes of memory that a value holds
+/// @param filed  left out: values can't be cached
 template <class T>
 PayloadType payload_type(std::string name, std::string doc, std::function<std::uint64_t(const T&)> bytes, Filed<T> filed = {}) {
     PayloadType out{std::move(name), std::move(doc), typeid(T), [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); },
@@ -69,7 +70,7 @@ PayloadType payload_type(std::string name, std::string doc, std::function<std::u
     return out;
 }
 
-/// An input of type `to` also takes payloads of type `from`.
+/// A conversion between payload types: an input of type `to` also takes payloads of type `from`.
 struct Conversion {
     std::type_index from = typeid(void);
     std::type_index to = typeid(void);

@@ -6,25 +6,25 @@
 
 namespace fluidcarve {
 
-/// Number of what lies between a plugin and the program: the two symbols below, and everything of graph/ that a plugin is compiled with.
-/// To be raised whenever a type there changes its layout or a function its meaning: plugins built before are then refused.
-inline constexpr int plugin_abi = 1;
+/// Version of the binary interface between plugins and the program: the two symbols below, and the headers of graph/.
+/// Raise it whenever a type there changes its layout or a function its meaning. Plugins of another version are refused.
+inline constexpr int plugin_abi = 2;
 
-/// The same for the payload types of nodes/ and the functions around them: raised when Volume, Lattice, Seams, Rig, Points, Mesh, SeamNode or what
-/// they hold change their layout.
+/// The same for the headers of nodes/. Raise it whenever Volume, Lattice, Seams, Rig, Points, Mesh, SeamNode or a type inside them
+/// changes its layout.
 inline constexpr int payload_abi = 2;
 
-/// What a plugin says of itself before any of its code is called. A plugin is a shared library with node types, and payload types
-/// if it has any, of a family of its own; pipelines name its file under `plugins`. It states no more than the family:
+/// The header of a plugin, read before any of its code runs. A plugin is a shared library with node types, and perhaps payload
+/// types, of its own family; pipelines name its file under `plugins`. The plugin sets only the family:
 ///
 ///     const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};
 ///     void fluidcarve_register(fluidcarve::Registry& out) { out.add(acme::sparkle()); }
 struct PluginHeader {
-    int abi = plugin_abi;  ///< stays the first member for ever: what follows is of that number
+    int abi = plugin_abi;  ///< must stay the first member: it determines the layout of the rest
     int payloads = payload_abi;
-    std::size_t node_type = sizeof(NodeType);  ///< differs, too, where the compiler lays out the standard library's types another way
-    const char* version = FLUIDCARVE_VERSION;  ///< of the fluidcarve that it was built with
-    const char* family = nullptr;              ///< its types are `FAMILY.NAME`, and no built-in type is
+    std::size_t node_type = sizeof(NodeType);  ///< detects another layout of the standard library's types
+    const char* version = FLUIDCARVE_VERSION;  ///< version of fluidcarve at build time
+    const char* family = nullptr;              ///< all its types are called `FAMILY.NAME`; no built-in type may have this family
 };
 
 }  // namespace fluidcarve
@@ -32,6 +32,6 @@ struct PluginHeader {
 /// The two symbols of a plugin.
 extern "C" {
 [[gnu::visibility("default")]] extern const fluidcarve::PluginHeader fluidcarve_plugin;
-/// Adds the plugin's types. What it throws is told as the plugin's fault; nothing of it is then added.
+/// Adds the plugin's types. If it throws, the error is reported and none of its types are added.
 [[gnu::visibility("default")]] void fluidcarve_register(fluidcarve::Registry& out);
 }

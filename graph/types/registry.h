@@ -13,25 +13,26 @@
 
 namespace fluidcarve {
 
-/// How the program looks into a kind of file (`fluidcarve inspect`), whatever is in it.
+/// Inspects one kind of file for `fluidcarve inspect`. The files may be damaged.
 struct FileInspector {
-    std::string ending;  ///< of the files' names: ".vdb"
-    /// What is in a file; called in a process of its own, since the file may be damaged. @throws Failure
+    std::string ending;  ///< file extension: ".vdb"
+    /// Reads a file and describes its content. Called in a child process, since damaged files may crash it. @throws Failure
     std::function<nlohmann::ordered_json(const std::string& path)> look;
-    /// What several such files, looked at in order, have to do with each other; a line each.
+    /// Compares the results of `look` for several files, in order. One line per finding.
     std::function<std::vector<std::string>(const std::vector<nlohmann::ordered_json>&)> compare;
-    /// What `look` found, for people.
+    /// The result of `look` as text for people.
     std::function<std::string(const nlohmann::ordered_json&)> text;
 };
 
-/// What a node of any type may state beside its own inputs and parameters: its type, whether its results are kept, words for people.
+/// Fields that every node may state besides its inputs and parameters: its type, whether its results are cached, a note for people.
 inline constexpr std::array<std::string_view, 3> common_fields{"type", "cache", "doc"};
 bool is_common_field(std::string_view name);
 
-/// The node types and payload types that a pipeline may use. A plain value: the program fills one, so may a test.
+/// The node types, payload types, conversions and file inspectors that a pipeline may use. A plain value that the program, or a
+/// test, fills.
 class Registry {
 public:
-    /// @throws std::logic_error if the name is taken, a text is empty, or a port's payload type is not registered
+    /// @throws std::logic_error if the name is taken, a doc string is empty, or a port's payload type is not registered
     void add(NodeType type);
     void add(PayloadType type);
     void add(Conversion conversion);
@@ -44,10 +45,10 @@ public:
     const std::vector<PayloadType>& payloads() const { return payloads_; }
     const std::vector<FileInspector>& inspectors() const { return inspectors_; }
 
-    /// Whether an input of type `to` takes a payload of type `from`, as it is or converted.
+    /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
     Payload convert(const Payload& payload, std::type_index to) const;
-    /// "volume, float or vector": all that an input of the type takes.
+    /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;
 
 private:

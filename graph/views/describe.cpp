@@ -22,7 +22,7 @@ std::string first_sentence(const std::string& doc) {
     return end == std::string::npos ? doc : doc.substr(0, end + 1);
 }
 
-/// Words in lines of at most `columns`, each line indented.
+/// Wraps a text into indented lines of at most `columns` characters.
 std::string wrapped(const std::string& text, std::size_t indent) {
     std::string out;
     std::string line(indent, ' ');
@@ -85,14 +85,14 @@ std::string more_outputs_text(const NodeType& type) {
     return fmt::format("One more output for each entry of '{}', of the entry's name and type.", type.outputs_param);
 }
 
-/// What stays in the work folder, unless a pipeline says otherwise.
+/// What of a node is cached by default, in words; empty: nothing.
 std::string kept_text(const NodeType& type) {
     const bool digests = type.digest != typeid(void);
     if (type.kept) return fmt::format("Kept in the work folder: results{}.", digests ? ", and what it takes of each frame" : "");
     return digests ? "Kept in the work folder: what it takes of each frame." : "";
 }
 
-/// Some value of the shape, as YAML.
+/// An example value of a shape, as YAML.
 std::string sample(const Shape& shape, const Range& range) {
     const auto number = [&](double wanted) { return fmt::format("{}", std::clamp(wanted, range.min, range.max)); };
     switch (shape.kind) {
@@ -117,7 +117,7 @@ std::string sample(const Shape& shape, const Range& range) {
     return "{" + join(fields, ", ") + "}";
 }
 
-/// The shortest node of the type, as lines of a pipeline's `nodes`.
+/// The shortest valid node of a type, as lines of a pipeline's `nodes`.
 std::string example(const Registry& registry, const NodeType& type, std::size_t indent) {
     const std::string margin(indent, ' ');
     std::string out = margin + verb_of(type.name) + ":\n" + margin + "  type: " + type.name + "\n";
@@ -153,7 +153,7 @@ std::string rule(std::size_t cells) {
     return out + "\n";
 }
 
-/// The types of which some node has a port; others stay within a node.
+/// The payload types that travel between nodes. A type that is only the digest of a node does not.
 std::vector<PayloadType> travelling(const Registry& registry) {
     std::vector<PayloadType> out;
     const auto travels = [&](const PayloadType& payload) {
@@ -264,7 +264,7 @@ std::string to_markdown(const Registry& registry) {
             contents += fmt::format("{}- [{}](#{})", contents.empty() ? "" : "\n", family, family);
             body += fmt::format("\n## {}\n", family);
         }
-        // GitHub's anchor of a heading drops dots.
+        // GitHub drops dots from the anchor of a heading.
         std::string anchor = name;
         std::erase(anchor, '.');
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));

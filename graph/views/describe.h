@@ -6,20 +6,21 @@
 
 namespace fluidcarve {
 
-/// What the declarations say, for people and for programs. Nothing here is written twice: it all comes from Declare.
+// The reference of node types, for people and for programs. All of it is derived from the declarations (Declare).
 
-/// All node types by family, a line each.
+/// All node types by family, one line each.
 std::string listing(const Registry& registry);
 
-/// One node type: ports, parameters and the shortest YAML that states all it needs.
+/// One node type: ports, parameters and the shortest valid YAML.
 std::string describe(const Registry& registry, const NodeType& type);
 
-/// The whole reference, as Markdown.
+/// The whole reference as Markdown.
 std::string to_markdown(const Registry& registry);
-std::string to_markdown(const Registry& registry, const NodeType& type);  ///< one node type's part
+std::string to_markdown(const Registry& registry, const NodeType& type);  ///< the part about one node type
 
-/// The whole reference, as JSON: `{nodes: [{name, doc, inputs, params, outputs}], types: [{name, doc}]}`.
-/// A parameter has `value` (its form, in words), `unit`, `min`, `max`, `required` or `default` (as YAML).
+/// The whole reference as JSON:
+/// `{nodes: [{name, doc, inputs, params, outputs, outputs_from?, version, kept}], types: [{name, doc}]}`.
+/// A parameter has `name`, `value` (its form in words), `choices?`, `unit?`, `min?`, `max?`, `required` or `default` (as YAML), `doc`.
 std::string to_json(const Registry& registry);
 std::string to_json(const Registry& registry, const NodeType& type);  ///< one entry of `nodes`
 

@@ -66,7 +66,7 @@ std::string escaped_for_dot(const std::string& text) {
     return out;
 }
 
-/// Widths of DejaVu Sans, generously: the viewer may have another font.
+/// Estimated text width in pixels: a little more than in DejaVu Sans, since the viewer may use another font.
 double text_width(const std::string& text, double size) { return static_cast<double>(text.size()) * size * 0.62; }
 
 std::string path_of(const std::vector<Layout::Point>& route) {
@@ -89,7 +89,8 @@ std::string label(double x, double y, double size, const char* weight, const std
     return fmt::format(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" font-weight="{}" fill="{}">{}</text>)", x, y, size, weight, ink, xml_text(text));
 }
 
-/// Chips in a row, each in the colour of what it explains. Adds its width to `right`.
+/// The legend: a row of labels in the colours that they explain.
+/// @param right  set to the right end of the row, pixels
 std::string legend(const Pipeline& pipeline, double& right) {
     std::string out;
     double x = margin;
@@ -105,7 +106,7 @@ std::string legend(const Pipeline& pipeline, double& right) {
     return out;
 }
 
-/// @param looks  per node, or none: then colours are by rate, and a legend says so
+/// @param looks  one per node; or none: nodes are then coloured by rate, with a legend
 std::string draw(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks) {
     const bool plain = looks.empty();
     Layout layout;

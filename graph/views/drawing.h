@@ -7,19 +7,20 @@
 
 namespace fluidcarve {
 
-/// The pipeline for Graphviz: boxes coloured by rate, ports and types as tooltips.
+/// The pipeline in Graphviz's DOT language: nodes are coloured by rate, tooltips show ports and types.
 std::string to_dot(const Pipeline& pipeline, const Registry& registry);
 
-/// The pipeline as a picture that stands alone: data flows from left to right, boxes are coloured by rate, nodes that
-/// gather all frames have a heavy border, ports and types are tooltips. No background: it fits light and dark pages.
+/// The pipeline as a self-contained SVG: data flows from left to right, nodes are coloured by rate, nodes that gather all frames have
+/// a heavy border, tooltips show ports and types. The background is transparent, for light and dark pages.
 std::string to_svg(const Pipeline& pipeline, const Registry& registry);
 
-/// How a node looks in the picture of a page, and what that says of it.
+/// Style of a node in the SVG of a report page.
 struct NodeLook {
-    std::string style;  ///< a class of the page's style sheet
-    std::string note;   ///< a line below name and type
+    std::string style;  ///< CSS class
+    std::string note;   ///< a line of text below name and type
 };
-/// The picture for a page that has colours and a legend of its own; its style sheet finds the width as `--width`. @param looks  per node
+/// The SVG for a page that has its own colours and legend. The CSS variable `--width` holds its width in pixels.
+/// @param looks  one per node
 std::string to_svg(const Pipeline& pipeline, const Registry& registry, const std::vector<NodeLook>& looks);
 
 }  // namespace fluidcarve

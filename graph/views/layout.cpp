@@ -9,11 +9,11 @@ namespace {
 
 constexpr double column_gap = 56;
 constexpr double row_gap = 18;
-constexpr double line_height = 4;  // of an edge that passes a column
+constexpr double line_height = 4;  // height of an edge where it passes a column
 constexpr double port_gap = 7;
 constexpr int sweeps = 16;
 
-/// A box, or an edge's passage through a column between its ends.
+/// An entry of a column: a box, or an edge that passes through the column.
 struct Item {
     std::size_t column = 0;
     double height = line_height;
@@ -61,7 +61,7 @@ private:
         }
     }
 
-    /// A source that is first read late stands beside its reader.
+    /// Moves each box without inputs to the column before its first reader.
     void pull_sources() {
         constexpr auto none = ~std::size_t{0};
         std::vector<std::size_t> nearest(items_.size(), none);
@@ -121,7 +121,8 @@ private:
         columns_ = std::move(best);
     }
 
-    /// Least squares towards the neighbours' heights, order and gaps kept (pool adjacent violators).
+    /// Moves the items of a column towards the mean height of their neighbours, by least squares. Order and minimum gaps are kept
+    /// (pool adjacent violators).
     void level(const std::vector<std::size_t>& column, bool use_before, bool use_after) {
         struct Block {
             double sum;
@@ -139,7 +140,7 @@ private:
             for (const auto* side : {use_before ? &item.before : nullptr, use_after ? &item.after : nullptr})
                 if (side)
                     for (const auto each : *side) sum += items_[each].middle, weight += 1;
-            // What has no neighbour here holds its place, but weakly.
+            // An item without neighbours is weakly tied to its present height.
             if (weight == 0) weight = 0.1, sum = item.middle * weight;
             blocks.push_back({sum - offset[n] * weight, weight, 1});
             while (blocks.size() > 1 && blocks[blocks.size() - 2].mean() >= blocks.back().mean()) {
@@ -209,7 +210,8 @@ private:
         }
     }
 
-    /// Edges that end at one box do so in the order in which they come, a little apart.
+    /// Vertical offset of an edge's end from the middle of its box: edges into the same box end a little apart, in the order of their
+    /// heights.
     double port(std::size_t edge) const {
         const auto key = [&](std::size_t e) { return std::pair(items_[passages_[e][passages_[e].size() - 2]].middle, e); };
         double rank = 0;
@@ -224,9 +226,9 @@ private:
     }
 
     Layout& layout_;
-    std::vector<Item> items_;                         ///< first the boxes, in their order
+    std::vector<Item> items_;                         ///< first the boxes, in their order, then the passages of edges
     std::vector<std::vector<std::size_t>> columns_;   ///< items, top to bottom
-    std::vector<std::vector<std::size_t>> passages_;  ///< per edge: the items that it passes
+    std::vector<std::vector<std::size_t>> passages_;  ///< per edge: the items on its way, both ends included
 };
 
 }  // namespace

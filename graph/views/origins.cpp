@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 std::string dump(const Json& json, int indent = -1) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
-/// A text as YAML, in quotes where it would mean something else without them.
+/// A text as a YAML scalar, in quotes if it needs them.
 std::string scalar_yaml(const std::string& text) {
     const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
     const bool marked = text.find_first_of(",[]{}") != std::string::npos || text.find(": ") != std::string::npos || text.find(" #") != std::string::npos;
@@ -77,7 +77,7 @@ private:
         return file ? fmt::format("{}:{}", mark.source->name, mark.line) : mark.source->name;
     }
 
-    /// Names inside the value and all its parts, each once.
+    /// Adds the names inserted into a value or its parts, without duplicates.
     void add_names(const Value& value, std::vector<std::string>& names) const {
         for (const auto& [in, name] : document_.insertions)
             if (in.source == value.mark.source && in.line == value.mark.line && in.column == value.mark.column &&

@@ -9,30 +9,30 @@
 
 namespace fluidcarve {
 
-/// A value and where it comes from.
+/// A value and its origin.
 struct ValueOrigin {
     std::string value;              ///< as YAML, on one line
     std::string from;               ///< "shots/sh010.yaml:4", "--set", "environment variable SHOT", "default"
-    std::vector<std::string> with;  ///< names whose values stand inside the text or list
+    std::vector<std::string> with;  ///< names of the params and variables inserted into the text or list
 };
 
-/// Where everything in a pipeline comes from.
+/// The origins of all values in a pipeline.
 struct Origins {
     using Fields = std::vector<std::pair<std::string, ValueOrigin>>;
     ValueOrigin frames;
     Fields params;
-    /// In the order of the file. Of each node its type, inputs that are connected, all parameters, and what else is stated.
+    /// Node name to fields, in the order of the file: type, connected inputs, all parameters, other stated fields.
     std::vector<std::pair<std::string, Fields>> nodes;
 };
 
-/// @param document  one without problems
+/// Finds the origins of all values. @param document  must have no problems
 Origins origins_of(const Document& document, const Registry& registry);
 
-/// A line each: `count = -18, from shots/sh010.yaml:4`.
+/// One line per value: `count = -18, from shots/sh010.yaml:4`.
 std::string to_text(const Origins& origins);
 
-/// `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE: {FIELD: {value, from, with?}}}}`,
-/// each value as YAML.
+/// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE: {FIELD: {value, from, with?}}}}`,
+/// with each `value` as a YAML text.
 std::string to_json(const Origins& origins);
 
 }  // namespace fluidcarve

@@ -14,7 +14,7 @@ Json defined(const std::string& definition) { return {{"$ref", "#/definitions/" 
 
 Json any_of(std::vector<Json> alternatives) { return {{"anyOf", std::move(alternatives)}}; }
 
-/// A number, or a text that `check` reads as one: it looks at the declaration, not at quotes.
+/// A number, or a text with a number: `check` reads a quoted number as a number where the declaration wants one.
 Json number(const char* type, const Range& range) {
     Json out{{"type", type}};
     if (std::isfinite(range.min)) out["minimum"] = range.min;
@@ -41,7 +41,7 @@ Json form_of(const Shape& shape, const Range& range) {
         case Shape::Kind::list: return {{"type", "array"}, {"items", value_of(shape.of.at(0), range)}};
         case Shape::Kind::input_path:
         case Shape::Kind::output_path: return {{"type", "string"}};
-        // An unquoted 12 or true is a text too where a text is wanted.
+        // `check` reads an unquoted 12 or true as a text where the declaration wants one.
         case Shape::Kind::text: return {{"type", {"string", "number", "boolean"}}};
         case Shape::Kind::any_of: {
             std::vector<Json> alternatives;
@@ -58,13 +58,13 @@ Json form_of(const Shape& shape, const Range& range) {
     return out;
 }
 
-/// Any value may be left to a param.
+/// A value of the shape, or `${name}`.
 Json value_of(const Shape& shape, const Range& range) {
     const bool text = shape.kind == Shape::Kind::text || shape.kind == Shape::Kind::input_path || shape.kind == Shape::Kind::output_path;
     return text ? form_of(shape, range) : any_of({form_of(shape, range), defined("insertion")});
 }
 
-/// The stated default as JSON; nothing where YAML's form of it is not JSON's.
+/// The default of a parameter as JSON; null if its YAML text is not valid JSON.
 Json default_of(const ParamSpec& spec) {
     switch (spec.shape.kind) {
         case Shape::Kind::text:
@@ -90,12 +90,12 @@ Json field_of(const InputSpec& input, const Registry& registry) {
     Json out;
     if (input.arity == InputSpec::Arity::list) out = any_of({defined("port"), Json{{"type", "array"}, {"items", defined("port")}, {"minItems", 1}}});
     else if (input.arity == InputSpec::Arity::named) out = {{"type", "object"}, {"additionalProperties", defined("port")}};
-    else out = {{"allOf", Json::array({defined("port")})}};  // beside a $ref, draft 7 sees no description
+    else out = {{"allOf", Json::array({defined("port")})}};  // draft 7 ignores a description beside a $ref
     out["description"] = fmt::format("{} Takes {}.", input.doc, registry.accepted_names(input.type));
     return out;
 }
 
-/// Which fields a node of the type may have.
+/// Schema of the fields that a node of the type may have.
 Json fields_of(const NodeType& type, const Registry& registry) {
     Json properties{{"type", {{"const", type.name}, {"description", type.doc}}}};
     for (const auto& input : type.inputs) properties[input.name] = field_of(input, registry);
@@ -118,7 +118,7 @@ Json required_of(const NodeType& type) {
     return out;
 }
 
-/// The same fields, each of which may be null.
+/// The same for a file with `extends`: each field may also be null.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
     for (const auto* const name : {"cache", "doc"}) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
@@ -130,7 +130,7 @@ Json if_type(const std::string& name, Json then) {
     return {{"if", {{"properties", {{"type", {{"const", name}}}}}, {"required", {"type"}}}}, {"then", std::move(then)}};
 }
 
-/// @param whole  false: a node that changes one of an extended file
+/// @param whole  true: a complete node; false: a node that may change one of an extended file
 Json node_of(const Registry& registry, bool whole) {
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};

@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// JSON schema (draft 7) of pipeline files, with the declarations' docs as descriptions for editors.
-/// It accepts every pipeline of these types that `check` accepts; it knows no names of nodes and ports, so `check` finds more.
-/// In a file with `extends`, nodes may lack what the extended file states, and a null takes a field away.
+/// JSON schema (draft 7) of pipeline files, for editors. Doc strings of the declarations become descriptions.
+/// It accepts every pipeline that `check` accepts. `check` finds more faults, since the schema does not know the pipeline's nodes.
+/// In a file with `extends`, nodes may omit fields that the extended file states, and a null removes a field.
 std::string schema(const Registry& registry);
 
 }  // namespace fluidcarve

@@ -1,7 +1,6 @@
 #include "nodes/expression/ax_node.h"
 
 #include "graph/types/module.h"
-#include "graph/types/placed_check.h"
 #include "nodes/expression/evaluate.h"
 
 #include <fmt/format.h>
@@ -42,13 +41,12 @@ void check_ax(const AxParams& params, const std::string& output, NodeCheck& chec
     } catch (const Failure&) {
         return;
     }
-    auto& placed = dynamic_cast<PlacedCheck&>(check);
     std::vector<ExpressionFault> faults;
-    module->compile(expression_of(params, placed.names("inputs"), output), faults);
+    module->compile(expression_of(params, check.names("inputs"), output), faults);
     for (const auto& fault : faults) {
         const auto message = fmt::format("'{}' {}", fault.field, fault.message);
-        if (fault.line > 0) placed.fault(params.code.place(fault.line, fault.column), fmt::format("'{}': {}", fault.field, fault.message));
-        else placed.fault(fault.field, message);
+        if (fault.line > 0) check.fault(params.code.place(fault.line, fault.column), fmt::format("'{}': {}", fault.field, fault.message));
+        else check.fault(fault.field, message);
     }
 }
 

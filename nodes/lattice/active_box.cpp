@@ -7,7 +7,7 @@
 namespace fluidcarve {
 
 PayloadType active_box_type() {
-    return payload_type<ActiveBox>("active_box", "Where a grid's active voxels are in a frame: what lattice.box keeps of it.",
+    return payload_type<ActiveBox>("active_box", "The box around a grid's active voxels in one frame; lattice.box keeps one per frame.",
                                    [](const ActiveBox&) { return sizeof(ActiveBox); },
                                    {1,
                                     [](const ActiveBox& box, std::ostream& stream) {

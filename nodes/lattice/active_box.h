@@ -8,11 +8,11 @@
 
 namespace fluidcarve {
 
-/// Where a grid's active voxels are in one frame.
+/// Box around the active voxels of a grid in one frame.
 struct ActiveBox {
-    std::string name;  ///< the grid's
+    std::string name;  ///< of the grid
     openvdb::math::Transform::ConstPtr transform;
-    openvdb::CoordBBox voxels;  ///< empty: none is active
+    openvdb::CoordBBox voxels;  ///< index coordinates; empty if no voxel is active
 };
 
 /// The payload type `active_box`.

@@ -9,7 +9,7 @@ using openvdb::Coord;
 using openvdb::Vec3d;
 
 namespace {
-/// Voxels that a vertex may be off its voxel: corners of a box come rounded, and are taken for whole within 1e-3 of a spacing.
+/// Largest distance of a vertex from its voxel, voxels. Corners of a box come rounded: lattice.box accepts errors of 1e-3 of a spacing.
 constexpr double whole = 2e-3;
 }  // namespace
 
@@ -31,7 +31,7 @@ Coord Alignment::vertex(const Coord& voxel) const {
 std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Transform& transform) {
     if (!lattice.is_box() || !transform.isLinear()) return std::nullopt;
     const auto index = [&](int i, int j, int k) { return transform.worldToIndex(lattice.position(Vec3d(i, j, k))); };
-    // A dimension of one vertex still has a direction, which an insertion would follow.
+    // A dimension of one vertex still has a direction: insertions extend the lattice along it.
     std::array<int, 3> far;
     for (std::size_t n = 0; n < 3; ++n) far[n] = std::max(1, lattice.shape[n] - 1);
 

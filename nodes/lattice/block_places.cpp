@@ -12,7 +12,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Which of eight values on a line, from `first` on, are not below 0.
+/// Bit n is set if `first + n * step` is not below 0, for n = 0..7.
 unsigned not_below(double first, double step) {
     const bool begins = first >= 0, ends = first + 7 * step >= 0;
     if (begins == ends) return begins ? 0xff : 0;
@@ -27,7 +27,7 @@ unsigned not_below(double first, double step) {
 BlockPlaces::BlockPlaces(const Mapping& mapping, const openvdb::math::Transform& transform) : mapping_(mapping), transform_(transform) {
     const auto* const slabs = mapping.slabs();
     if (!slabs || !transform.isLinear()) return;
-    std::array<Vec3d, 3> voxel, unit;  // a voxel's edges in world units, and the world's in voxels
+    std::array<Vec3d, 3> voxel, unit;  // a voxel's edges in world units; the world's unit vectors in voxels
     for (int n = 0; n < 3; ++n) {
         Vec3d axis(0);
         axis[n] = 1;
@@ -79,7 +79,7 @@ void BlockPlaces::each_hit(const Vec3d& from, Visit&& visit) const {
             const auto& gradient = (*tables_)[static_cast<std::size_t>(divider)].side;
             return not_below(at_first + gradient.dot(from), gradient.z());
         };
-        // Both slabs beside a divider must judge alike.
+        // Neighbouring slabs must agree at their common divider: its side is computed once.
         const unsigned low = last == candidate.slab ? above : side(candidate.slab, candidate.low);
         above = side(candidate.slab + 1, candidate.high);
         last = candidate.slab + 1;
@@ -161,7 +161,7 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
     }
     if (open == 0) return;
 
-    // The lowest slab does not hold these in the lattice's own cells; another may.
+    // The lowest slab does not hold these voxels in the lattice's own cells. A higher slab may.
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
         for (hits &= open; hits != 0; hits &= hits - 1) {
             const auto z = static_cast<std::size_t>(std::countr_zero(hits));
@@ -199,7 +199,7 @@ CoordBBox BlockPlaces::reach(const openvdb::Vec2d& least, const openvdb::Vec2d& 
         }
         out = transform_.worldToIndex(mapping_.world_box(range));
     }
-    // Within a slab the steps lie between those at its planes.
+    // Within a slab, steps lie between those at its two planes.
     for (const auto& candidate : candidates_)
         for (int n = 0; n < 8; ++n) {
             const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
@@ -222,7 +222,7 @@ unsigned BlockPlaces::locate_shared(const Coord& first, std::array<int, 8>& lowe
     });
     if (twice == 0) return 0;
 
-    // Between the planes of several slabs, but perhaps beside the cells of all but one.
+    // These voxels lie between the planes of several slabs, but perhaps in the cells of only one.
     const auto& slabs = *mapping_.slabs();
     unsigned held = 0, shared = 0;
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {

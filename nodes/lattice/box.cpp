@@ -93,7 +93,7 @@ struct Box {
         };
         if (params.min) {
             std::array<int, 3> counts;
-            // The corners say where the vertices are; a spacing typed with few digits would let them drift apart from the voxels.
+            // The spacing is computed from the corners: a spacing typed with few digits would let the vertices drift away from the voxels.
             double spacing = *params.spacing, longest = 0;
             for (std::size_t n = 0; n < 3; ++n) {
                 const double extent = (*params.max)[n] - (*params.min)[n], steps = std::round(extent / *params.spacing);
@@ -122,11 +122,12 @@ struct Box {
 }  // namespace
 
 NodeType lattice_box() {
-    return Declare<Box>("lattice.box", "A straight lattice: from its corners, or around the active voxels of a grid over all frames.")
-        .input("fit", &Box::Ports::fit, "A grid whose active voxels, over all frames, are the vertices; instead of min, max and spacing.")
+    return Declare<Box>("lattice.box", "A straight lattice, given by its corners or fitted around the active voxels of a grid over all frames.")
+        .input("fit", &Box::Ports::fit,
+               "A grid. The lattice gets a vertex at each voxel of the box around the grid's active voxels, over all frames. Replaces min, max and spacing.")
         .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
-        .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex; a whole number of spacings from `min`, which may be 0.")
-        .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance of neighbouring vertices; above 0.")
+        .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex, a whole number of spacings (0 or more) from `min`.")
+        .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance between neighbouring vertices; above 0.")
         .param("axes", &Box::Params::axes, "Which world axes are u, v and w.")
         .output("lattice", &Box::Ports::lattice, "The lattice.")
         .digests({"fit"})

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `lattice.box`: a straight lattice from its corners, or around the active voxels of a sequence.
+/// `lattice.box`: a straight lattice, given by its corners or fitted to the active voxels of a sequence.
 NodeType lattice_box();
 
 }  // namespace fluidcarve

@@ -15,7 +15,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Where `k` goes from a neighbour before or behind; the ends of an open rig have one of their own kind.
+/// Indices of a plane's neighbours. At the ends of an open rig, the plane is its own neighbour.
 struct Neighbours {
     std::size_t count;
     bool closed;
@@ -30,7 +30,8 @@ std::vector<Vec3d> smoothed_directions(const std::vector<Vec3d>& w, bool closed)
     return out;
 }
 
-/// How far smoothing took points at most, sideways: along the path they are resampled anyway.
+/// Largest distance by which smoothing moved points sideways, world units. Movement along the path does not count: the path is resampled
+/// anyway.
 double sideways(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, bool closed) {
     const Neighbours near{from.size(), closed};
     double out = 0;
@@ -64,7 +65,7 @@ private:
         Rig rig = rig_;
         rig.oval.reset();
         rig.points = start.points;
-        // What resampling left over at the end of an open rig would be lost again in every iteration.
+        // Keeps the rest of an open rig behind its last resampled point. Otherwise every iteration would shorten the rig.
         if (!rig.closed && (rig_.points.back() - rig.points.back()).length() > 1e-3 * spec_.spacing) rig.points.push_back(rig_.points.back());
         const auto original = rig.points;
         while (out_.folds.cells > 0 && out_.iterations < spec_.max_iterations) {

@@ -9,36 +9,41 @@
 
 namespace fluidcarve {
 
-/// What is smoothed where planes cross (paper 3.4): points sideways by the mean of their neighbours, or directions.
+/// What to smooth where planes cross (paper 3.4): the rig's points (sideways, to the mean of themselves and their neighbours), the planes'
+/// directions, or nothing.
 enum class Smooth { points, directions, none };
 
+/// Parameters of build_lattice().
 struct LatticeSpec {
-    double spacing = 0;              ///< world units, above 0
-    std::array<double, 2> u{}, v{};  ///< extents around the rig, world units, the second above the first
-    bool flip_u = false;             ///< u the other way; the lattice is then left-handed
-    bool closed_form = false;        ///< the paper's directions and inverse
+    double spacing = 0;              ///< distance of neighbouring vertices, world units, above 0
+    std::array<double, 2> u{}, v{};  ///< extents around the rig: lower end, upper end; world units; lower < upper
+    bool flip_u = false;             ///< reverses u; the lattice is then left-handed
+    bool closed_form = false;        ///< uses the paper's plane directions and inverse
     Smooth smooth = Smooth::points;
-    int max_iterations = 0;
+    int max_iterations = 0;  ///< of smoothing
 };
 
+/// A lattice and how it was built.
 struct BuiltLattice {
     Lattice lattice;
-    double step = 0;     ///< of the rig's points from plane to plane, world units; the spacing, but for closed rigs and stated planes
-    int iterations = 0;  ///< of smoothing
-    double moved = 0;    ///< how far the smoothing took the rig at most, world units
-    Folds folds;         ///< that are left
+    double step = 0;     ///< distance of neighbouring planes along the rig, world units; differs from the spacing for closed rigs and stated planes
+    int iterations = 0;  ///< of smoothing that were done
+    double moved = 0;    ///< largest distance by which smoothing moved the rig, world units
+    Folds folds;         ///< folded cells that remain
 };
 
-/// A lattice along a rig (METHOD 2, paper 3.1 and 3.4), described and hashed. The first vertices lie at the lower extents,
-/// the last at most at the upper ones.
-/// @param planes  how many, instead of as many as the spacing makes: their distance along the rig changes
-/// @throws Failure if the rig has a rig_fault, runs along `up` at its start, or cannot be resampled
+/// Builds a lattice along a rig (METHOD 2, paper 3.1 and 3.4), with description and hash. The first vertices lie at the lower ends of the
+/// extents, the last ones at the upper ends or less than a spacing below.
+/// @param planes  number of planes; nothing: as many as the spacing gives. A stated number changes the distance of planes along the rig
+/// @throws Failure if the rig has a rig_fault(), starts along its `up`, or cannot be resampled
 BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec, std::optional<int> planes = std::nullopt);
 
-/// Vertices from the lower end of an extent at most to its upper end.
+/// Number of vertices along an extent, from its lower end up to at most its upper end.
+/// @param extent   lower and upper end, world units
+/// @param spacing  world units
 double vertices_along(const std::array<double, 2>& extent, double spacing);
 
-/// Whether a rig is a circle that the lattice reaches across, past its centre: no smoothing cures that.
+/// Whether a lattice reaches past the centre of a circular rig. Smoothing cannot unfold it then.
 bool reaches_across(const Rig& rig, const LatticeSpec& spec);
 
 }  // namespace fluidcarve

@@ -70,7 +70,7 @@ public:
         count_overlaps(params, context);
         report(context);
         tell_smoothing(params, context);
-        // Beside folded cells, voxels lie in several others as well: that is no news then.
+        // Voxels beside folded cells lie in several cells, too: that needs no second message.
         if (!tell_folds(params, context)) tell_overlap(params, context);
     }
 
@@ -95,14 +95,14 @@ private:
 
     std::string in_frame(const Context& context, std::size_t t) const { return animated_ ? fmt::format(" in frame {}", context.frames()[t]) : ""; }
 
-    /// The place of the frame that has the most of something.
+    /// Index of the frame with the largest value.
     template <class Value>
     std::size_t worst(Value&& value) const {
         const auto less = [&](const BuiltLattice& a, const BuiltLattice& b) { return value(a) < value(b); };
         return static_cast<std::size_t>(std::max_element(built_.begin(), built_.end(), less) - built_.begin());
     }
 
-    /// A lattice's shape never changes: all frames take the planes of the longest rig.
+    /// Gives all frames as many planes as the longest rig has: the shape of a lattice never changes.
     void make_equal(const Params& params, const Context& context) {
         const auto planes = [](const BuiltLattice& built) { return built.lattice.shape[2]; };
         const auto longest = worst(planes), shortest = worst([&](const BuiltLattice&built) { return -planes(built); });
@@ -125,7 +125,7 @@ private:
         }
     }
 
-    /// Corners of a polyline are always rounded: worth a word only where the rig then runs elsewhere.
+    /// Warns of smoothing only if it moved the rig by half a spacing or more: the corners of a polyline are always rounded.
     void tell_smoothing(const Params& params, const Context& context) const {
         const auto t = worst([](const BuiltLattice& built) { return built.moved; });
         if (built_[t].moved < params.spacing / 2) return;
@@ -133,7 +133,7 @@ private:
                                  in_frame(context, t), built_[t].moved));
     }
 
-    /// @return whether there are any
+    /// @return whether any cell is folded
     bool tell_folds(const Params& params, const Context& context) const {
         const auto t = worst([](const BuiltLattice& built) { return built.folds.cells; });
         const auto& folds = built_[t].folds;
@@ -196,28 +196,29 @@ NodeType lattice_build() {
     using Params = LatticeBuild::Params;
     return Declare<LatticeBuild>(
                "lattice.build",
-               "A lattice along a rig: planes at equal distances that stand across it and do not twist. Along a rig that moves, one per frame, of "
-               "as many planes as the longest takes.")
-        .input("rig", &LatticeBuild::Ports::rig, "The path; static, or one per frame.")
+               "Builds a lattice along a rig. Its planes stand across the rig, at equal distances, and do not twist. A moving rig gets one lattice per frame, "
+               "each with as many planes as the longest rig needs.")
+        .input("rig", &LatticeBuild::Ports::rig, "The path: static, or one per frame.")
         .required("spacing", &Params::spacing, Unit::world, at_least(0),
-                  "Distance of neighbouring vertices, above 0; the voxel size, if in doubt. Closed rigs change it between planes so that it fits a whole "
-                  "number of times.")
+                  "Distance between neighbouring vertices, above 0. If in doubt, use the voxel size. On a closed rig, the distance between planes is adjusted "
+                  "so that it fits a whole number of times.")
         .required("extent_u", &Params::extent_u, Unit::world, any_number(),
-                  "From where to where the lattice reaches along `u`, 0 is the rig. The first vertex is at the lower end, the last at most at the upper.")
-        .required("extent_v", &Params::extent_v, Unit::world, any_number(), "The same along `v`, which starts as the rig's `up`.")
+                  "Where the lattice begins and ends along `u`; 0 is the rig. The first vertex lies at the lower end, the last one at most at the upper end.")
+        .required("extent_v", &Params::extent_v, Unit::world, any_number(), "The same along `v`. On the first plane, `v` is the rig's `up`.")
         .param("flip_u", &Params::flip_u,
-               "`u` is right-handed, `v x w`: outwards on a circle, inwards on a loop that runs counter-clockwise seen from `up`. This turns it round.")
-        .param("smooth", &Params::smooth,
-               "What is smoothed where neighbouring planes cross within the extents: the rig's points, the planes' directions, or nothing. It is done until "
-               "none cross.")
-        .param("max_iterations", &Params::max_iterations, Unit::none, between(0, 1e6), "How often it is smoothed at most.")
+               "Reverses `u`. Otherwise `u` is `v x w` (right-handed): it points outwards on a circle, and inwards on a loop that runs counter-clockwise seen "
+               "from `up`.")
         .param(
-            "on_fold", &Params::on_fold,
-            "Whether cells that stay folded, where planes cross, and voxels in several cells, where the lattice meets itself, are worth a warning or stop the "
-            "run.")
+            "smooth", &Params::smooth,
+            "What to smooth where neighbouring planes cross within the extents: the rig's points, the planes' directions, or nothing. Smoothing repeats until "
+            "no planes cross.")
+        .param("max_iterations", &Params::max_iterations, Unit::none, between(0, 1e6), "Largest number of smoothing steps.")
+        .param("on_fold", &Params::on_fold,
+               "What happens if problems remain: a warning, or a failed run. Problems are folded cells, where planes cross, and voxels in several cells, where "
+               "the lattice meets itself.")
         .param("mapping", &Params::mapping,
-               "How positions are located: by the true inverse; or by the paper's closed form and its plane directions, which blur where planes turn, for "
-               "comparison.")
+               "How positions are located: by the true inverse, or, for comparison, by the paper's closed form and plane directions, which blur where planes "
+               "turn.")
         .output("lattice", &LatticeBuild::Ports::lattice, "The lattice.")
         .kept();
 }

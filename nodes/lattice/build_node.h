@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `lattice.build`: a lattice along a rig, or one per frame along a rig that moves.
+/// `lattice.build`: builds a lattice along a rig, or one per frame along a moving rig.
 NodeType lattice_build();
 
 }  // namespace fluidcarve

@@ -5,14 +5,14 @@
 
 namespace fluidcarve {
 
-/// How far from the root an answer may be.
+/// Largest error of a root.
 inline constexpr double root_error = 1e-13;
-/// How far beyond its bounds: the sides of planes are known up to rounding only.
+/// How far a root may lie beyond its bounds: the sides of planes are known only up to rounding.
 inline constexpr double root_slack = 1e-9;
 
-/// The root of a falling cubic, by Newton's method kept between bounds.
-/// @param q         `((q[3] c + q[2]) c + q[1]) c + q[0]`, not below 0 at `from`, below 0 at `to`
-/// @param from, to  0 and 1, or a hair beyond
+/// The root of a falling cubic between two bounds, by Newton's method with bisection.
+/// @param q         coefficients of `((q[3] c + q[2]) c + q[1]) c + q[0]`, which is at least 0 at `from` and below 0 at `to`
+/// @param from, to  the bounds: 0 and 1, or slightly beyond
 inline double cubic_root(const std::array<double, 4>& q, double from, double to) {
     double low = from - root_slack, high = to + root_slack;
     double c = q[0] / -(q[1] + q[2] + q[3]);
@@ -27,17 +27,17 @@ inline double cubic_root(const std::array<double, 4>& q, double from, double to)
             continue;
         }
         c = next;
-        // What a step leaves of an error e is e^2 q'' / 2 q'.
+        // A Newton step that corrects an error e leaves an error of e^2 q'' / (2 q').
         if (std::abs((3 * q[3] * c + q[2]) * step * step) <= root_error * std::abs(slope)) break;
     }
     return c;
 }
 
-/// Eight falling cubics by the power of c, and their roots: simple loops, which compilers turn into vectors.
+/// Eight falling cubics and their roots. The loops are simple, so that compilers vectorize them.
 struct CubicRow {
-    std::array<double, 8> q0, q1, q2, q3;
-    std::array<double, 8> c;               ///< answers
-    std::array<double, 8> left, slope_at;  ///< their quotient is how far from the root an answer may be
+    std::array<double, 8> q0, q1, q2, q3;  ///< coefficients, by power of c
+    std::array<double, 8> c;               ///< the roots, after solve()
+    std::array<double, 8> left, slope_at;  ///< left / slope_at bounds the error of c
 
     void set(std::size_t z, const std::array<double, 4>& q) {
         q0[z] = q[0];
@@ -45,12 +45,14 @@ struct CubicRow {
         q2[z] = q[2];
         q3[z] = q[3];
     }
+    /// Whether the root of cubic z is exact to root_error and between its bounds.
+    /// @param from, to  the bounds
     bool solved(std::size_t z, double from, double to) const {
         return left[z] <= root_error * slope_at[z] && c[z] >= from - root_slack && c[z] <= to + root_slack;
     }
     std::array<double, 4> at(std::size_t z) const { return {q0[z], q1[z], q2[z], q3[z]}; }
 
-    /// Two of Newton's steps from the secants' roots: where planes turn gently, enough.
+    /// Takes two Newton steps from the secants' roots. That is enough where planes turn gently.
     void solve() {
         for (std::size_t z = 0; z < 8; ++z) c[z] = q0[z] / -(q1[z] + q2[z] + q3[z]);
         step();

@@ -16,9 +16,9 @@ Vec3d reflected(const Vec3d& a, const Vec3d& normal) { return a - 2 / normal.len
 
 Vec3d orthogonal(const Vec3d& a, const Vec3d& unit) { return a - unit.dot(a) * unit; }
 
-/// `v` of a plane, from that of the plane before.
+/// Carries `v` from one plane to the next.
 Vec3d carried(const Vec3d& v, const Vec3d& w, const Vec3d& chord, const Vec3d& next_w) {
-    // On straight stretches nothing turns, and nothing shall drift.
+    // Keeps `v` exactly on straight stretches, so that it does not drift.
     if (w == next_w) return v;
     const auto normal = next_w - reflected(w, chord);
     return orthogonal(reflected(reflected(v, chord), normal), next_w).unit();

@@ -6,7 +6,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Affine in a plane's vertices: how far they lie on the right side of the other plane.
+/// How far the vertices of a plane lie on the right side of the neighbouring plane: affine in `(i, j)`, world units, above 0 if right.
 struct Clearance {
     double at_origin, per_u, per_v;
     double at(int i, int j) const { return at_origin + i * per_u + j * per_v; }

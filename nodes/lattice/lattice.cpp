@@ -18,7 +18,7 @@ public:
     void add(std::uint64_t word) {
         for (int n = 0; n < 64; n += 8) state_ = (state_ ^ ((word >> n) & 0xff)) * 0x100000001b3u;
     }
-    // Adding 0 makes -0 and 0 one value.
+    // Adding 0 turns -0 into 0.
     void add(double value) { add(std::bit_cast<std::uint64_t>(value + 0.0)); }
     void add(const Vec3d& value) {
         for (int c = 0; c < 3; ++c) add(value[c]);

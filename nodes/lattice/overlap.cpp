@@ -17,7 +17,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// The corners of a slab's cells, rims included, and the box around them. What the cells hold lies between them.
+/// The corners of a slab's cells, rims included, and the box around them. It encloses all points that the cells hold.
 struct Hull {
     std::array<Vec3d, 8> corners;
     BBoxd box;
@@ -37,8 +37,8 @@ struct Hull {
     }
 };
 
-/// A world box around all points that several slabs may hold: those of two that no plane separates. Points of a slab lie
-/// above its lower divider and below its upper one.
+/// World box around all points that several slabs may hold. It joins the boxes of all pairs of slabs that no plane separates. A slab's
+/// points lie above its lower divider and below its upper one.
 BBoxd meeting_box(const Slabs& slabs, const std::array<int, 3>& extent) {
     std::vector<Hull> hulls;
     for (int k = 0; k < slabs.size(); ++k) hulls.emplace_back(slabs, k, extent);
@@ -75,7 +75,7 @@ Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& tr
     const auto low = Coord::floor(box.min() / 8.0), high = Coord::ceil((box.max() + Vec3d(1)) / 8.0);
     const BlockPlaces prototype(mapping, transform);
 
-    using Counts = std::vector<std::size_t>;  // per slab
+    using Counts = std::vector<std::size_t>;  // `[slab]`
     const auto counts = tbb::parallel_reduce(
         tbb::blocked_range2d<int>(low.x(), high.x(), low.y(), high.y()), Counts(static_cast<std::size_t>(slabs)),
         [&](const tbb::blocked_range2d<int>& range, Counts counts) {

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// Registers `lattice`, and `active_box`, which is kept of each frame for lattices that fit.
+/// Registers the payload types `lattice` and `active_box`. A fitted lattice keeps one active box per frame.
 void add_lattice_payloads(Registry& registry);
 
 }  // namespace fluidcarve

@@ -15,16 +15,16 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Steps of one length from the start on.
+/// Walks along a rig in equal steps from its start.
 class Walk {
 public:
     explicit Walk(const Rig& rig) : path_(rig), closed_(rig.closed) {}
 
     const Path& path() const { return path_; }
 
-    /// All places until the end of the path, or of one round.
+    /// All places up to the end of the path, or within one round of a closed rig.
     std::vector<Path::Place> places(double step) const {
-        // A spacing typed with few digits must not cost an open rig its last plane.
+        // Tolerance: a spacing typed with few digits must not cost an open rig its last plane.
         const double end = path_.end() + (closed_ ? 0 : 1e-3 * step);
         std::vector<Path::Place> out{Path::Place{}};
         while (out.size() <= static_cast<std::size_t>(most_vertices)) {
@@ -35,7 +35,7 @@ public:
         return out;
     }
 
-    /// How far `steps` of them end beyond the end of the path.
+    /// How far `steps` steps lead beyond the end of the path, as Path::travelled.
     double excess(double step, int steps) const {
         Path::Place place;
         for (int n = 0; n < steps; ++n) {
@@ -46,7 +46,9 @@ public:
         return path_.travelled(place) - path_.end();
     }
 
-    /// The step of which `steps` end where the path does: by halving, hurried by secants.
+    /// The step length with which `steps` steps end exactly at the end of the path. Found by bisection, accelerated by secants.
+    /// @param guess  a first estimate, world units
+    /// @return nothing if there is no such length
     std::optional<double> fitting(int steps, double guess) const {
         double low = guess, high = guess;
         while (excess(low, steps) > 0 && low > 1e-6 * guess) low /= 1.25;

@@ -7,19 +7,19 @@
 
 namespace fluidcarve {
 
-/// The part of a lattice between two neighbouring planes: `x(u, v, c) = o(c) + u U(c) + v V(c)`, all three linear in
-/// `c` from 0 at the lower plane to 1 at the upper one. That is trilinear interpolation in each cell's eight vertices.
-/// World units; `u` and `v` in vertices.
+/// The part of a lattice between two neighbouring planes: `x(u, v, c) = o(c) + u U(c) + v V(c)`. `o`, `U` and `V` are linear in `c`, which
+/// runs from 0 at the lower plane to 1 at the upper one. This is trilinear interpolation between each cell's eight vertices. Positions are
+/// in world units, `u` and `v` in vertices.
 class Slab {
 public:
-    /// The vectors that `p - o(0)` is multiplied with to solve for a point: the coefficients of the normal
-    /// `U(c) x V(c)` by powers of c, then U(0), U(1) - U(0), V(0), V(1) - V(0).
+    /// The vectors whose products with `p - o(0)` are needed to solve for a point `p`: the coefficients of the normal `U(c) x V(c)` by
+    /// powers of c, then U(0), U(1) - U(0), V(0), V(1) - V(0).
     static constexpr std::size_t parts = 7;
     using Vectors = std::array<openvdb::Vec3d, parts>;
-    /// Their products, each affine in `p`, and a 0 that makes whole vectors of them.
+    /// Those products, each affine in `p`, and a 0 that pads them to full SIMD vectors.
     using Products = std::array<double, parts + 1>;
 
-    /// @param hand  1, or -1 where `u x v` points against the rig
+    /// @param hand  1 if `u x v` points along the rig, -1 if against it
     Slab(const Lattice::Plane& low, const Lattice::Plane& high, double spacing, double hand);
 
     const openvdb::Vec3d& origin() const { return origin_; }
@@ -32,26 +32,26 @@ public:
     openvdb::Vec3d position(double u, double v, double c) const { return origin(c) + u * step_u(c) + v * step_v(c); }
 
     Products products(const openvdb::Vec3d& p) const;
-    /// `q(c) = normal(c) . (p - o(c))` (METHOD 3) by powers of c.
-    /// @param a, b, c  the position's first three products
+    /// Coefficients of `q(c) = normal(c) . (p - o(c))` (METHOD 3), by powers of c.
+    /// @param a, b, c  the first three products of `p`
     std::array<double, 4> cubic(double a, double b, double c) const { return {a, b - of_chord_[0], c - of_chord_[1], -of_chord_[2]}; }
-    /// The point `(u, v, c)` at a position.
-    /// @param of  its products
-    /// @param c   the root of its cubic
+    /// The coordinates `(u, v, c)` of a position.
+    /// @param of  products of the position
+    /// @param c   root of its cubic
     openvdb::Vec3d at(const Products& of, double c) const;
-    /// The same, the root found.
-    /// @param from, to  of cubic_root
+    /// The same; finds the root as well.
+    /// @param from, to  as for cubic_root()
     openvdb::Vec3d solve(const Products& of, double from, double to) const { return at(of, cubic_root(cubic(of[0], of[1], of[2]), from, to)); }
 
-    /// The paper's answer to the same question (eq. 3), from the lower plane alone: not the inverse of position() where
-    /// planes turn.
+    /// The coordinates `(u, v, c)` of a position by the paper's closed form (eq. 3), from the lower plane alone. Not the inverse of
+    /// position() where planes turn.
     openvdb::Vec3d solve_closed_form(const openvdb::Vec3d& p) const;
 
 private:
     openvdb::Vec3d origin_, chord_;
     Vectors vectors_;
     Products of_chord_;
-    std::array<double, 3> uu_, uv_, vv_;  ///< U(c) . U(c) and so on, by powers of c
+    std::array<double, 3> uu_, uv_, vv_;  ///< U(c) . U(c), U(c) . V(c) and V(c) . V(c), by powers of c
 };
 
 inline openvdb::Vec3d Slab::at(const Products& of, double c) const {

@@ -15,10 +15,11 @@ using openvdb::Vec3d;
 namespace {
 
 constexpr std::size_t group_size = 16;
-/// Vertices that tell rounding from a real difference.
+/// Allowance for rounding, vertices.
 constexpr double hair = 1e-9;
 
-/// Half the variation of a linear function in a box.
+/// Half the range of a linear function over a box.
+/// @param half  half the box's size
 double variation(const Vec3d& gradient, const Vec3d& half) {
     return std::abs(gradient.x()) * half.x() + std::abs(gradient.y()) * half.y() + std::abs(gradient.z()) * half.z();
 }
@@ -136,7 +137,7 @@ BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
     });
     if (!closed_ || slabs.empty()) return range;
 
-    // Around the ring, the widest gap is left out.
+    // The range goes the shortest way around the ring: it leaves out the widest gap.
     int widest = slabs.front() + size() - slabs.back();
     for (std::size_t n = 1; n < slabs.size(); ++n)
         if (slabs[n] - slabs[n - 1] > widest) {

@@ -11,70 +11,75 @@
 
 namespace fluidcarve {
 
-/// `f` and `g` of a lattice whose planes turn (METHOD 3), open or closed; what Mapping does where it is not affine.
-/// A position belongs to slab `k` if it lies on or above plane k and below plane k + 1 (in a closed lattice the last
-/// slab ends at plane 0). Where several slabs hold it, the lowest does, but cells of the lattice win over those by
-/// which insertions extend it: that depends on nothing but the position.
+/// `f` and `g` of a lattice whose planes turn (METHOD 3), open or closed. Mapping uses it for all lattices but straight boxes. A position
+/// belongs to slab `k` if it lies on or above plane k and below plane k + 1; the last slab of a closed lattice ends at plane 0. If several
+/// slabs hold a position, the lowest one wins; but the lattice's own cells win over cells that insertions add. So the result depends on the
+/// position alone.
 class Slabs {
 public:
-    /// What limits a slab: the side of a plane.
+    /// A plane that bounds a slab.
     struct Divider {
         openvdb::Vec3d normal, point;
         double side(const openvdb::Vec3d& p) const { return normal.dot(p - point); }
     };
+    /// Whether a slab holds a point: no; in cells that insertions add; in the lattice's own cells.
     enum class Holds { no, beyond, yes };
 
-    /// @throws Failure if there are too few planes to bend
+    /// @throws Failure if there are fewer than 2 planes (3 if closed)
     Slabs(const Lattice& lattice, const std::array<int, 3>& extent);
 
     int size() const { return size_; }
     /// Whether positions are located by the paper's closed form.
     bool closed_form() const { return closed_form_; }
     const Slab& operator[](int k) const { return slabs_[static_cast<std::size_t>(k)]; }
-    /// Slab k lies between dividers k and k + 1. The ends of an open lattice stand rim_slack beyond it.
+    /// Slab k lies between dividers k and k + 1. The first and last dividers of an open lattice stand rim_slack beyond its ends.
     const Divider& divider(int k) const { return dividers_[static_cast<std::size_t>(k)]; }
+    /// Bounds of the coordinate `c` in slab k: 0 and 1, or rim_slack beyond at an open end.
     double from(int k) const { return k == 0 ? -open_slack_ : 0; }
     double to(int k) const { return k + 1 == size() ? 1 + open_slack_ : 1; }
 
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
     std::optional<openvdb::Vec3d> locate(const openvdb::Vec3d& world) const;
-    /// Whether a box of lattice coordinates lies inside the lattice's own cells, as far as u and v go.
+    /// Whether a box of lattice coordinates lies within the lattice's own cells along u and v.
     bool inside(const openvdb::BBoxd& range) const {
         return range.min().x() >= 0 && range.min().y() >= 0 && range.max().x() <= last_u_ && range.max().y() <= last_v_;
     }
-    /// Whether the cells of a slab, or the cells that insertions add to it, hold a solved point.
-    /// @param at  becomes its lattice coordinates, snapped and within the extent, unless nothing holds it
+    /// Whether a slab holds a point.
+    /// @param solved  coordinates `(u, v, c)` of the point in the slab
+    /// @param at      becomes its lattice coordinates, snapped and within the extent; unchanged if the slab does not hold it
     Holds settle(int slab, const openvdb::Vec3d& solved, openvdb::Vec3d& at) const;
 
-    /// All slabs that may hold points of a world box, rising.
-    /// @return a box around the lattice coordinates of those points, empty if there are none. Along u and v: the
-    ///   coordinates in the lower plane of each slab, affine, and what they may differ by within the slab: that is
-    ///   linear in u and v, and so greatest in a corner; not limited to the extent. Along w: whole slabs; in a closed lattice the shortest way
-    ///   around, which may go on past K.
+    /// Finds all slabs that may hold points of a world box.
+    /// @param slabs  becomes their indices, rising
+    /// @return box around the lattice coordinates of those points; empty if there are none. Along u and v it is not clipped to the extent:
+    ///   it holds the coordinates in the lower plane of each slab, which are affine, widened by their largest error within the slab. The
+    ///   error is linear in u and v, so it is largest in a corner. Along w it holds whole slabs; in a closed lattice the shortest way
+    ///   around, which may go on past K
     openvdb::BBoxd candidates(const openvdb::BBoxd& world, std::vector<int>& slabs) const;
-    /// Around the corners of the box in all planes between its ends: between those all is straight.
+    /// World box around all points with lattice coordinates in `range`. It encloses the corners of `range` at both ends and in all planes
+    /// between: between planes the lattice is straight.
     openvdb::BBoxd world_box(const openvdb::BBoxd& range) const;
 
 private:
     struct Bounds {
-        openvdb::BBoxd box;                     ///< of the vertices, world units
-        openvdb::Vec3d gradient_u, gradient_v;  ///< of the coordinates in the lower plane
-        double error_u, error_v;                ///< of those within the slab, vertices
+        openvdb::BBoxd box;                     ///< around the slab's vertices, world units
+        openvdb::Vec3d gradient_u, gradient_v;  ///< of the coordinates u and v in the lower plane, vertices per world unit
+        double error_u, error_v;                ///< largest error of those coordinates within the slab, vertices
     };
     Bounds bounds_of(int k) const;
-    /// Calls `visit(k)`, rising, for the slabs whose vertices' box meets a world box, until it returns false.
+    /// Calls `visit(k)`, k rising, for the slabs whose box meets a world box, until it returns false.
     template <class Visit>
     void each(const openvdb::BBoxd& world, Visit&& visit) const;
 
     bool closed_, closed_form_;
     int size_;
     double open_slack_, spacing_;
-    double last_u_, last_v_;        ///< last vertices of the lattice
-    double end_u_, end_v_, end_w_;  ///< and of the extent; along w, the end of the last slab
+    double last_u_, last_v_;        ///< index of the lattice's last vertex
+    double end_u_, end_v_, end_w_;  ///< index of the extent's last vertex; along w, the end of the last slab
     std::vector<Slab> slabs_;
     std::vector<Divider> dividers_;
     std::vector<Bounds> bounds_;
-    std::vector<openvdb::BBoxd> groups_;  ///< around the boxes of sixteen slabs each
+    std::vector<openvdb::BBoxd> groups_;  ///< each around the boxes of sixteen slabs
 };
 
 inline Slabs::Holds Slabs::settle(int slab, const openvdb::Vec3d& solved, openvdb::Vec3d& at) const {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int lines_by_default = 16;
 
-/// The chosen vertices along a dimension.
+/// The vertices along a dimension that get a line; always the last one.
 std::vector<int> chosen(int count, int every) {
     std::vector<int> out;
     for (int n = 0; n < count; n += every) out.push_back(n);
@@ -74,11 +74,12 @@ void write_wireframe(const std::string& path, const Lattice& lattice, const std:
 }
 
 NodeType lattice_write() {
-    return Declare<LatticeWrite>("lattice.write", "A lattice as lines in an .obj file, one per frame if it moves, to look at beside the data in any viewer.")
+    return Declare<LatticeWrite>("lattice.write",
+                                 "Writes a lattice as lines in an .obj file, to view it beside the data. Writes one file per frame if the lattice moves.")
         .input("lattice", &LatticeWrite::Ports::lattice, "The lattice.")
-        .required("path", &LatticeWrite::Params::path, "The file; with a frame token such as #### where the lattice moves.")
+        .required("path", &LatticeWrite::Params::path, "The file. Needs a frame token such as #### if the lattice moves.")
         .param("every", &LatticeWrite::Params::every, Unit::vertices, between(1, most_vertices),
-               "Vertices from a line to the next, 1 draws all; auto draws about 16 lines along each dimension.");
+               "Distance between neighbouring lines, in vertices; 1 draws all. auto draws about 16 lines along each dimension.");
 }
 
 }  // namespace fluidcarve

@@ -18,7 +18,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-constexpr double fewest_steps_per_call = 1e-4;  // of the duration: a wild velocity must not take forever
+constexpr double fewest_steps_per_call = 1e-4;  // smallest step, as a share of the duration: a very high velocity must not take forever
 
 class Flow {
 public:
@@ -34,7 +34,9 @@ public:
         return Vec3d(out);
     }
 
-    /// Nothing if the point is, or comes, where nothing flows.
+    /// Moves a point for `duration`.
+    /// @param voxel  longest way of a step, world units
+    /// @return nothing if the point starts or comes where the velocity is inactive
     std::optional<Vec3d> moved(Vec3d p, double duration, double voxel) const {
         for (double left = duration; left > 0;) {
             if (!accessor_.isValueOn(grid_.transform().worldToIndexCellCentered(p))) return std::nullopt;
@@ -91,7 +93,7 @@ public:
         Rig rig;
         rig.up = Vec3d(params.up.data());
         rig.points = {seed_of(params)};
-        // The set that came last is nearest to the seed.
+        // The latest set is nearest to the seed.
         for (auto set = sets_.rbegin(); set != sets_.rend(); ++set) {
             if (set->empty()) continue;
             const auto middle = std::accumulate(set->begin(), set->end(), Vec3d(0)) / static_cast<double>(set->size());
@@ -117,14 +119,14 @@ private:
         return t + 1 < frames.size() ? frames[t + 1] - frames[t] : frames[t] - frames[t - 1];
     }
 
-    std::vector<std::vector<Vec3d>> sets_;  ///< of points, one per frame, what is left of them
+    std::vector<std::vector<Vec3d>> sets_;  ///< points that each frame added and that are still in the flow, `[frame][point]`
     double apart_ = 0;
 };
 
 }  // namespace
 
 std::vector<Vec3d> points_in_ball(const Vec3d& center, double radius, int count) {
-    // A sequence that fills the cube evenly: multiples of powers of the root of x^4 = x + 1.
+    // A sequence that fills the cube evenly: multiples of powers of 1 / root, where root^4 = root + 1.
     constexpr double root = 1.2207440846057596;
     std::vector<Vec3d> out;
     Vec3d sum(0);
@@ -153,20 +155,21 @@ void advect(std::vector<Vec3d>& points, const VectorGrid& velocity, double durat
 
 NodeType rig_advect() {
     using Params = RigAdvect::Params;
-    return Declare<RigAdvect>(
-               "rig.advect",
-               "A rig that follows the flow: in each frame points are set out around a seed and all move on; in the end the rig runs from the seed through "
-               "the middle of each frame's points, but for those that left the flow.")
+    return Declare<RigAdvect>("rig.advect",
+                              "A rig that follows the flow. Each frame adds points around a seed, and the flow moves all points on. At the end, the rig runs "
+                              "from the seed through the centroid of each frame's points. Points that left the flow do not count.")
         .input("velocity", &RigAdvect::Ports::velocity, "Velocity, staggered or not.")
         .required("seed", &Params::seed, Unit::world, any_number(), "Where the flow comes from.")
-        .required("radius", &Params::radius, Unit::world, at_least(0), "Of the ball of points around it.")
-        .param("count", &Params::count, Unit::none, between(1, 1e5), "Points that are set out in each frame.")
+        .required("radius", &Params::radius, Unit::world, at_least(0), "Radius of the ball of points around the seed.")
+        .param("count", &Params::count, Unit::none, between(1, 1e5), "Number of points that each frame adds.")
         .param("scale", &Params::scale, Unit::none, any_number(),
-               "World units by which a velocity of 1 moves a point from a frame to the next: 1/24 for units per second at 24 frames. Blender's velocities are "
-               "roughly tenths of a voxel per frame: a tenth of the voxel size. More makes the rig longer where the frames are few.")
-        .param("apart", &Params::apart, Unit::world, at_least(0), "Middles nearer than this to the one before are left out; auto is a voxel.")
-        .param("up", &Params::up, Unit::none, any_number(), "Where the lattice's `v` points at the start, made orthogonal to the path.")
-        .output("rig", &RigAdvect::Ports::rig, "The rig, one for all frames: the points as they stand in the last frame, the latest first.")
+               "World units that a velocity of 1 moves a point from one frame to the next: 1/24 for units per second at 24 frames. Blender's velocities are "
+               "roughly tenths of a voxel per frame: use a tenth of the voxel size. A larger value makes the rig longer if there are few frames.")
+        .param("apart", &Params::apart, Unit::world, at_least(0),
+               "Smallest distance between neighbouring points of the rig: centroids nearer to the one before are left out. auto is a voxel.")
+        .param("up", &Params::up, Unit::none, any_number(), "Direction of the lattice's `v` at the start of the rig; made orthogonal to the path.")
+        .output("rig", &RigAdvect::Ports::rig,
+                "The rig, one for all frames: the seed, then the centroids as they are in the last frame, those of the latest points first.")
         .kept();
 }
 

@@ -64,13 +64,14 @@ Rig circle_rig(const Vec3d& center, const Vec3d& normal, const std::array<double
 
 NodeType rig_circle() {
     using Params = RigCircle::Params;
-    return Declare<RigCircle>("rig.circle", "A closed rig along a circle or an oval: the lattice's `u` points outwards, `v` along the normal.")
-        .required("center", &Params::center, Unit::world, any_number(), "Its middle.")
-        .param("normal", &Params::normal, Unit::none, any_number(), "Across its plane; it runs clockwise for who looks from the normal's tip.")
+    return Declare<RigCircle>("rig.circle", "A closed rig along a circle or an oval. The lattice's `u` points outwards, `v` along the normal.")
+        .required("center", &Params::center, Unit::world, any_number(), "Centre of the circle.")
+        .param("normal", &Params::normal, Unit::none, any_number(), "Normal of the circle's plane. The rig runs clockwise, seen from the normal's tip.")
         .required("radius", &Params::radius, Unit::world, at_least(0),
-                  "Above 0. Of an oval two, `[r1, r2]`: along the world's x axis laid into its plane (the y axis, if the normal is along x), and across.")
+                  "Radius, above 0. An oval has two, `[r1, r2]`: along the world's x axis projected into its plane (the y axis, if the normal is along x), and "
+                  "across.")
         .param("start", &Params::start, Unit::none, any_number(),
-               "Where the first plane stands, in degrees from the direction of the first radius, in that of running. The lattice closes there.")
+               "Angle of the first plane, in degrees from the direction of the first radius, clockwise. The lattice closes there.")
         .output("rig", &RigCircle::Ports::rig, "The rig.");
 }
 

@@ -73,10 +73,10 @@ NodeType rig_curve() {
     return Declare<RigCurve>("rig.curve", "A rig from a curve in a file, or one per frame from a sequence of files.")
         .required("path", &Params::path,
                   "A .obj file with a curve as lines (`l`), a .ply file in ascii with its points in order, or a .csv file with a point per line, columns x, y, "
-                  "z. With a frame token such as #### it moves.")
-        .param("closed", &Params::closed, "Whether the last point is followed by the first. Auto: if the file returns to its first point at the end.")
-        .param("up", &Params::up, Unit::none, any_number(), "Where the lattice's `v` points at the first point, made orthogonal to the path.")
-        .param("translate", &Params::translate, Unit::world, any_number(), "Where the file's origin is in the shot's world.")
+                  "z. With a frame token such as #### the rig moves.")
+        .param("closed", &Params::closed, "Whether the rig returns from its last point to its first. auto: yes, if the file ends with its first point.")
+        .param("up", &Params::up, Unit::none, any_number(), "Direction of the lattice's `v` at the first point; made orthogonal to the path.")
+        .param("translate", &Params::translate, Unit::world, any_number(), "Position of the file's origin in the shot's world.")
         .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")
         .output("rig", &RigCurve::Ports::rig, "The rig.");
 }

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `rig.curve`: a rig from a file, or one per frame.
+/// `rig.curve`: a rig from a file, or one per frame from a sequence of files.
 NodeType rig_curve();
 
 }  // namespace fluidcarve

@@ -41,7 +41,7 @@ std::optional<Number> parsed(std::string_view text) {
     return good && std::isfinite(static_cast<double>(out)) ? std::optional(out) : std::nullopt;
 }
 
-/// A text file, line by line.
+/// Reads a text file line by line.
 class Lines {
 public:
     explicit Lines(const std::string& path) : path_(path), in_(path, std::ios::binary) {
@@ -70,7 +70,7 @@ public:
         if (!number) fault(fmt::format("'{}' is no number", word.substr(0, 40)));
         return *number;
     }
-    /// The point in three columns.
+    /// The point in three columns of a line.
     Vec3d point(const Words& words, const std::array<std::size_t, 3>& columns) const {
         if (words.size() <= *std::max_element(columns.begin(), columns.end())) fault("this point lacks a coordinate");
         return {coordinate(words[columns[0]]), coordinate(words[columns[1]]), coordinate(words[columns[2]])};
@@ -83,10 +83,11 @@ private:
     int number_ = 0;
 };
 
-/// Pieces of a line between numbered points, put together.
+/// Joins pieces of a line between numbered points.
 class Chain {
 public:
-    /// @param line  of the file
+    /// @param a, b  indices of the piece's ends
+    /// @param line  its line number in the file
     void add(std::size_t a, std::size_t b, int line) {
         if (edges_.empty()) first_ = {a, b};
         edges_.push_back(line);
@@ -95,6 +96,8 @@ public:
     }
     bool empty() const { return edges_.empty(); }
 
+    /// Indices of the points along the joined line.
+    /// @throws Failure (input) if the line has branches or several parts
     std::vector<std::size_t> points(const Lines& file) const {
         for (const auto& [point, ends] : joined_)
             if (ends.size() > 2)
@@ -130,7 +133,7 @@ private:
     }
 
     std::array<std::size_t, 2> first_{};
-    std::vector<int> edges_;  ///< their lines in the file
+    std::vector<int> edges_;  ///< line number in the file of each piece
     std::map<std::size_t, std::vector<End>> joined_;
 };
 
@@ -206,7 +209,7 @@ std::vector<Vec3d> read_csv(Lines& file) {
         const auto text = std::string_view(file.line()).substr(0, file.line().find('#'));
         const auto words = split(text, ",; \t");
         if (words.empty()) continue;
-        // A header is a line that begins with no number.
+        // A header is a first line that does not begin with a number.
         if (first && !parsed<double>(words[0])) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto named = [&](std::string_view word) { return word.size() == 1 && (word[0] == "xyz"[c] || word[0] == "XYZ"[c]); };

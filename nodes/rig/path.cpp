@@ -31,7 +31,7 @@ double Path::travelled(const Place& place) const {
 }
 
 Vec3d Path::direction(const Place& from, const Place& to) const {
-    // Within a straight piece, the difference of two points would bring rounding with it.
+    // Within a straight piece, a difference of two points would add rounding errors.
     if (!oval_ && from.piece == to.piece) return directions_[from.piece % directions_.size()];
     return (at(to) - at(from)).unit();
 }
@@ -41,7 +41,7 @@ std::optional<Path::Place> Path::step(const Place& from, double distance) const 
     const auto pieces = directions_.size(), last = closed_ ? from.piece + pieces : pieces - 1;
     for (auto piece = from.piece; piece <= last; ++piece) {
         const double size = starts_[piece % pieces + 1] - starts_[piece % pieces];
-        // Distances along a line that starts nearer than wanted grow beyond it at most once.
+        // Distances along a line that starts nearer than `distance` pass `distance` at most once.
         if ((at({piece, size}) - origin).length() < distance) continue;
         const double along = crossing(from, piece, origin, distance);
         return along < size ? Place{piece, along} : closed_ || piece < last ? Place{piece + 1, 0} : Place{piece, size};

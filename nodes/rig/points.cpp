@@ -37,7 +37,7 @@ struct RigPoints {
         Ref<Rig> rig;
     };
 
-    /// Without an input, only this makes the rig one per frame.
+    /// Tells that there is one rig per frame: the node has no input that would tell.
     static bool animates(const Params& params) { return !params.frames.empty(); }
 
     static void check(const Params& params, NodeCheck& check) {
@@ -86,16 +86,16 @@ std::vector<Vec3d> points_at(const std::map<int, std::vector<Vec3d>>& keys, int 
 }
 
 NodeType rig_points() {
-    return Declare<RigPoints>("rig.points", "A rig through stated points, joined by straight lines; static, or moving.")
+    return Declare<RigPoints>("rig.points", "A rig through stated points, joined by straight lines; static or moving.")
         .param("points", &RigPoints::Params::points, Unit::world, any_number(), "Two points or more, in order: `[[0, 0, 0], [0, 4, 0], [1, 6, 0]]`.")
-        .param("frames", &RigPoints::Params::frames, Unit::world, any_number(),
-               "Instead of `points`, a rig that moves: such a list for some frames, `{1: [[0, 0, 0], [0, 4, 0]], 20: [[0, 0, 0], [1, 4, 0]]}`. Between two of "
-               "them "
-               "each point goes straight; before the first and after the last it stands.")
-        .param("closed", &RigPoints::Params::closed, "Whether the last point is followed by the first, which is not stated again.")
+        .param(
+            "frames", &RigPoints::Params::frames, Unit::world, any_number(),
+            "A moving rig, instead of `points`: a list of points for some frames, `{1: [[0, 0, 0], [0, 4, 0]], 20: [[0, 0, 0], [1, 4, 0]]}`. Between two such "
+            "frames each point moves in a straight line; before the first and after the last it stands still.")
+        .param("closed", &RigPoints::Params::closed, "Whether the rig returns from its last point to its first. Do not state the first point again.")
         .param("up", &RigPoints::Params::up, Unit::none, any_number(),
-               "Where the lattice's `v` points at the first point, made orthogonal to the path. With `up` towards a viewer who sees a closed rig run "
-               "counter-clockwise, `u` points inwards.")
+               "Direction of the lattice's `v` at the first point; made orthogonal to the path. If a closed rig runs counter-clockwise, seen from the tip of "
+               "`up`, then `u` points inwards.")
         .output("rig", &RigPoints::Ports::rig, "The rig.");
 }
 

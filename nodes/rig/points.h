@@ -7,12 +7,14 @@
 
 namespace fluidcarve {
 
-/// The points at a frame, from those stated for some: between two of them linearly, before and behind all as the nearest.
-/// @param keys  by frame, at least one
-/// @throws Failure where two keys to mix differ in their number of points
+/// The points of a moving rig in one frame. Between two keys they are interpolated linearly; before the first and after the last key they
+/// stand still.
+/// @param keys  points by frame number, at least one key
+/// @return world units
+/// @throws Failure if the two keys around the frame have different numbers of points
 std::vector<openvdb::Vec3d> points_at(const std::map<int, std::vector<openvdb::Vec3d>>& keys, int frame);
 
-/// `rig.points`: a rig from points that the pipeline states.
+/// `rig.points`: a rig through points stated in the pipeline.
 NodeType rig_points();
 
 }  // namespace fluidcarve

@@ -34,7 +34,7 @@ std::string rig_fault(const Rig& rig) {
             return fmt::format("points {} and {} of the rig are the same, {}{}", n + 1, (n + 1) % count + 1, text_of(points[n]),
                                n + 1 == count ? "; a closed rig returns to its first point by itself" : "");
     for (std::size_t n = rig.closed ? 0 : 1; n < chords; ++n)
-        // Less than half a degree from straight back.
+        // The turn is within half a degree of straight back.
         if (const auto before = chord(n + count - 1), after = chord(n); before.dot(after) < -0.99996 * before.length() * after.length())
             return fmt::format("the rig turns right back at point {}, {}", n + 1, text_of(points[n]));
     return {};

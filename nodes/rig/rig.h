@@ -8,27 +8,26 @@
 
 namespace fluidcarve {
 
-/// The path that the planes of a lattice follow (paper 3.1 and 3.4), in world space. An animated one is delivered per
-/// frame.
+/// The path that the planes of a lattice follow (paper 3.1 and 3.4), in world space. A moving rig is one per frame.
 struct Rig {
-    /// A circle or oval: `center + cos(a) x + sin(a) y` for `a` rising from `start`, radians.
+    /// A circle or oval: `center + cos(a) x + sin(a) y`, where the angle `a` rises from `start`; radians.
     struct Oval {
         openvdb::Vec3d center, x, y;
         double start = 0;
         openvdb::Vec3d at(double a) const;
     };
 
-    std::vector<openvdb::Vec3d> points;  ///< joined by straight lines; of an oval: points on it, in equal steps of `a`
-    bool closed = false;                 ///< the last point is followed by the first
-    openvdb::Vec3d up{0, 0, 1};          ///< made orthogonal to the path, it is `v` where the path starts
-    std::optional<Oval> oval;            ///< what `points` only approach
+    std::vector<openvdb::Vec3d> points;  ///< joined by straight lines; of an oval: points on it, in equal steps of `a`; world units
+    bool closed = false;                 ///< the rig returns from its last point to its first
+    openvdb::Vec3d up{0, 0, 1};          ///< becomes `v` where the path starts, once made orthogonal to the path
+    std::optional<Oval> oval;            ///< the exact curve, which `points` only approximate
 };
 
-/// A closed rig along an oval, points included.
+/// A closed rig along an oval, with its points.
 Rig oval_rig(const Rig::Oval& oval, const openvdb::Vec3d& up);
 
-/// What keeps a rig from being a path, in words, or empty: fewer than 2 points, or 3 if closed; neighbouring points that
-/// are the same; a point where it turns right back.
+/// Why a rig is no valid path, in words; empty if it is one. Faults: fewer than 2 points (3 if closed); equal neighbouring points; a point
+/// where the rig turns straight back.
 std::string rig_fault(const Rig& rig);
 
 /// For messages: "(1, 2, 3)".

@@ -68,12 +68,14 @@ NodeType rig_transform() {
     return Declare<RigTransform>("rig.transform", "Smooths, scales, moves and extends a rig, in this order.")
         .input("rig", &RigTransform::Ports::rig, "The rig.")
         .param("smooth", &Params::smooth, Unit::none, between(0, 1e6),
-               "How often each point becomes the mean of itself and its two neighbours. The ends of an open rig stay; a circle shrinks.")
-        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "All distances from `pivot` times this.")
-        .param("pivot", &Params::pivot, Unit::world, any_number(), "The point that scaling leaves in its place.")
-        .param("translate", &Params::translate, Unit::world, any_number(), "How far it is moved, after scaling.")
-        .param("extend", &Params::extend, Unit::world, at_least(0),
-               "How far an open rig goes on straight beyond both its ends: where a lattice ends within the smoke, seams tear it.")
+               "Number of smoothing steps. In each, every point becomes the mean of itself and its two neighbours. The ends of an open rig stay; a circle "
+               "shrinks.")
+        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "Factor for all distances from `pivot`.")
+        .param("pivot", &Params::pivot, Unit::world, any_number(), "The point that stays in place when the rig is scaled.")
+        .param("translate", &Params::translate, Unit::world, any_number(), "Displacement after scaling.")
+        .param(
+            "extend", &Params::extend, Unit::world, at_least(0),
+            "Length by which an open rig is extended straight beyond both ends. Use it if the lattice would end within the smoke: seams tear the smoke there.")
         .output("rig", &RigTransform::Ports::transformed, "The changed rig.");
 }
 

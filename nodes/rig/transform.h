@@ -5,15 +5,17 @@
 
 namespace fluidcarve {
 
-/// Each point becomes the mean of itself and its neighbours, `times` over; the ends of an open rig stay. A circle becomes
-/// its points.
+/// Smooths a rig: each point becomes the mean of itself and its two neighbours, `times` times. The ends of an open rig stay. A circle
+/// becomes a polyline.
 Rig smoothed(const Rig& rig, int times);
-/// `pivot + scale (p - pivot) + translate` of each point; `scale` above 0.
+/// Scales and moves a rig: each point becomes `pivot + scale (p - pivot) + translate`.
+/// @param scale  above 0
 Rig moved(const Rig& rig, double scale, const openvdb::Vec3d& pivot, const openvdb::Vec3d& translate);
-/// An open rig that goes on straight beyond both ends. @param by  world units, above 0
+/// Extends an open rig straight beyond both ends.
+/// @param by  world units, above 0
 Rig extended(const Rig& rig, double by);
 
-/// `rig.transform`: a rig changed by hand (paper 3.4).
+/// `rig.transform`: changes a rig by hand (paper 3.4).
 NodeType rig_transform();
 
 }  // namespace fluidcarve

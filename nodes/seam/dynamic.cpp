@@ -37,7 +37,7 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
 
     const auto length = columns.count(), width = static_cast<std::size_t>(window.size());
     const Strip strip(energy, Band::whole(length, window));
-    // Of an entry's cheapest ways through the column before, by how much that differs: stay, or this seam's side first.
+    // `[column][entry]`: the step to the column before on the entry's cheapest way. Ties: stay, then this seam's side first.
     std::vector<std::int8_t> steps(length * width);
     const std::array<int, 3> order{0, number % 2 == 0 ? -1 : 1, number % 2 == 0 ? 1 : -1};
     std::vector<double> before(width), now(width);
@@ -79,8 +79,9 @@ struct Dynamic : SeamNode {
 }  // namespace
 
 NodeType seam_dynamic() {
-    Declare<Dynamic> node("seam.dynamic",
-                          "Seams of least energy in images, exactly, by dynamic programming: for lattices one vertex thick, in one frame or static.");
+    Declare<Dynamic> node(
+        "seam.dynamic",
+        "Finds exact seams of least energy in images, by dynamic programming. For lattices one vertex thick, in one frame or with static seams.");
     return declare_solver(node);
 }
 

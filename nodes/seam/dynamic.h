@@ -5,15 +5,15 @@
 
 namespace fluidcarve {
 
-/// Whether the columns stand in one line, which has two ends.
+/// Whether all columns stand in one line with two ends.
 bool in_open_line(const EnergyVolume& energy);
 
-/// The seam of least energy in a volume whose columns stand in one line, as an image's do: dynamic programming (Avidan and
-/// Shamir 2007). Ties as greedy_seam. Through a ring by a minimum cut.
+/// Finds the seam of least energy in a volume whose columns stand in one line, as in images, by dynamic programming (Avidan and Shamir
+/// 2007). Ties are resolved as in greedy_seam(). A closed line is solved by a minimum cut.
 /// @throws Failure if columns stand beside each other in more than one dimension
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick);
 
-/// `seam.dynamic`: dynamic_seam as a node.
+/// `seam.dynamic`: the node of dynamic_seam().
 NodeType seam_dynamic();
 
 }  // namespace fluidcarve

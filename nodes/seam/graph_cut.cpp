@@ -26,13 +26,13 @@ struct GraphCut : SeamNode {
 
 NodeType seam_graph_cut() {
     Declare<GraphCut> node("seam.graph_cut",
-                           "Seams of least energy, exactly: a minimum cut through all vertices of all frames, 40 bytes for each, 64 where steps cost "
-                           "something. The measure of the other solvers, and "
-                           "the solver for small volumes.");
+                           "Finds exact seams of least energy by a minimum cut through all vertices of all frames. Takes 40 bytes per vertex, 64 if steps cost "
+                           "something. Use it for small volumes, and to judge the other solvers.");
     return declare_solver(node)
         .param("keyframe_interval", &GraphCut::Params::keyframe_interval, Unit::frames, at_least(1),
-               "The paper's way to long sequences, for comparison: so many frames are cut at a time, as those before allow. Auto is all, which alone is exact.")
-        .param("threshold", &GraphCut::Params::threshold, Unit::none, at_least(0), "The paper's pruning, for comparison: energies below it count as none.");
+               "The paper's method for long sequences, for comparison: cuts this many frames at a time, as the frames before allow. auto is all frames; only "
+               "that is exact.")
+        .param("threshold", &GraphCut::Params::threshold, Unit::none, at_least(0), "The paper's pruning, for comparison: energies below this count as 0.");
 }
 
 }  // namespace fluidcarve

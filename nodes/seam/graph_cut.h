@@ -4,6 +4,7 @@
 
 namespace fluidcarve {
 
+/// `seam.graph_cut`: exact seams by a minimum cut through all vertices.
 NodeType seam_graph_cut();
 
 }  // namespace fluidcarve

@@ -25,15 +25,15 @@ namespace {
 
 using Entry = std::uint16_t;
 
-/// Columns fetched ahead of their turn. A seam drifts by at most an entry per column, so its line is known by then.
+/// Columns that are prefetched ahead. A seam drifts by at most an entry per column, so its cache line is known by then.
 constexpr std::size_t ahead = 12;
 
-/// Most seams that race at once: what they leave behind takes a quarter of a byte for each in every column.
+/// Largest number of seams that race at once: their steps take a quarter of a byte per seam in every column.
 constexpr std::size_t group = 64;
 
 enum class Ring { open, cone, gaussian };
 
-/// What entries cost where none is marked, and ranks that order as the costs do.
+/// Costs of entries if none is marked, and ranks that order as the costs do.
 struct Unmarked {
     explicit Unmarked(const EnergyVolume&) {}
     static float cost(std::uint16_t code) { return decode_energy(code); }
@@ -47,10 +47,10 @@ struct Unmarked {
     }
 };
 
-/// The same where some are.
+/// The same if some are marked.
 class Marked {
 public:
-    /// What a protected entry costs: more than any way around it, but so that fewer of them cost less.
+    /// Cost of a protected entry: higher than any way around it, but finite, so that fewer of them cost less.
     static constexpr float blocked = 1e30f;
 
     explicit Marked(const EnergyVolume& energy) : costs_(energy.costs()) {}
@@ -73,7 +73,7 @@ private:
     Costs costs_;
 };
 
-/// The paper's guide, in energy: `[k][distance from the entry in slice 0]`, as far as the cone of slice k reaches.
+/// The paper's guide, in units of energy: `[k][distance from the entry in slice 0]`, up to the reach of the cone in slice k.
 using GuideTable = std::vector<std::vector<float>>;
 
 GuideTable gaussians(int slices, double height) {
@@ -95,7 +95,7 @@ double mean_energy(const EnergyVolume& energy, Window window) {
         const auto cost = Costs{}(cell);
         return std::isinf(cost) ? 0.0f : std::max(cost, 0.0f);
     };
-    // Slices are added one by one, so that the sum does not depend on the threads.
+    // Slices are added in order, so that the sum does not depend on the threads.
     std::vector<double> sums(static_cast<std::size_t>(energy.slices()), 0.0);
     tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t k) {
         for (std::size_t c = k * row; c < (k + 1) * row; ++c)
@@ -104,8 +104,8 @@ double mean_energy(const EnergyVolume& energy, Window window) {
     return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(energy.columns_per_frame()) * window.size());
 }
 
-/// Seams that advance together through all columns, so that the energy is read once for all of them. Each leaves behind
-/// its steps: by how much, -1 to 1, its entry differs from that of the nearest column before.
+/// Seams that advance together through all columns, so that the energy is read once for all of them. Each stores its steps: the difference,
+/// -1 to 1, of its entry from that of the nearest column before.
 /// @tparam Values  Unmarked or Marked
 template <class Cell, class Values>
 class Sweep {
@@ -139,7 +139,7 @@ public:
 
     const std::vector<double>& sums() const { return sums_; }
 
-    /// `[t][column]` of one seam.
+    /// Entries of one seam, `[t][column]`.
     std::vector<Entry> entries(std::size_t seam) const {
         const auto laterals = static_cast<std::size_t>(energy_.laterals()), columns = energy_.columns_per_frame();
         std::vector<Entry> out(energy_.frames() * columns);
@@ -154,7 +154,7 @@ public:
     }
 
 private:
-    /// Where the seams began in slice 0, and how far from there they may be.
+    /// The seams' entries in slice 0, and how far from them the seams may be.
     struct Home {
         const Entry* entries;
         unsigned reach;
@@ -210,7 +210,7 @@ private:
     template <Ring ring>
     void pass_column(const Cell* column, Entry* out, const Entry* a, const Entry* b, const Entry* c, std::uint8_t* steps, const Home& home) {
         for (std::size_t s = 0; s < starts_.size(); ++s) {
-            // Neighbours are within 2 of each other, so that what they allow is 1 to 3 entries.
+            // Neighbours differ by at most 2, so they allow 1 to 3 entries.
             const unsigned most = std::max({a[s], b[s], c[s]}), least = std::min({a[s], b[s], c[s]});
             unsigned low = most > first_ ? most - 1 : first_, high = std::min(least + 1, last_);
             unsigned from = 0;
@@ -235,8 +235,8 @@ private:
         }
     }
 
-    /// The same where steps cost something, for any ring.
-    /// @param now, before  entries of the frame and of the one before
+    /// The same if steps cost something, for open and closed lattices.
+    /// @param now, before  entries in this frame and in the one before, `[column][seam]`
     void pass_column_with_steps(const Cell* column, Entry* now, const Entry* before, const Columns::Place& at, std::uint8_t* steps) {
         const auto seams = starts_.size(), frame_columns = columns_.per_frame(), first_column = at.t * frame_columns;
         const auto c = columns_.at(at.lateral, at.k, at.t);
@@ -247,7 +247,7 @@ private:
         const auto entry_at = [&](std::size_t other, std::size_t s) -> int {
             return other < first_column ? before[(other + frame_columns - first_column) * seams + s] : now[(other - first_column) * seams + s];
         };
-        // Those that are passed already.
+        // Neighbours that are passed already, and whether the step to them is in time.
         std::array<std::pair<std::size_t, bool>, 4> passed;
         std::size_t count = 0;
         for (std::size_t d = 0; d < around.size(); d += 2)
@@ -285,7 +285,7 @@ private:
         }
     }
 
-    /// Orders candidates by energy, then by ties, then by entry.
+    /// A key that orders candidates by cost, then by ties, then by entry.
     std::uint64_t key_of(std::uint32_t rank, unsigned entry, unsigned stay) const {
         const unsigned tie = entry == stay ? 0 : (entry < stay) == below_first_ ? 1 : 2;
         return std::uint64_t{rank} << 32 | tie << 16 | entry;
@@ -313,7 +313,8 @@ std::vector<Entry> spread(Window window, int starts) {
     return out;
 }
 
-/// The cheapest of seams that race in as many sweeps as there are threads; of equals the first. Its energy is the cost.
+/// Races seams in as many sweeps as there are threads.
+/// @return the cheapest seam, of equals the first; its energy is its cost
 template <class Cell, class Values>
 Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
@@ -364,7 +365,7 @@ Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, i
     const auto with = [&](const auto& search) { return search(energy, window, number, starts, tick, guide); };
     if (energy.protects() || energy.attracts()) return energy.summed() ? with(find_marked<float>) : with(find_marked<Entry>);
     auto out = energy.summed() ? with(find<float, Unmarked>) : with(find<Entry, Unmarked>);
-    // The search adds its steps up in floats.
+    // The search adds the costs of steps as floats: compute the energy anew.
     if (energy.steps()) out.energy = energy_of(energy, out.at);
     return out;
 }
@@ -396,12 +397,13 @@ struct Greedy : SeamNode {
 }  // namespace
 
 NodeType seam_greedy() {
-    Declare<Greedy> node("seam.greedy", "Seams by the paper's multi-greedy search: fast, typically 5 to 40 % above the least energy.");
+    Declare<Greedy> node("seam.greedy", "Finds seams by the paper's multi-greedy search: fast, typically 5 to 40 % above the least energy.");
     return declare_solver(node)
-        .param("starts", &Greedy::Params::starts, Unit::none, between(1, 4096), "Searches that start side by side; the cheapest wins.")
-        .param("guide", &Greedy::Params::guide,
-               "In a closed lattice, what leads a seam back to where it began: the `cone` of entries from which it can still close, or besides it the paper's "
-               "`gaussian`, which also draws it there from afar. Seams close either way.");
+        .param("starts", &Greedy::Params::starts, Unit::none, between(1, 4096), "Number of searches that start side by side; the cheapest seam wins.")
+        .param(
+            "guide", &Greedy::Params::guide,
+            "How a seam through a closed lattice is led back to its start. `cone` allows only entries from which the seam can still close. `gaussian` adds the "
+            "paper's Gaussian, which also draws the seam back from afar. Seams close either way.");
 }
 
 }  // namespace fluidcarve

@@ -13,18 +13,18 @@ namespace fluidcarve {
 
 namespace {
 
-/// How much is done for a seam.
+/// How much work is spent on a seam.
 struct Effort {
-    std::size_t exact_entries;  ///< energies of at most so many are cut as a whole
-    double tolerance;           ///< of such cuts, where the energy is a coarse one; a share of the least
-    std::size_t many_columns;   ///< energies of more are not cut: what coarser ones gave is close enough
+    std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
+    double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
+    std::size_t many_columns;   ///< energies of more columns are not cut: the seam of the coarser energy is close enough
     int sweeps;                 ///< of lines, in place of those cuts
 };
 constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
-/// With a field each cut takes several times as long, and seams of less energy look no better.
+/// With a field, each cut takes several times as long, and seams of less energy look no better.
 constexpr Effort effort_with_field{std::size_t{1} << 15, 0.02, std::size_t{1} << 14, 2};
 
-/// Where there are many columns seams are mostly looked for from the last: they bunch. Of so many in a row one is looked for from coarse to fine.
+/// If there are many columns, most seams start from the last one, since seams bunch. One in this many is found from coarse to fine.
 constexpr int seams_from_last = 4;
 
 const Effort& effort_for(const EnergyVolume& energy, Quality quality) {
@@ -39,7 +39,7 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 }  // namespace
 
 void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
-    // As far as all steps together may move it.
+    // The strip is as wide as all steps below together may move the seam.
     const Strip strip(energy, Band::around(seam, 3, window));
     const auto& effort = effort_for(energy, quality_);
     const auto sweep = [&](int times = 1) {
@@ -83,7 +83,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
-    // What is attracted may be far from the last seam, and what was handed on keeps the next away from it.
+    // Attracted vertices may be far from the last seam, and handed-on energy keeps the next seam away from it.
     if (Columns(energy).count() <= most_effort.many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() ||
         energy.spread() > 0) {
         best = coarse_to_fine(energy, window, number, alive);
@@ -132,16 +132,15 @@ struct PyramidNode : SeamNode {
 NodeType seam_pyramid() {
     Declare<PyramidNode> node(
         "seam.pyramid",
-        "Seams from coarse to fine by minimum cuts in narrow bands: within half a percent of the least energy in real smoke and fire, a few percent in "
-        "rougher energies, exact in images and small volumes, and never worse than `seam.greedy`.");
+        "Finds seams from coarse to fine, by minimum cuts in narrow bands. They are within half a percent of the least energy in real smoke and fire, and "
+        "within a few percent in rougher energies. They are exact in images and small volumes, and never worse than those of `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
-               "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and improves the seam line by line from there: "
-               "about "
-               "1 % above the least energy in real smoke and fire, nearly as fast as `seam.greedy`. `normal` does so on the finest energies beyond a million "
-               "columns (vertices across the "
-               "axis, times frames), and starts most seams from the last there; `best` never does.")
-        .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Searches of the greedy solver that compete; the cheapest of all wins.");
+               "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and then improves the seam line by line: about 1 % "
+               "above the least energy in real smoke and fire, nearly as fast as `seam.greedy`. `normal` cuts finer energies too, up to a million columns "
+               "(vertices across the axis, times frames); beyond, it improves the finest energies line by line, and starts most seams from the last one. "
+               "`best` cuts all of them.")
+        .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.");
 }
 
 }  // namespace fluidcarve

@@ -15,7 +15,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Up to so many energies a bound takes no longer than a search.
+/// Up to this many energies, a bound takes no longer than a search.
 constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
 
 std::string text(const openvdb::BBoxd& box) {
@@ -36,7 +36,7 @@ std::size_t vertices(const std::array<int, 3>& shape) {
     return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
 }
 
-/// Where a vertex of the space that seams carved before leave stands in the lattice; an inserted one halfway between two.
+/// Lattice coordinates of a vertex of the space that earlier seams leave. An inserted vertex stands halfway between two.
 openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec3d at) {
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
         const auto whole = [&](int axis) { return static_cast<int>(std::floor(at[axis])); };
@@ -55,10 +55,10 @@ nlohmann::ordered_json empty_report(const Seams& seams) {
             {"wall_s", nlohmann::json::array()}};
 }
 
-/// What of the budget goes to the energies; the field and the energies without its edges take as much each.
+/// Bytes of the memory budget for the energies. The field, and the energies without its edges, take as much each.
 std::uint64_t energy_budget(bool forward, const Context& context) { return context.memory_budget() / (forward ? 3 : 1); }
 
-/// Keeps the first of the seams that a report lists.
+/// Shortens the lists of a report to the first `count` seams.
 void cut_lists(nlohmann::ordered_json& report, std::size_t count) {
     for (auto& [name, list] : report.items())
         if (name != "shape" && list.is_array() && list.size() > count) list.erase(list.begin() + static_cast<std::ptrdiff_t>(count), list.end());
@@ -145,7 +145,7 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
 }
 
 void SeamNode::add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
-    // Frames mostly share one.
+    // Most frames share one lattice.
     const bool same = !lattices_.empty() && lattices_.back()->hash == frame->lattice->hash;
     lattices_.push_back(same ? lattices_.back() : frame->lattice);
     const auto &lattice = *lattices_.back(), &first = *lattices_.front();
@@ -176,9 +176,9 @@ void SeamNode::make_room(const std::array<int, 3>& shape, const Params& params, 
 
 void SeamNode::fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context) {
     const auto& frames = context.frames();
-    // An energy that is the same for all frames comes once.
+    // A static energy was added only once.
     const auto place_of = [&](std::size_t t) { return std::min(t, lattices_.size() - 1); };
-    // What was found in the whole lattice holds for what earlier seams leave of it, too.
+    // Typical values of the whole lattice also hold for the space that earlier seams leave.
     const auto prices = [&](const EnergyVolume& whole, EnergyVolume& to) {
         const float rigid = forward_ ? default_rigidity : 0.0f;
         set_prices(to, Typical::of(whole), {params.field_weight, params.empty, {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}});
@@ -341,7 +341,7 @@ std::vector<double> SeamNode::wall_s(const FoundSeams& pairs, const FoundSeams& 
 
 void SeamNode::find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, const StartFrom& start_from,
                         Seams& out, nlohmann::ordered_json& report) {
-    // Energies and seams share the budget; what does not fit with the energies goes beside them on disk.
+    // Energies and seams share the budget. Seams that do not fit beside the energies go to disk.
     const auto columns = out.columns_per_frame() * out.frames.size();
     const auto seam_bytes = static_cast<std::uint64_t>(task.count) * (task.pair_window ? 2 : 1) * columns * sizeof(std::uint16_t);
     const auto energy_bytes = static_cast<std::uint64_t>(columns) * energy_->stride() * sizeof(std::uint16_t) * (energy_->has_field() ? 3 : 1);
@@ -351,7 +351,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
 
     FoundSeams pairs, found;
     auto held = std::chrono::steady_clock::now();
-    // What is there already as a whole set; pairs come first, so that there may be more of them.
+    // Delivers the seams found so far as a complete set. Pairs are found first, so there may be more of them.
     const auto hold = [&](const FoundSeams& now, bool in_pair_window) {
         if (std::chrono::steady_clock::now() - held < hold_after_) return;
         auto part = out;
@@ -394,7 +394,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
         if (before_) continued.before = in_pair_window ? before_->pairs : before_->seams;
         continued.start_from = start_from;
         continued.found = [&](const FoundSeams& now) {
-            // The last is followed by the whole.
+            // After the last seam, the whole set is delivered anyway.
             if (in_pair_window || now.seams.size() < static_cast<std::size_t>(task.count)) hold(now, in_pair_window);
         };
         continued.memory_budget = taken > context.memory_budget() ? 0 : context.memory_budget() - taken;
@@ -409,7 +409,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
         }
     };
 
-    // The pair window first: what is taken there moves nothing in the window below.
+    // The pair window comes first: seams there do not move the window below.
     if (task.pair_window) pairs = search(opposite(task.kind), true);
     found = search(task.kind, false);
     describe(found, "", report);
@@ -422,7 +422,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
 
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from) {
     const auto& lattice = *lattices_.front();
-    // Whether the sets fit together is told before what they leave is asked for.
+    // Fails if the sets of `after` do not fit together. This must come before task_of(), which asks for the space that they leave.
     const CarveMap before(lattice, io.after, context.frames().front(), std::nullopt);
     const auto task = task_of(params, io, lattice);
     auto out = std::make_shared<Seams>(empty_seams(params, task, context));
@@ -433,7 +433,7 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         fill_frames(params, task, io, context);
         if (energy_->has_field()) energy_->count_edges(context.memory_budget() / 3, context.work_folder());
         if (protected_ || attracted_) energy_->find_marks();
-        // Of a larger set that was not finished there may be more pairs.
+        // An unfinished larger set may hold more pairs than are wanted.
         if (before_) before_ = first(Payload(before_), static_cast<std::size_t>(task.count), reported_).as<Seams>();
         find_all(params, task, io, context, find, start_from, *out, report);
         energy_.reset();

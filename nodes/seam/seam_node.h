@@ -34,7 +34,7 @@ struct ChoiceNames<Measure> {
 /// What a seam pays for.
 enum class Cost {
     backward,  ///< the energy that it takes away
-    forward,   ///< besides, the edges that come to be where it was
+    forward,   ///< also the edges that it leaves behind
 };
 
 template <>
@@ -42,7 +42,7 @@ struct ChoiceNames<Cost> {
     static constexpr std::array names = {std::pair{"backward", Cost::backward}, std::pair{"forward", Cost::forward}};
 };
 
-/// `low`, `middle`, `high`, or a vertex.
+/// An anchor is `low`, `middle`, `high`, or a vertex.
 template <>
 struct ParamTraits<Anchor> {
     static Shape shape();
@@ -50,8 +50,9 @@ struct ParamTraits<Anchor> {
     static std::string text(const Anchor& anchor);
 };
 
-/// What every solver node takes and gives (METHOD 8), with all that does not depend on how one seam is found: windows,
-/// pairs, static seams, masks, the space that other seams leave. A new solver is a FindSeam, its own parameters and
+/// Base of all solver nodes (METHOD 8): their inputs and outputs, and all work that does not depend on how one seam is
+/// found: windows, pairs, static seams, masks, and the space that earlier seams leave. A new solver is a FindSeam with its
+/// own parameters and a node:
 ///
 ///     struct Mine : SeamNode {
 ///         struct Params : SeamNode::Params { int passes = 3; };
@@ -90,30 +91,33 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check);
-    /// One frame's energy at the lattice's vertices, and its field.
+    /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io, Context& context);
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context);
-    /// Takes seams that were found before, of the same energy and parameters but for `count`, and their report.
+    /// Continues from seams that were found before, with the same energy and parameters but for `count`.
+    /// @param result  the seams
+    /// @param entry   their report
     void resume(const Payload& result, const nlohmann::ordered_json& entry);
 
-    /// Seams as a result that grows (Growth): the first are the same however many are asked for.
+    /// Seams are a result that grows (Growth): the first seams do not depend on how many are asked for.
     static std::string rest(const Params& params) { return to_text(params.count.value > 0 ? Seams::Kind::insert : Seams::Kind::remove); }
     static Extent extent(const Payload& result);
     static std::size_t wanted(const Params& params, std::size_t vertices);
     static Payload first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry);
-    /// What the report of a set makes worth a warning.
+    /// Warnings about a set of seams, made from its report.
     static std::vector<std::string> warnings(const nlohmann::ordered_json& entry);
 
 protected:
     using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
-    /// Finds the seams, reports them under `seams`: axis, kind, shape, and per seam energy, lower_bound, gap, wall_s and
-    /// zero_share, and pair_energy and pair_lower_bound for pairs; where there are masks, how many vertices of them seams pass:
-    /// attracted, protected (none), pair_attracted, pair_protected; and how many attracted ones each seam leaves, attracted_left.
+    /// Finds the seams and reports them under `seams`: axis, kind and shape; per seam energy, lower_bound, gap, wall_s (seconds) and
+    /// zero_share (0..1); for pairs also pair_energy and pair_lower_bound. With masks, also the number of marked vertices that each seam
+    /// passes: attracted, protected (none), pair_attracted, pair_protected; and the number of attracted ones that each seam leaves,
+    /// attracted_left.
     /// @param start_from  for solvers that start from the seam before: Continued::start_from
     void solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from = nullptr);
 
-    static constexpr float default_rigidity = 0.2f;                   ///< with a field
-    std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< least time from one Context::hold to the next
+    static constexpr float default_rigidity = 0.2f;                   ///< with a field; in mean energies of content
+    std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< shortest time between two calls of Context::hold
 
 private:
     /// What is known before the energy is.
@@ -126,33 +130,35 @@ private:
     };
     static Task task_of(const Params& params, const Ports& io, const Lattice& lattice);
     Seams empty_seams(const Params& params, const Task& task, const Context& context) const;
-    /// @param budget  bytes of energies, and as many of the field, that may be held in memory
+    /// Allocates the energy, and the field if there is one.
+    /// @param budget  bytes of energies that may be held in memory, and as many of the field
     void make_room(const std::array<int, 3>& shape, const Params& params, const Context& context, std::uint64_t budget);
-    /// Brings energies and fields of all frames to where seams are found: into the space that the seams of `after` leave. Sets what
-    /// seams pay, by what the frames are like before.
+    /// Brings energies and fields of all frames into the space that the seams of `after` leave, and sets what seams pay. Prices depend on
+    /// the frames before these seams are carved.
     void fill_frames(const Params& params, const Task& task, const Ports& io, const Context& context);
-    /// What goes wrong where insertions extend the lattices, in words, or empty.
+    /// Faults of the cells by which insertions extend the lattices, in words; empty if there are none.
     std::string extension_fault(const Seams& found, const Ports& io, const Context& context) const;
-    /// Puts the seams found into `out`, and says in the report what each is like.
+    /// Finds all seams, puts them into `out` and describes them in the report.
     void find_all(const Params& params, const Task& task, const Ports& io, const Context& context, const FindSeam& find, const StartFrom& start_from,
                   Seams& out, nlohmann::ordered_json& report);
-    /// Says of the seams of a window what they are like. @param prefix  of the names: none, or `pair_`
+    /// Describes the seams of a window in the report.
+    /// @param prefix  of the report's names: empty or `pair_`
     void describe(const FoundSeams& found, const std::string& prefix, nlohmann::ordered_json& report) const;
-    /// Of each seam with its pair, as far as they were found.
+    /// Seconds for each seam together with its pair, as far as they were found.
     std::vector<double> wall_s(const FoundSeams& pairs, const FoundSeams& found) const;
-    /// How many seams are possible, and where no other finds a way.
+    /// Message of a failure: how many seams are possible, and where the next one finds no way.
     std::string why_no_more(const NoSeam& none, const Params& params, const Task& task, const Ports& io, const Context& context, bool in_pair_window) const;
 
-    std::vector<Ref<Lattice>> lattices_;  ///< of each frame that was added
-    std::optional<EnergyVolume> energy_;  ///< in the whole lattice, until fill_frames
+    std::vector<Ref<Lattice>> lattices_;  ///< of the frames that were added
+    std::optional<EnergyVolume> energy_;  ///< of the whole lattice until fill_frames(), then of the space that `after` leaves
     OneTransform transform_, field_transform_;
-    std::optional<std::size_t> protected_, attracted_;  ///< vertices in all frames, before `after`; nothing: no mask
+    std::optional<std::size_t> protected_, attracted_;  ///< number of marked vertices in all frames, before `after` is carved; nothing: no mask
     bool forward_ = false;                              ///< whether there is a field
     bool any_active_ = false;
     bool any_met_ = false;
     openvdb::BBoxd active_box_;        ///< world box of all frames' active voxels
-    Ref<Seams> before_;                ///< found by an earlier run, or null
-    nlohmann::ordered_json reported_;  ///< of those
+    Ref<Seams> before_;                ///< found by an earlier run; null if there is none
+    nlohmann::ordered_json reported_;  ///< report of before_
 };
 
 /// The common inputs, parameters and output of a solver node.
@@ -161,62 +167,63 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
     using Params = SeamNode::Params;
     using Ports = SeamNode::Ports;
     const auto params_of = [](const void* params) -> const Params& { return *static_cast<const typename Declare<Node>::Params*>(params); };
-    return node.input("energy", &Ports::energy, "What seams avoid, 0 or more; sampled at the lattice's vertices.")
+    return node.input("energy", &Ports::energy, "The energy, 0 or more: seams avoid high values. It is sampled at the lattice's vertices.")
         .input("lattice", &Ports::lattice, "The space that is carved.")
         .input("field", &Ports::field,
-               "What is looked at: the density, or whatever is seen; sampled at the vertices. With it, seams also pay for the edges that they leave behind "
+               "The grid that is seen, such as the density; sampled at the vertices. With it, seams also pay for the edges that they leave behind "
                "(`cost: forward`), and empty space has a price (`empty`).")
-        .input("protect", &Ports::protect,
-               "What no seam may pass: a mask, or the active voxels of any grid (of a level set, its narrow band). A vertex counts where any of the 8 voxels "
-               "around it is set; if it stands on a voxel, where that voxel is.")
+        .input(
+            "protect", &Ports::protect,
+            "What no seam may pass: a mask, or the active voxels of any grid (of a level set, its narrow band). A vertex is protected if any of the 8 voxels "
+            "around it is set; a vertex on a voxel, if that voxel is set.")
         .input(
             "attract", &Ports::attract,
-            "What seams take first, to remove an object, or to widen one: a mask, or any grid, as `protect`, which comes before it. A vertex of it is worth a "
-            "way through 64 vertices of the highest energy; it counts as no energy itself. seam.greedy, which looks no further than a step, takes only what "
-            "lies beside its way.")
+            "What seams take first, to remove or widen an object: a mask or any grid, as for `protect`, which has precedence. An attracted vertex is worth a "
+            "way through 64 vertices of the highest energy, and has no energy itself. seam.greedy looks only one step ahead, so it takes only attracted "
+            "vertices beside its way.")
         .input("after", &Ports::after,
-               "Seam sets of this lattice that are carved before, in their order: these seams are found in what those leave, and windows count its vertices.")
+               "Seam sets of this lattice that are carved before, in order. The new seams are found in the space that they leave; windows count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
         .required("count", &Params::count, Unit::seams, any_number(),
-                  "Seams: negative removes, positive inserts; N% is of the vertices along the axis, rounded: -20% of 1920 removes 384.")
-        .param("window", &Params::window, Unit::vertices, at_least(0), "First and last vertex along the axis that seams may take; auto is all of them.")
-        .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),
-               "A second window, above the first. Each seam then comes with one of the opposite kind in here, so that only what is between the two moves, and "
-               "the size stays. Auto is no pairs.")
-        .param("static", &Params::still, "Whether each seam in `window` is the same in all frames; it is found in the energy's sum over them.")
-        .param("pair_static", &Params::pair_still, "The same for the seams in `pair_window`: a river bank that stands still beside a river.")
-        .param("measure", &Params::measure,
-               "vertex: each vertex counts as much; volume: as much as the space around it, since in bent lattices inner cells are smaller than outer ones. "
-               "Energies are then reported so. In straight boxes both are the same.")
+                  "Number of seams: negative removes, positive inserts. N% is a share of the vertices along the axis, rounded: -20% of 1920 removes 384.")
+        .param("window", &Params::window, Unit::vertices, at_least(0), "First and last vertex along the axis that seams may take; auto is all vertices.")
+        .param(
+            "pair_window", &Params::pair_window, Unit::vertices, at_least(0),
+            "A second window, above the first. Each seam then comes with one of the opposite kind in this window: only the content between the two moves, and "
+            "the size stays. auto is no pairs.")
+        .param("static", &Params::still, "Whether each seam in `window` is the same in all frames. It is then found in the sum of the energy over all frames.")
+        .param("pair_static", &Params::pair_still, "The same for the seams in `pair_window`: for example on a river bank, which stands still beside the river.")
+        .param(
+            "measure", &Params::measure,
+            "vertex: all vertices count equally. volume: a vertex counts as much as the space around it, since in bent lattices inner cells are smaller than "
+            "outer ones; reported energies follow this measure. In straight boxes both are the same.")
         .param("cost", &Params::cost,
-               "backward: a seam costs the energy that it takes away. forward: besides, what it leaves behind: wherever its removal puts two vertices of "
-               "`field` beside each other that were not, by how much they differ (Rubinstein et al. 2008), whatever `measure` says. Takes three times the "
-               "memory. Auto is forward where a `field` is connected.")
+               "backward: a seam costs the energy that it takes away. forward: it also costs the edges that it leaves behind. Wherever its removal makes two "
+               "vertices of `field` neighbours, it pays for their difference (Rubinstein et al. 2008), whatever `measure` says. forward takes three times the "
+               "memory. auto is forward if a `field` is connected.")
         .param(
             "field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
-            "How much edges count. At 1 an edge of the mean size that content has costs as much as the mean energy of content; so the same number serves any "
-            "energy, field and resolution.")
-        .param(
-            "empty", &Params::empty, Unit::none, between(0, 1e4),
-            "What a vertex costs at which `field` shows nothing (it is below 2 % of its highest value), as a share of the mean price of those at which it "
-            "shows "
-            "something. 1: as much. Higher: more of the carve goes through the content, which itself becomes narrower or wider. Lower: more is taken from the "
-            "space around it.")
+            "How much edges count. At 1, an edge of the mean size found in the content costs as much as the content's mean energy. So the same number serves "
+            "any energy, field and resolution.")
+        .param("empty", &Params::empty, Unit::none, between(0, 1e4),
+               "Price of a vertex where `field` shows nothing (less than 2 % of its highest value), as a share of the mean price of vertices where it shows "
+               "something. 1: the same price. Higher: more seams go through the content, which itself becomes narrower or wider. Lower: more seams go through "
+               "the space around it.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
-               "What each step of a seam costs, from a column to its neighbour in space, in mean energies of content; more keeps seams straighter. Reported "
-               "energies include it. Auto is 0.2 with a `field`, 0 without.")
-        .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame; more keeps seams steadier.")
+               "Cost of each step of a seam from a column to its neighbour in space, in mean energies of the content. More keeps seams straighter. Reported "
+               "energies include it. auto is 0.2 with a `field`, 0 without.")
+        .param("rigidity_time", &Params::rigidity_time, Unit::none, at_least(0), "The same from frame to frame. More keeps seams steadier.")
         .param("spread", &Params::spread, Unit::vertices, between(0, 1000),
-               "How far a seam hands on what it takes: the energy of a vertex goes in equal shares to those within so many vertices on both sides along the "
-               "axis (Cho et al. 2009), but not out of the window, nor to protected or attracted ones. So seams do not bunch, and each part of the content "
-               "gives in proportion to its room. 0: seams run side by side where it is cheapest. Auto is 3 with a `field`, 0 without.")
-        .param(
-            "anchor", &Params::anchor,
-            "What stays where it is when seams move the rest: the lattice's low end, its middle, its high end, or what is at a vertex. Content moves by whole "
-            "vertices, in all frames alike; by a vertex is meant where its content is found on average.")
+               "How far a seam hands on the energy that it takes. The energy of a removed vertex goes in equal shares to the vertices within this distance on "
+               "both sides along the axis (Cho et al. 2009), but not out of the window, nor to protected or attracted vertices. So seams do not bunch, and "
+               "each part of the content gives in proportion to its room. 0: seams run side by side where it is cheapest. auto is 3 with a `field`, 0 without.")
+        .param("anchor", &Params::anchor,
+               "What stays in place while seams move the rest: the lattice's low end, its middle, its high end, or the content of a vertex. Content moves by "
+               "whole vertices, by the same number in all frames. For a vertex, the mean position of its content counts.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
-               "Each seam is reported with a lower bound of the least energy, so that its `gap` shows how good it is; passes raise the bound, 10 in smoke "
-               "mostly to 98 or 99 %. Auto is 0, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better one report that.")
+               "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes raise the bound: 10 passes mostly "
+               "reach 98 or 99 % in smoke. auto is 0 passes, which is quick, up to 16 million energies, and no bound beyond. Solvers that know a better bound "
+               "report that one.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})
         .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,

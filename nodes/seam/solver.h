@@ -5,4 +5,5 @@
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/strip.h"
 
-/// All that a solver includes: its node (SeamNode), the loop that calls it (FindSeam), ways past protected vertices, and sums over seams.
+/// Everything that a solver includes: its node (SeamNode), the loop that calls it (FindSeam), ways past protected vertices, and sums over
+/// seams.

@@ -2,16 +2,16 @@
 
 namespace fluidcarve {
 
-/// What stays where it is when a carve moves the rest along its axis.
+/// The part of the carved axis that stays in place while a carve moves the rest.
 struct Anchor {
     enum class At {
         low,     ///< the lattice's first vertex
-        middle,  ///< its middle
-        high,    ///< its last vertex
+        middle,  ///< the lattice's middle
+        high,    ///< the lattice's last vertex
         vertex,  ///< the content of one vertex, to the nearest whole vertex: by its mean move over all columns and frames
     };
     At at = At::low;
-    int vertex = 0;  ///< for At::vertex
+    int vertex = 0;  ///< index along the carved axis, for At::vertex
     bool operator==(const Anchor&) const = default;
 };
 

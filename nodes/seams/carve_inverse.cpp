@@ -16,10 +16,10 @@ double carved_coordinate(const CarveStep& step, const Vec3d& at) {
     const double scale = step.scale(at), begin = step.begin(scale), end = step.end(scale);
     const auto displaced = [&](int entry) { return scale * columns.displacement(entry); };
 
-    // The last entry that does not come from beyond the point.
+    // Find the last entry whose source is not beyond the point.
     int low = scale < 1 ? step.low() : step.start(), high = scale < 1 ? step.high() : step.last();
     const double first = displaced(low), last = displaced(high);
-    // A smoothed map goes on beyond its ends and meets those of the space before half a vertex from there.
+    // A smoothed map continues beyond its ends. Half a vertex beyond them, it meets the ends of the space before.
     const auto beyond = [&](int entry, double d, int before) {
         return entry + 0.5 * (u - entry - d) / std::abs(before - entry - d + (before > entry + d ? 0.5 : -0.5));
     };

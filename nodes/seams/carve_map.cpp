@@ -94,14 +94,14 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
         const auto meets = [&](int dimension, double first, double last) {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
-        // A point between an entry and a moved one moves in part.
+        // A point between an unmoved and a moved entry moves in part.
         if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, step->first_lateral(), step->last_lateral()) ||
             !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;
         frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) ||
                 (step->last() < step->last_before() && range.max()[a] > step->last());
-        // What a vertex of the carved space comes from lies at most so far below and above.
+        // Largest distances down and up from a vertex of the carved space to its source.
         const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0),
                   above = (step->inserts() ? 0 : step->count()) - shift;
         range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - std::max(below, 0), step->origin()));
@@ -113,7 +113,7 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
 openvdb::BBoxd CarveMap::moved() const {
     openvdb::BBoxd out(openvdb::Vec3d(0), openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
     if (!steps_.empty() && steps_.front().closed()) out.max().z() = reach_[2];
-    // With both axes carved, what one step moves reaches all along the other.
+    // If both axes are carved, a step along one axis moves vertices all along the other.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
     if (steps_.empty() || !one_axis) return out;
     const int axis = steps_.front().axis();

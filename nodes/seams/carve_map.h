@@ -18,44 +18,43 @@
 
 namespace fluidcarve {
 
-/// A chain of seam sets in one frame (METHOD 4): each is carved from what those before it leave. To find what stands
-/// at a carved vertex, the last step is asked first. A vertex that no step's lattice holds stays where it is; one that
-/// a removal frees at an end is background.
-/// Coordinates are those of extended(): the lattice, and beyond its first vertices what anchored insertions add there.
+/// A chain of seam sets in one frame (METHOD 4). Each set is carved from what the sets before it leave. To find the source of a carved
+/// vertex, the steps are applied from the last to the first. A vertex outside a step's lattice stays in place. A vertex that a removal
+/// frees at an end becomes background.
+/// Coordinates are those of extended(): the lattice, and before its first vertices those that anchored insertions add.
 class CarveMap {
 public:
     /// @param sets   in the order of carving
-    /// @param frame  a frame number
-    /// @param count  how many seams of the last set; nothing: all
-    /// @throws Failure if a set belongs to another lattice or misses the frame, shapes do not chain, or count is too high
+    /// @param frame  frame number
+    /// @param count  number of seams used of the last set; nothing: all
+    /// @throws Failure if a set belongs to another lattice or misses the frame, if shapes do not chain, or if count is too high
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
              const Softness& softness = {});
 
-    /// The lattice in whose index coordinates the map is: the given one, but that its first vertices along `u` and `v` may lie further out.
+    /// The lattice in whose index coordinates the map works: the given one, but its first vertices along `u` and `v` may lie further out.
     Lattice extended(const Lattice& lattice) const;
 
-    /// Lets displacements go linearly to 0 towards lateral rims and open ends, where they else end with a jump (METHOD 4,
-    /// "Tears"): what stands at a point comes from `u + s (m - u)` instead of `m`, `s` from 0 to 1 (CarveStep::scale). `m`
-    /// never falls along the axis, so neither does this: the map does not fold. What a removal frees, or an insertion adds
-    /// beyond the lattice, shrinks by `s` too. As far as `vertices` from rims and ends
-    /// and beyond, nothing changes.
-    /// @param vertices  above 0, over which they go to 0
+    /// Fades displacements linearly to 0 towards lateral rims and open ends. Without a fade they end there with a jump (METHOD 4 "Tears").
+    /// A point's content then comes from `u + s (m - u)` instead of `m`, with `s` from 0 to 1 (CarveStep::scale). `m` never falls along the
+    /// axis, so neither does this: the map does not fold. The entries that a removal frees, or an insertion adds beyond the lattice, shrink
+    /// by `s` too. Nothing changes at `vertices` or more from rims and ends.
+    /// @param vertices  length of the fade, above 0
     /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for
     void fade(double vertices);
     bool fades() const;
-    /// Whether displacements of some step are smoothed.
+    /// Whether the displacements of any step are smoothed.
     bool soft() const;
 
-    /// Sets without seams are left out.
+    /// One step per set; sets without seams have none.
     const std::vector<CarveStep>& steps() const { return steps_; }
     bool empty() const { return steps_.empty(); }
-    /// Vertices per dimension that carving may write: the extended lattice and what insertions add along the way.
+    /// Vertices per dimension that carving may write: the extended lattice and what insertions add.
     const std::array<int, 3>& reach() const { return reach_; }
 
-    /// What a box of carved lattice coordinates is made of.
-    /// @param range  grows to hold all coordinates that its points come from, itself included
-    /// @param frees  set if part of it becomes background
-    /// @return false if nothing in it moves
+    /// Finds where the content of a box of carved lattice coordinates comes from.
+    /// @param range  the box; grows to hold all source coordinates as well
+    /// @param frees  set to true if part of the box becomes background, else unchanged
+    /// @return false if nothing in the box moves
     bool trace(openvdb::BBoxd& range, bool& frees) const;
     /// A box of lattice coordinates outside which nothing moves.
     openvdb::BBoxd moved() const;
@@ -63,7 +62,7 @@ public:
 private:
     std::vector<CarveStep> steps_;
     std::array<int, 3> reach_;
-    std::array<int, 2> below_{};  ///< vertices that come before the lattice's first, along u and v
+    std::array<int, 2> below_{};  ///< number of vertices before the lattice's first ones, along u and v
 };
 
 }  // namespace fluidcarve

@@ -9,7 +9,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// One column's entries of the first `count` seams of a window.
+/// Collects one column's entries of the first `count` seams of a window.
 /// @param sorted  becomes their original indices, rising
 void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::size_t count, std::size_t column, std::vector<std::uint16_t>& entries,
                   std::vector<std::uint16_t>& sorted) {
@@ -43,7 +43,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
             auto* out = bounds_.data() + c * (bounds_.size() / columns);
             const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts, int shift) {
                 sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count, t * columns + c, entries, sorted);
-                // The n-th removed entry is passed by n removals before it; the n-th new entry stands behind its original and n others.
+                // n removals come before the n-th removed entry. The n-th new entry stands behind its original and n other new ones.
                 for (int n = 0; n < static_cast<int>(count); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
             };
             add(seams.seams, inserts_, start_);
@@ -55,7 +55,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
     for (std::size_t c = 0; c < columns && count > 0; ++c) {
         const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
         first_moved_ = std::min<int>(first_moved_, column[0]);
-        // From the last removal on, or behind the last new entry, all is as it was.
+        // Entries from the last removal on, or behind the last new entry, do not move.
         if (paired_) last_moved_ = std::max<int>(last_moved_, column[2 * count - 1] - (inserts_ ? 1 : 0));
     }
 }
@@ -79,7 +79,7 @@ std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
         out = {Window{start_ + seams.window->first, start_ + last_of(*seams.window, inserts_)},
                Window{moved + seams.pair_window->first, moved + last_of(*seams.pair_window, !inserts_)}};
     } else {
-        // Those of a foreign file begin and end where seams do.
+        // A file may state no windows. They then begin and end where the seams do.
         for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)
             for (std::size_t n = 0; n < 2; ++n) {
                 out[n].first = std::min<int>(out[n].first, bounds_[c + n * count_]);

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// Registers `seams`.
+/// Registers the payload type `seams`.
 void add_seams_payload(Registry& registry);
 
 }  // namespace fluidcarve

@@ -25,7 +25,7 @@ struct SeamsRead {
 }  // namespace
 
 NodeType seams_read() {
-    return Declare<SeamsRead>("seams.read", "Seams from a file that seams.write wrote.")
+    return Declare<SeamsRead>("seams.read", "Reads seams from a file that seams.write wrote.")
         .required("path", &SeamsRead::Params::path, "The file; one for all frames.")
         .output("seams", &SeamsRead::Ports::seams, "The seams, in the order in which they were found.");
 }

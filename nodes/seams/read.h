@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `seams.read {path}`: what `seams.write` wrote.
+/// `seams.read {path}`: reads seams that `seams.write` wrote.
 NodeType seams_read();
 
 }  // namespace fluidcarve

@@ -12,14 +12,15 @@
 
 namespace fluidcarve {
 
-/// One seam's entries for all columns of a sequence: in memory, or in a mapped file that vanishes with the process.
-/// Copies share them; those in memory until one of the copies is changed.
+/// One seam's entries for all columns of a sequence, in memory or in a mapped file that disappears with the process. Copies share their
+/// entries; those in memory only until one of the copies is changed.
 class SeamEntries {
 public:
     SeamEntries() = default;
     SeamEntries(std::vector<std::uint16_t> entries) : held_(std::make_shared<std::vector<std::uint16_t>>(std::move(entries))) {}
     SeamEntries(std::initializer_list<std::uint16_t> entries) : SeamEntries(std::vector<std::uint16_t>(entries)) {}
-    /// In a file in the folder. @throws Failure if the disk can't hold it
+    /// Copies entries to a mapped file in a folder.
+    /// @throws Failure if the disk can't hold it
     static SeamEntries in_file(std::span<const std::uint16_t> entries, const std::string& folder) {
         SeamEntries out;
         out.file_ = std::make_shared<SlabStore>(1, entries.size(), 0, folder);

@@ -88,13 +88,13 @@ Seams::Kind kind_of(const FloatGrid& grid) {
     throw wrong(fmt::format("grid '{}' has the kind '{}'; known: remove, insert", grid.getName(), text));
 }
 
-/// @param n  how many seams of the grid's kind come before it
+/// @param n  number of seams of this kind before it
 Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, Seams::Kind kind, std::size_t n) {
     const auto energy = grid.getMetadata<openvdb::DoubleMetadata>("energy");
     if (!energy) throw wrong(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
-    // A removal finds the entries that its predecessors leave; the last entry can't be doubled.
+    // A removal is an index among the entries that its predecessors leave. The last entry can't be doubled.
     const int highest = seams.carved() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
-    // Asked before memory is claimed for a shape that the file may not have.
+    // Checked before memory is allocated: the file may not hold the columns that its shape claims.
     const auto columns = seams.columns_per_frame() * seams.frames.size();
     if (grid.activeVoxelCount() != columns)
         throw wrong(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid.getName(), grid.activeVoxelCount(), columns));
@@ -111,7 +111,8 @@ Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, Seams::Kind kin
     return {std::move(entries), energy->value()};
 }
 
-/// @param name  of the n-th grid
+/// Requires that no two insertions double the same entry of a column.
+/// @param name  gives the name of the n-th grid
 void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insertions, std::string (*name)(std::size_t n)) {
     std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
     each_column(seams, [&](const Coord& at, std::size_t column) {
@@ -125,7 +126,7 @@ void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insert
     });
 }
 
-/// In no column may the windows of pairs reach into each other.
+/// Requires that in each column all second seams of pairs lie above all seams of the first window.
 void require_apart(const Seams& seams) {
     std::vector<std::uint16_t> entries, sorted;
     const auto originals = [&](const std::vector<Seams::Seam>& window, Seams::Kind kind, std::size_t column) {

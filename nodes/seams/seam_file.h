@@ -7,17 +7,19 @@
 
 namespace fluidcarve {
 
-/// Seams as a volume (the contract's "Seam file"): for each seam in order a FloatGrid `seam.0000`, whose value at
-/// `(lateral, k, t)` is its entry, all columns active, with metadata `kind` and `energy`, and of pairs a second one,
-/// `seam.0000.pair`; the volume's metadata say axis, shape, frames and lattice, and `fluidcarve_closed` if that is closed.
+/// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid `seam.0000`, and so on: its value at
+/// `(lateral, k, t)` is the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a second grid each,
+/// `seam.0000.pair`. Volume metadata: axis, shape, frames and lattice, and, if set, `fluidcarve_closed`, windows and anchor.
 Volume seams_to_volume(const Seams& seams);
 
-/// The reverse. Feasibility is not asked for.
-/// @throws Failure (input), without the file's name, if anything is missing, or no whole number, or out of range
+/// Converts such a volume back to seams. Does not check that the seams are feasible.
+/// @throws Failure (input), without the file's name, if anything is missing, not a whole number, or out of range
 Seams seams_from_volume(const Volume& volume);
 
-/// Writes a seam file; it appears whole or not at all. @throws Failure
+/// Writes a seam file, whole or not at all.
+/// @throws Failure if it can't be written
 void write_seams(const std::string& path, const Seams& seams);
+/// Reads a seam file.
 /// @throws Failure (input) naming the file
 Seams read_seams(const std::string& path);
 

@@ -17,7 +17,7 @@ namespace fluidcarve {
 
 namespace {
 
-// Space is claimed at once: a mapped file on a full disk would end the process later, without a word.
+// Allocates the space at once: otherwise a full disk would kill the process later, without a message.
 int scratch_file(const std::string& folder, std::size_t bytes) {
     const auto fault = [&](int code) {
         return Failure(fmt::format(

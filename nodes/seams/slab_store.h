@@ -8,14 +8,14 @@
 
 namespace fluidcarve {
 
-/// 16-bit entries for a sequence, one slab per frame, zero at first: in memory, or, where that would exceed the budget,
-/// in a mapped file that vanishes with the process.
+/// Stores 16-bit entries of a sequence, one slab per frame, initially 0. They are kept in memory or, over the budget, in a mapped file that
+/// disappears with the process.
 class SlabStore {
 public:
-    /// @param count          slabs
+    /// @param count          number of slabs
     /// @param entries        per slab
     /// @param memory_budget  bytes that may be held in memory
-    /// @param folder         where the file goes; made if it is not there
+    /// @param folder         for the file; created if missing
     /// @throws Failure if neither memory nor disk can hold the slabs
     SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder);
 

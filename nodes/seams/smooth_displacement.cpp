@@ -10,10 +10,10 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// What is this near to a whole number of vertices is one.
+/// Displacements this close to a whole number of vertices are rounded to it.
 constexpr float snap = 1e-4f;
 
-/// The tent's weights from -n to n, which sum up to 1.
+/// Weights of a tent from -n to n; their sum is 1.
 std::vector<double> tent(double reach) {
     const int n = static_cast<int>(std::ceil(reach));
     std::vector<double> out;
@@ -23,7 +23,7 @@ std::vector<double> tent(double reach) {
     return out;
 }
 
-/// Displacements of one column, which beyond the ends of spans are mirrored there.
+/// Displacements of one column, mirrored at the ends of a span.
 class Mirrored {
 public:
     Mirrored(std::span<const double> all, int first) : all_(all), first_(first) {}
@@ -68,7 +68,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     const auto size = static_cast<std::size_t>(last_ - first_) + 1, laterals = static_cast<std::size_t>(laterals_);
     entries_.resize(size * laterals * static_cast<std::size_t>(slices_));
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(slices_), 64), [&](const tbb::blocked_range<std::size_t>& range) {
-        // Sums of half vertices over all entries before one, from the first that counts.
+        // Running sums of displacements, half vertices: over all entries before one, from the first that counts.
         const int from = std::max(first_ - reach, step.start()), to = std::min(last_ + reach, step.last());
         std::vector<int> before(static_cast<std::size_t>(to - from) + 2);
         const auto sum = [&](int entry) { return before[static_cast<std::size_t>(entry - from)]; };
@@ -192,7 +192,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
             auto below = corner, above = corner;
             --below[d];
             ++above[d];
-            // Beyond an end of a smoothed map its mirror image shows the slope; elsewhere slopes are one-sided at rims.
+            // At an end of a mirrored map, the mirror image gives the slope. Otherwise slopes are one-sided at rims.
             if (d == 0 ? !ends_ : d == 1 || !closed_) {
                 below[d] = std::max(below[d], first[d]);
                 above[d] = std::min(above[d], last[d]);

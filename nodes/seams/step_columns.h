@@ -9,10 +9,10 @@
 
 namespace fluidcarve {
 
-/// The columns of a step around a point, between which its displacements are bilinear.
+/// The four columns of a step around a point. The step's displacements are bilinear between them.
 class StepColumns {
 public:
-    /// @param lateral, w  coordinates in the step's lattice, inside it
+    /// @param lateral, w  coordinates inside the step's lattice, vertices
     StepColumns(const CarveStep& step, double lateral, double w) : step_(step) {
         const auto cell = [](double x, int first, int last) { return std::clamp(static_cast<int>(std::floor(x)), first, std::max(first, last)); };
         const int j = cell(lateral, step.first_lateral(), step.last_lateral() - 1), k = cell(w, 0, step.slices() - (step.closed() ? 1 : 2));
@@ -20,19 +20,19 @@ public:
         for (std::size_t n = 0; n < 4; ++n) {
             const bool next_j = n & 1, next_k = n & 2;
             weights_[n] = (next_j ? b : 1 - b) * (next_k ? c : 1 - c);
-            // Of a column that does not count, there may be none.
+            // A column of weight 0 may not exist.
             places_[n] = {weights_[n] > 0 && next_j ? j + 1 : j, weights_[n] > 0 && next_k ? (k + 1) % step.slices() : k};
             all_[n] = step.bounds(places_[n][0], places_[n][1]);
         }
     }
 
-    /// Seams that displace in each column.
+    /// Number of bounds in each column.
     std::size_t size() const { return all_[0].size(); }
-    /// CarveStep::bounds between the columns.
+    /// The n-th of CarveStep::bounds, interpolated between the columns; an entry.
     double bound(std::size_t n) const {
         return between([&](std::size_t column) { return static_cast<double>(all_[column][n]); });
     }
-    /// CarveStep::displacement between the columns, in vertices: exact where they agree.
+    /// CarveStep::displacement, interpolated between the columns, in vertices. Exact where the columns agree.
     double displacement(int entry) const {
         return between([&](std::size_t column) {
             if (const auto* const soft = step_.soft()) return static_cast<double>(soft->entry(entry, places_[column][0], places_[column][1]));
@@ -52,7 +52,7 @@ private:
 
     const CarveStep& step_;
     std::array<double, 4> weights_;
-    std::array<std::array<int, 2>, 4> places_;  ///< lateral, k
+    std::array<std::array<int, 2>, 4> places_;  ///< `[column]`: lateral, k
     std::array<std::span<const std::uint16_t>, 4> all_;
 };
 

@@ -2,7 +2,7 @@
 
 namespace fluidcarve {
 
-/// Entries of the carved axis that a seam may take, both included.
+/// A range of entries along the carved axis that a seam may take, both ends included.
 struct Window {
     int first = 0;
     int last = 0;

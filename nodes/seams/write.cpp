@@ -19,7 +19,7 @@ struct SeamsWrite {
 }  // namespace
 
 NodeType seams_write() {
-    return Declare<SeamsWrite>("seams.write", "Seams to one .vdb file, from which any smaller number of them can be carved later.")
+    return Declare<SeamsWrite>("seams.write", "Writes seams to one .vdb file. Any smaller number of them can be carved from it later.")
         .input("seams", &SeamsWrite::Ports::seams, "The seams.")
         .required("path", &SeamsWrite::Params::path, "The file; one for all frames.");
 }

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `seams.write {seams, path}`: a seam file (seam_file.h).
+/// `seams.write {seams, path}`: writes a seam file (seam_file.h).
 NodeType seams_write();
 
 }  // namespace fluidcarve

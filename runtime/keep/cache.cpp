@@ -25,16 +25,16 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// An entry: magic, two sizes, the header's checksum, the header, the outputs' bytes, the checksum of all that.
+// File layout of an entry: magic, header size, size of the outputs, header checksum, header, outputs, checksum of all before.
 constexpr std::string_view magic{"fluidcarve 1\n\0\0\0", 16};
 constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
 constexpr std::size_t seal_size = 16;
 constexpr auto unasked = std::chrono::hours(24 * 30);
-constexpr auto forgotten = std::chrono::hours(24);  ///< a file aside so old belongs to nobody
+constexpr auto forgotten = std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
 
 Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
 
-/// Grows without the copies of a string stream.
+/// An output buffer whose bytes can be used without a copy, unlike those of a string stream.
 class Bytes : public std::streambuf {
 public:
     std::vector<char> data;
@@ -107,7 +107,7 @@ void write_all(const std::string& path, std::initializer_list<std::span<const ch
         }
 }
 
-/// The header of an open entry, if that is whole by its size. @param size  becomes the entry's
+/// The header of an open entry; nothing if the header or the file size is wrong. @param size  set to the file size, bytes
 std::optional<Json> header_of(int file, std::uint64_t& size) {
     struct stat about {};
     std::vector<char> bytes(prefix_size);

@@ -14,53 +14,55 @@
 
 namespace fluidcarve {
 
-/// Results in a work folder, a file each, named by their key. Entries are written aside, sealed with a checksum and renamed, so that any
-/// number of processes, on one machine or several, may share a folder without a lock: they may do the same work twice, but
-/// never spoil it.
+/// The cache of results in a work folder: one file per entry, named by its key. An entry is written to a temporary file with a
+/// checksum and then renamed. So any number of processes, on one machine or several, may share a folder without locks; they may
+/// compute the same result twice, but never damage an entry.
 ///
-/// An entry has a header, a JSON object of the caller's: {"outputs": [...]} is added to it where payloads come along.
+/// An entry has a header, a JSON object set by the caller, and perhaps payloads. `store` adds {"outputs": [...]} to the header of an
+/// entry with payloads.
 class Cache {
 public:
     struct Entry {
         nlohmann::ordered_json header;
-        std::vector<Payload> outputs;  ///< null where there was none
+        std::vector<Payload> outputs;  ///< null payloads stay null
     };
 
-    /// @param folder  the work folder; empty: nothing is kept, nothing found
+    /// @param folder  the work folder; empty: the cache is off
     Cache(const Registry& registry, std::string folder);
 
     bool on() const { return !folder_.empty(); }
     const Registry& registry() const { return registry_; }
-    /// The header of a whole entry; a damaged one counts as none. What follows the header is not looked at.
+    /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size is damaged.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
-    /// The entry was of use.
+    /// Marks an entry as used now, for `trim`.
     void touch(const Key& key) const;
-    /// The entry, as `store` was given it; nothing if there is none, or if a byte of it is not as it was: then it is removed.
+    /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed.
     std::optional<Entry> load(const Key& key);
-    /// Whether there is an entry of which every byte is as it was; a damaged one is removed.
+    /// Whether there is an entry with every byte intact; a damaged entry is removed.
     bool whole(const Key& key);
-    /// @return false if it could not be written; from then on nothing is stored, and `fault` says why
+    /// Writes an entry. @return false if it can't be written; later calls then store nothing, and `fault` says why
     bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
     std::string fault() const;
-    /// How many entries `load` found damaged.
+    /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_; }
 
-    /// Removes what was used longest ago until at most so many bytes are left, what killed runs left half-written, and what is
-    /// remembered of files that nobody asked for in a month.
+    /// What `trim` removed.
     struct Trimmed {
         std::size_t entries = 0;
-        std::uint64_t bytes = 0, left = 0;
+        std::uint64_t bytes = 0, left = 0;  ///< bytes of removed entries, and of entries that remain
     };
+    /// Removes the least recently used entries until at most `most_bytes` are left. Also removes temporary files of killed runs, and file
+    /// hashes (FileHashes) that were not used for 30 days.
     Trimmed trim(std::uint64_t most_bytes) const;
 
 private:
     struct Read {
         nlohmann::ordered_json header;
-        std::vector<char> bytes;  ///< of the file
-        std::size_t body = 0;     ///< where the outputs begin
+        std::vector<char> bytes;  ///< the whole file
+        std::size_t body = 0;     ///< offset of the outputs in `bytes`
     };
     std::string path_of(const Key& key) const;
-    /// The file of an entry, if it is whole; a damaged one is removed.
+    /// Reads the file of an entry and checks every byte; a damaged entry is removed.
     std::optional<Read> read(const Key& key);
     void remove_damaged(const Key& key);
 

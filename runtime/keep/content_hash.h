@@ -9,7 +9,7 @@
 
 namespace fluidcarve {
 
-/// 128 bits that stand for a content. All zero: of something that nobody knows.
+/// A 128-bit hash of a content. All zero: the content is unknown.
 struct Key {
     std::uint64_t high = 0, low = 0;
 
@@ -17,11 +17,11 @@ struct Key {
     auto operator<=>(const Key&) const = default;
     /// 32 hex digits.
     std::string text() const;
-    /// The reverse; what is no key gives one of nothing.
+    /// Reads the result of `text`. Any other text gives the zero key.
     static Key parse(std::string_view text);
 };
 
-/// Hashes what follows each other (XXH3, 128 bits): against accidents, not against attacks.
+/// Hashes a sequence of values (XXH3, 128 bits). Not safe against deliberate collisions.
 class ContentHash {
 public:
     ContentHash();
@@ -30,10 +30,10 @@ public:
     ContentHash& operator=(const ContentHash&) = delete;
 
     ContentHash& bytes(const void* data, std::size_t size);
-    /// With its length, so that no two lists of texts look alike.
+    /// Includes the length, so that different lists of texts give different hashes.
     ContentHash& text(std::string_view text);
     ContentHash& number(std::uint64_t number);
-    /// A key of nothing makes the whole one.
+    /// A zero key makes the digest zero.
     ContentHash& key(const Key& key);
     Key digest() const;
 

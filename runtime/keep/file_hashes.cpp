@@ -17,12 +17,12 @@
 namespace fluidcarve {
 namespace {
 
-/// A file that changed a moment ago may change again without a mark in its times.
+/// Age in seconds below which a file's hash is not stored: it may change again within the resolution of its times.
 constexpr double settled_seconds = 2;
 
 double seconds(const timespec& time) { return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec); }
 
-/// What tells that a file is the one that was read.
+/// Identifies one state of a file: hash of inode, size and times.
 Key stamp_of(const struct stat& file) {
     ContentHash hash;
     hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
@@ -30,7 +30,7 @@ Key stamp_of(const struct stat& file) {
     return hash.digest();
 }
 
-/// So that a damaged memory is none.
+/// Checksum of a stored hash, to detect damage.
 Key seal_of(const struct stat& file, const Key& content) { return ContentHash().key(stamp_of(file)).key(content).digest(); }
 
 bool settled(const struct stat& file) {
@@ -85,7 +85,7 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
             std::ofstream(out.aside()) << key.text() << " " << seal_of(after, key).text() << "\n";
             out.commit();
         } catch (const Failure&) {
-            // The file is read again next time.
+            // The hash is not stored: the next run reads the file again.
         }
     }
     return with(key);

@@ -10,27 +10,27 @@
 
 namespace fluidcarve {
 
-/// What is in files, as keys. The work folder remembers them by each file's size, times and number, so that a file that nobody
-/// touched is not read again, wherever it or its folder was moved.
+/// Content hashes of files. They are stored in the work folder by each file's size, times and inode, so that an unchanged file is
+/// not read again, even if it or its folder was moved.
 class FileHashes {
 public:
     struct Content {
-        Key key;
-        std::uint64_t size = 0;
-        std::uint64_t number = 0;  ///< of the file (inode)
-        Key stamp;                 ///< of size, times and number
+        Key key;                   ///< hash of the content
+        std::uint64_t size = 0;    ///< bytes
+        std::uint64_t number = 0;  ///< inode
+        Key stamp;                 ///< hash of size, times and inode
     };
 
-    /// @param folder  where they are remembered; empty: nowhere
+    /// @param folder  where hashes are stored; empty: nowhere
     explicit FileHashes(std::string folder) : folder_(std::move(folder)) {}
 
-    /// Nothing if the file can't be read. Read once; what happens to the file later does not matter to this object.
+    /// The content of a file at the first call for its path; later changes are ignored. Nothing if the file can't be read.
     std::optional<Content> of(const std::string& path);
-    /// Whether the file is no longer the one whose content is known; of one that could not be read nothing is known.
+    /// Whether the file changed after `of` or `anew` looked at it; false if it could not be read then.
     bool changed(const std::string& path);
-    /// As the file is now.
+    /// The content of the file now. Later calls of `of` return it too.
     std::optional<Content> anew(const std::string& path);
-    /// Looks at many files, several at once, so that `of` knows them.
+    /// Calls `of` for many files, in parallel.
     void prepare(const std::vector<std::string>& paths);
 
 private:

@@ -22,7 +22,7 @@ std::string listed(const std::vector<std::string>& names) {
     return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), names.size() - most_named);
 }
 
-/// What differs between what a node was made of and what it is made of now.
+/// Describes the differences between two states of a node.
 std::vector<std::string> differences(const json& was, const json& now) {
     std::vector<std::string> out;
     if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
@@ -54,7 +54,7 @@ std::vector<std::string> differences(const json& was, const json& now) {
     return out;
 }
 
-/// Whether it is what `made_of` makes: the file may hold anything.
+/// Whether a value read from a file has the form that `made_of` returns.
 bool well_formed(const json& node) {
     if (!node.is_object() || !node.contains("type") || !node["type"].is_string() || !node.contains("version") || !node["version"].is_number()) return false;
     for (const auto* const part : {"params", "inputs", "files"}) {
@@ -143,7 +143,7 @@ void History::save() const {
         out.close();
         if (out) file.commit();
     } catch (const Failure&) {
-        // Only reasons and estimates are lost.
+        // Without the file a plan only lacks reasons and estimates.
     }
 }
 
@@ -151,7 +151,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
                                  const std::function<std::vector<bool>(std::size_t node)>& reads) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
-    std::vector<std::set<std::size_t>> roots(count);  ///< nodes upstream that are not what they were
+    std::vector<std::set<std::size_t>> roots(count);  ///< per node: changed nodes upstream
     std::vector<bool> fresh(count, false);
     for (std::size_t n = 0; n < count; ++n) {
         if (shares[n].frames == 0) continue;

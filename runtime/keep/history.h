@@ -11,26 +11,27 @@
 
 namespace fluidcarve {
 
-/// What the nodes of a pipeline were made of when they were last to run in a work folder, and how long they took: so that a plan can
-/// say what changed, and how long it will take. One small file per pipeline, by the name of its file.
+/// The state of each node of a pipeline at its last run in a work folder, and how long it took. With it a plan can tell what changed
+/// since, and how long a run will take. One small file per pipeline, named after the pipeline's file.
 class History {
 public:
-    /// @param folder  the work folder; empty: there is no history. A file that can't be read is none.
+    /// Reads the history; an unreadable file counts as empty. @param folder  the work folder; empty: no history
     History(const std::string& folder, const std::string& pipeline);
 
     bool on() const { return !path_.empty(); }
-    /// What is known of a node: {"type", "version", "params", "inputs", "files", "cost"}; null if nothing.
+    /// The last state of a node: {"type", "version", "params", "inputs", "files", "cost"}; null if unknown.
     const nlohmann::json& of(const std::string& node) const;
-    /// @return what the node is made of now, as `of` gives it later
-    /// @param reads  per place: whether the run looks at the node's files there
+    /// The present state of a node, in the form of `of` but without cost.
+    /// @param frames  frame numbers of the sequence
+    /// @param reads   per place in `frames`: whether the run reads the node's files
     static nlohmann::json made_of(const Pipeline& pipeline, std::size_t node, Keys& keys, const std::vector<int>& frames, const std::vector<bool>& reads);
 
-    /// Sets a node's part; its cost stays, and what is known of files that were not looked at.
+    /// Replaces the state of a node. Its cost is kept, and so are the files of frames that are not in `made_of`.
     void set(const std::string& node, nlohmann::json made_of);
     void set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes);
-    /// A node's cost, as far as it was measured, for inputs of this size. @param input_bytes  0: of unknown size
+    /// The measured cost of a node, scaled to inputs of this size. @param input_bytes  bytes of a frame; 0: unknown, not scaled
     std::optional<NodeCost> cost(const std::string& node, std::uint64_t input_bytes) const;
-    /// Writes the file. What can't be written is forgotten.
+    /// Writes the file. Ignores errors.
     void save() const;
 
 private:
@@ -38,7 +39,10 @@ private:
     nlohmann::json nodes_;
 };
 
-/// Why each node runs, for people; empty for those that do not.
+/// Why each node runs, in words; empty for nodes that do not run.
+/// @param frames  frame numbers of the sequence
+/// @param reads   per node and place: whether the run reads the node's files
+/// @return one text per node
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys, const std::vector<int>& frames,
                                  const std::function<std::vector<bool>(std::size_t node)>& reads);
 

@@ -5,7 +5,7 @@
 namespace fluidcarve {
 namespace {
 
-/// To be raised whenever keys come to be made another way.
+/// Raise it whenever the computation of keys changes.
 constexpr std::uint64_t key_version = 1;
 
 bool among(const std::vector<std::string>* fields, const std::string& name) {
@@ -69,7 +69,7 @@ void Keys::describe(ContentHash& hash, std::size_t n, const std::vector<std::str
     const auto& node = pipeline_.nodes[n];
     const auto& type = *node.type;
     hash.number(key_version).text(type.name).number(static_cast<std::uint64_t>(type.version));
-    // Whoever builds a plugin again may have forgotten to raise the version.
+    // The author of a plugin may have forgotten to raise the version.
     if (const auto content = plugin(n)) hash.key(*content);
     for (const auto& param : type.params) {
         if (!counts(param) || !among(fields, param.name)) continue;
@@ -133,7 +133,7 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     }
     ContentHash hash;
     describe(hash.text("result"), n, nullptr);
-    // A body that runs once is told the sequence's first frame.
+    // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(frames_.at(place)));
     if (streams_in(n)) hash.key(gathered(n));
     else if (node.gathers)

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_alternatives = 16;  ///< contents of files that one result may have had
+constexpr std::size_t most_alternatives = 16;  ///< remembered contents of a writer's files, per result
 
 Json to_json(const Said& said) {
     Json out = Json::object();
@@ -26,7 +26,7 @@ Said said_in(const Json& header) {
     return out;
 }
 
-/// How much of a growing result there is, by the entry's header.
+/// The extent of a cached growing result, from its header.
 std::optional<Extent> extent_in(const Json& header) {
     const auto found = header.find("extent");
     return found == header.end() ? std::nullopt : std::optional(Extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()});
@@ -34,10 +34,10 @@ std::optional<Extent> extent_in(const Json& header) {
 
 std::size_t wished_for(const Node& node, const Extent& extent) { return node.type->growth->wanted(node.params.get(), extent.of); }
 
-/// The entry of a growing result's report: such a node has one section, or says nothing.
+/// The report entry of a growing result. Such a node reports to one section at most.
 Json& grown_entry(Said& said, Json& nothing) { return said.report.empty() ? nothing : said.report.begin()->second; }
 
-/// Makes a growing result and what was said of it into one of `count`.
+/// Cuts a growing result, its report entry and its warnings to `count` items.
 void cut(const Growth& growth, std::size_t count, Payload& result, Said& said) {
     Json nothing = Json::object();
     auto& entry = grown_entry(said, nothing);
@@ -48,7 +48,7 @@ void cut(const Growth& growth, std::size_t count, Payload& result, Said& said) {
         for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
 }
 
-/// Whether a kept growing result is to be delivered as it is.
+/// Whether a cached growing result is complete and has exactly the wanted count.
 bool fits(const Json& header, const Extent& extent, std::size_t count) { return extent.count == count && !header.contains("part"); }
 
 }  // namespace
@@ -169,13 +169,13 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
     Json now = Json::array();
     for (const auto& path : outputs(n, place)) {
         const auto content = files_.anew(path);
-        // Another process may have written there since.
+        // Another process may have replaced the file since.
         if (!content || content->number != OutputFile::number_at(path)) return;
         now.push_back(content->key.text());
     }
     auto header = to_json(said);
     header["files"] = Json::array({now});
-    // The same result may stand at several places, in bytes that differ: writers give each file a number of its own.
+    // The same result may have been written to several paths, with different bytes: some writers put a unique id into each file.
     if (const auto there = cache_.look(key(n, place)))
         for (const auto& were : there->value("files", Json::array()))
             if (were != now && header["files"].size() < most_alternatives) header["files"].push_back(were);
@@ -189,7 +189,7 @@ void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
 void Store::keep_grown(const Key& key, std::size_t n, const Payload& result, const Said& said, bool part) {
     if (!cache_.on() || !result) return;
     const auto extent = pipeline_.nodes[n].type->growth->extent(result);
-    // Of pairs, all of one window come first: then there is more in a part of as many seams.
+    // Of pairs of seams, those of one window are found first. So of two parts with as many seams the larger one holds more.
     const auto bytes = cache_.registry().payload(result.type()).bytes(result);
     if (const auto there = cache_.look(key)) {
         const auto known = extent_in(*there);

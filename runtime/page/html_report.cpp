@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t most_picture_bytes = 24 << 20;
-constexpr double least_gap = 5e-5;  ///< smaller ones are what rounding leaves
+constexpr double least_gap = 5e-5;  ///< smaller gaps are rounding errors
 
 std::string base64(const std::string& bytes) {
     static constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -38,7 +38,7 @@ std::string base64(const std::string& bytes) {
     return out;
 }
 
-/// Three digits, so that columns can be compared at a glance.
+/// Rounds to three significant digits.
 std::string three_digits(double value) { return fmt::format("{:.{}f}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0); }
 
 std::string duration(double seconds) {
@@ -58,7 +58,7 @@ std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100,
 /// "1 seam", "6 seams"
 std::string counted(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
-/// A field of the report for people: numbers short, lists in a row.
+/// A value of the report as short text; lists are joined by commas.
 std::string plain(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -80,7 +80,7 @@ std::string element(const std::string& open, const std::string& words) {
     return fmt::format("<{}>{}</{}>", open, xml_text(words), open.substr(0, open.find(' ')));
 }
 
-/// @param rows  of text; the first cell of each names the row
+/// @param rows  `[row][column]`; the first cell of a row is its name
 std::string wide_table(const std::vector<std::string>& heads, const std::vector<std::vector<std::string>>& rows) {
     std::string out = "<div class=\"scroll\"><table class=\"wide\"><thead><tr>";
     for (std::size_t n = 0; n < heads.size(); ++n) out += element(n == 0 ? "th" : "th class=\"number\"", heads[n]);
@@ -115,7 +115,7 @@ std::string values_table(const std::vector<std::pair<std::string, const ValueOri
     return out + "</tbody></table>\n";
 }
 
-/// One page, section after section.
+/// Builds the page, section by section.
 class Page {
 public:
     Page(const Pipeline& pipeline, const Registry& registry, const Origins& origins, const Json& report, const WrittenFiles& files, const std::string& when)
@@ -240,7 +240,7 @@ private:
         }
     }
 
-    static constexpr std::array<double, 5> heats{0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the time
+    static constexpr std::array<double, 5> heats{0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the total time (0..1) for each heat colour
 
     NodeLook look(const Node& node) const {
         const auto* const entry = measured(node.name);
@@ -365,7 +365,7 @@ private:
                 (bounded ? "<li><i class=\"line bound\"></i>lower bound</li>" : "") + "</ul></figure>\n";
     }
 
-    /// Every list that has an entry per seam.
+    /// A table of all lists in a report entry that have one value per seam.
     void all_numbers(const Json& entry, std::size_t seams) {
         std::vector<std::string> heads{"seam"};
         std::vector<std::vector<std::string>> rows;
@@ -381,7 +381,7 @@ private:
         if (heads.size() > 1) out_ += "<details><summary>All numbers</summary>\n" + wide_table(heads, rows) + "</details>\n";
     }
 
-    /// A section of the report that some nodes have filled in, per frame or once.
+    /// Any other section of the report, with entries per node or per node and frame.
     void others(const std::string& name, const Json& entries) {
         auto title = words(name);
         title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
@@ -433,12 +433,12 @@ private:
     const Json& report_;
     const WrittenFiles& files_;
     const std::string& when_;
-    double all_s_ = 0;              ///< of all nodes
-    std::set<std::string> failed_;  ///< nodes
+    double all_s_ = 0;              ///< time of all nodes, seconds
+    std::set<std::string> failed_;  ///< names of failed nodes
     std::string out_;
 };
 
-/// Fills in the bytes, or what is in the way of that.
+/// Reads the file into `png`, or sets `fault`.
 void read(PagePicture& picture) {
     std::error_code error;
     const auto bytes = fs::file_size(picture.path, error);

@@ -13,33 +13,32 @@
 
 namespace fluidcarve {
 
-/// A picture file that a node of the pipeline writes.
+/// A PNG file that a node of the pipeline writes.
 struct PagePicture {
     std::string node;
     std::string path;
-    std::string png;       ///< its bytes
-    std::string fault;     ///< why there are none: "is not there"
-    bool earlier = false;  ///< it was there before this run, which did not look at it
+    std::string png;       ///< the file's bytes
+    std::string fault;     ///< why the page can't show it: "is not there"; empty: it can
+    bool earlier = false;  ///< written by an earlier run, and not checked by this one
 };
 
-/// What a page shows of the files that a pipeline writes.
+/// The files of a pipeline's writers, for the report page.
 struct WrittenFiles {
     std::vector<PagePicture> pictures;
-    std::map<std::string, std::uint64_t> bytes;  ///< per node: of its files that are there
+    std::map<std::string, std::uint64_t> bytes;  ///< node name to the bytes of its existing files
 };
 
-/// Looks at the files. Of a sequence of pictures the first is taken; a picture of many megabytes is not.
-/// @param delivered  frames
-/// @param report     of the run, as Report::to_json gives it
-/// @param start      of the run: what was written before is an earlier run's, unless this one found it to be current
+/// Looks at the files of all writers. Of a sequence of pictures only the first is shown, and no picture above 24 MiB.
+/// @param delivered  frame numbers
+/// @param report     the run's report, as returned by Report::to_json
+/// @param start      start of the run. Older files count as written by an earlier run, unless this run found them up to date
 WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const nlohmann::ordered_json& report,
                            std::filesystem::file_time_type start);
 
-/// What happened in a run as one HTML page that stands alone: no scripts, nothing that is loaded from elsewhere. For wide and narrow, light
-/// and dark screens.
-/// @param origins  of the pipeline's values
-/// @param report   as Report::to_json gives it
-/// @param when     the run was, for people
+/// The report of a run as one self-contained HTML page, without scripts or external files. For wide and narrow, light and dark screens.
+/// @param origins  the origins of the pipeline's values
+/// @param report   the run's report, as returned by Report::to_json
+/// @param when     time of the run, as text
 std::string to_html(const Pipeline& pipeline, const Registry& registry, const Origins& origins, const nlohmann::ordered_json& report, const WrittenFiles& files,
                     const std::string& when);
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double width = 420, height = 230, top = 30, bottom = 38, right = 14;
 constexpr double text_size = 12;
-constexpr std::size_t most_marks = 60;  ///< more points than these are a line only
+constexpr std::size_t most_marks = 60;  ///< curves with more points have no marks
 
-/// 1, 2 or 5 times a power of ten, so that a range has about four.
+/// Step of a scale: 1, 2 or 5 times a power of ten, about a quarter of the range.
 double step_of(double range) {
     const double rough = range / 4, power = std::pow(10.0, std::floor(std::log10(rough)));
     for (const double factor : {1.0, 2.0, 5.0})
@@ -23,7 +23,7 @@ double step_of(double range) {
     return 10 * power;
 }
 
-/// Where a plot's values stand in the picture.
+/// Maps a plot's values to pixels.
 class Axes {
 public:
     explicit Axes(const LinePlot& plot) {
@@ -61,7 +61,7 @@ public:
         for (int n = 0; n <= steps; ++n) out.push_back(low_ + n * step_);
         return out;
     }
-    /// Places of the labels below: the first, and round numbers.
+    /// Indices of the points that get a label on the x axis: the first, and those at round numbers.
     std::vector<std::size_t> places() const {
         const auto step = std::max<std::size_t>(1, static_cast<std::size_t>(step_of(std::max<double>(4, static_cast<double>(count_) / 1.6))));
         std::vector<std::size_t> out;
@@ -74,7 +74,7 @@ public:
         const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step_ / unit) + 1e-9)));
         return fmt::format("{:.{}f}", std::abs(value) < step_ / 2 ? 0.0 : value / unit, decimals);
     }
-    /// Of the numbers beside the axis, if they stand for larger or smaller ones.
+    /// The power of ten that labels of the y axis leave out, for the title; empty if there is none.
     std::string power() const { return power_ == 0 ? std::string() : fmt::format(", in 1e{}", power_); }
 
 private:
@@ -100,7 +100,7 @@ std::string line(const Axes& axes, const PlotCurve& curve) {
     return fmt::format(R"(<path class="{}" d="{}" fill="none"/>)", curve.style, path);
 }
 
-/// Between two curves, wherever both have values.
+/// The area between two curves, where both have values.
 std::string band(const Axes& axes, const std::vector<double>& upper, const std::vector<double>& lower) {
     std::string path, back;
     const auto close = [&] {

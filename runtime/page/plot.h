@@ -5,23 +5,23 @@
 
 namespace fluidcarve {
 
-/// Values over the whole numbers from 1; one that is not finite leaves a gap.
+/// A curve of values at x = 1, 2, 3, ... A value that is not finite leaves a gap.
 struct PlotCurve {
-    std::string style;  ///< a class of the page's style sheet
-    std::vector<double> values;
+    std::string style;           ///< CSS class
+    std::vector<double> values;  ///< y at x = 1, 2, ...
 };
 
-/// A line plot for a page, which gives its classes colours: `axis`, `grid`, `band`, and those of the curves.
+/// A line plot for a page. The page's style sheet sets the colours of the CSS classes `axis`, `grid`, `band` and those of the curves.
 struct LinePlot {
-    std::string title;    ///< with the unit
-    std::string x_label;  ///< what is counted
+    std::string title;    ///< includes the unit of y
+    std::string x_label;  ///< what x counts
     std::vector<PlotCurve> curves;
-    bool from_zero = false;          ///< the axis begins there
-    bool band = false;               ///< fills what lies between the first two curves
-    std::vector<std::string> notes;  ///< tooltips of the first curve's points, or none
+    bool from_zero = false;          ///< whether the y axis includes 0
+    bool band = false;               ///< whether to fill the area between the first two curves
+    std::vector<std::string> notes;  ///< tooltips of the first curve's points, or empty
 };
 
-/// As SVG, which scales with the page's width.
+/// The plot as SVG that scales with the width of the page.
 std::string to_svg(const LinePlot& plot);
 
 }  // namespace fluidcarve

@@ -10,24 +10,24 @@
 
 namespace fluidcarve {
 
-/// One frame on its way through a pass. Nodes of the pass fire when their last input has arrived.
+/// The state of one frame during a pass. A node of the pass runs when its last input has arrived. Vectors are per pipeline node.
 struct FrameRun {
     FrameRun(std::size_t place, std::size_t order, std::size_t nodes)
         : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), failed(nodes) {}
 
-    const std::size_t place;  ///< in the sequence
-    const std::size_t order;  ///< of admission, without gaps
-    std::vector<std::vector<Payload>> outputs;
-    std::vector<std::atomic<int>> waiting;  ///< inputs still to arrive
-    std::vector<std::atomic<int>> readers;  ///< nodes that have yet to read the outputs
-    std::vector<Schedule::Action> actions;  ///< what each node does in this frame
-    std::vector<char> failed;
-    std::atomic<int> open{0};  ///< ends of the graph not yet reached
+    const std::size_t place;                    ///< index in the sequence
+    const std::size_t order;                    ///< order of admission: 0, 1, 2, ...
+    std::vector<std::vector<Payload>> outputs;  ///< `[node][output]`
+    std::vector<std::atomic<int>> waiting;      ///< number of sources that have not delivered yet
+    std::vector<std::atomic<int>> readers;      ///< number of nodes that have yet to read the outputs
+    std::vector<Schedule::Action> actions;      ///< what the node does in this frame
+    std::vector<char> failed;                   ///< whether the node failed in this frame
+    std::atomic<int> open{0};                   ///< number of end nodes that have not finished this frame
 };
-/// The edges of one pass, between pipeline nodes.
+/// The edges between the nodes of one pass. All numbers are indices of pipeline nodes.
 struct Wiring {
-    std::vector<std::size_t> units;                 ///< per-frame nodes, then gatherers
-    std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: units that it reads
+    std::vector<std::size_t> units;                 ///< nodes of the pass: per-frame nodes, then gatherers
+    std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: per-frame nodes that it reads, each once
     std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 bool streams_in(const Node& node) { return node.gathers && node.per_frame_input; }
 
-/// The per-frame nodes that `node` needs in one pass, marked in `flags`.
+/// Marks in `flags` the per-frame nodes that `node` needs in its pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
     for (const auto& links : pipeline.nodes[node].inputs)
         for (const auto& link : links)
@@ -21,7 +21,7 @@ void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>
             }
 }
 
-/// The nodes that depend on one of these, and these, as flags.
+/// Per node: whether it is `from` or depends on it.
 std::vector<bool> downstream_of(const Pipeline& pipeline, std::size_t from) {
     std::vector<bool> out(pipeline.nodes.size(), false);
     out[from] = true;
@@ -33,10 +33,10 @@ std::vector<bool> downstream_of(const Pipeline& pipeline, std::size_t from) {
 
 std::size_t index_of(const Pipeline& pipeline, std::string_view name) { return static_cast<std::size_t>(pipeline.find(name) - pipeline.nodes.data()); }
 
-/// `to` as a node and, where it is NODE.INPUT of a gatherer that digests its frames, whether that.
+/// The parsed `to` of a wish.
 struct Target {
     std::size_t node;
-    bool digests;
+    bool digests;  ///< NODE.INPUT: only the digests of the gatherer NODE
 };
 
 std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline, std::string& fault) {
@@ -71,7 +71,7 @@ public:
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
             if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) once(n);
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) deliver(pass);
-        // Now that all is known that has to run: what an earlier pass keeps, later ones load.
+        // The first round found everything that must run. In the second round later passes load what earlier passes cache.
         earlier_kept_ = true;
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
             for (auto& actions : out_.frames[pass]) std::fill(actions.begin(), actions.end(), Action::none);
@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    /// All that is asked for itself, frame by frame, in a pass.
+    /// Schedules the targets of a pass that run per frame.
     void deliver(std::size_t pass) {
         for (std::size_t place = 0; place < delivered_.size(); ++place) {
             if (!delivered_[place]) continue;
@@ -113,7 +113,7 @@ private:
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
         if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
-        // Where a node gathers, its action is about what it takes.
+        // In the pass in which a node gathers, its action says how it takes the frame.
         const std::size_t first = streams_in(pipeline_.nodes[n]) ? plan_.gathered_in[n] + 1 : 0;
         for (auto earlier = first; earlier < pass; ++earlier)
             if (out_.frames[earlier][place][n] != Action::none) return true;
@@ -186,7 +186,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     if (!wish.from.empty()) std::erase_if(targets, [after = downstream_of(pipeline, index_of(pipeline, wish.from))](std::size_t n) { return !after[n]; });
     out.needed = pipeline.upstream_of(targets);
 
-    // `ready[n]`: the pass from which on n can run per frame, or before which its once-made outputs are there.
+    // `ready[n]`: the first pass in which n can run per frame; outputs that n makes once are available before that pass.
     std::vector<std::size_t> ready(count, 0);
     std::size_t passes = 0;
     for (std::size_t n = 0; n < count; ++n) {
@@ -237,7 +237,7 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::ve
 
 namespace {
 
-/// In how many frames a node runs, and in how many it takes what it gathers.
+/// Per place: whether a node runs, takes the frame from its inputs, or takes it from a cached digest.
 struct Runs {
     std::vector<bool> run, taken, taken_kept;
 };

@@ -10,75 +10,75 @@
 
 namespace fluidcarve {
 
-/// Which part of a pipeline is asked for.
+/// The part of a pipeline that the user wants to run.
 struct Wish {
-    std::string to;     ///< this node and what it needs, or NODE.INPUT: what a gatherer takes of each frame; empty: all leaves
-    std::string from;   ///< only what this node leads to; empty: everything
-    bool only = false;  ///< what `to` needs must be there: nothing else that is worth keeping is computed
+    std::string to;     ///< NODE: this node and everything upstream; NODE.INPUT: only the digests of a gatherer; empty: all leaves
+    std::string from;   ///< only leaves downstream of this node; empty: all
+    bool only = false;  ///< run `to` alone: cached nodes that it needs must already have their results
 };
 
-/// One streaming of the frames through a part of the pipeline.
+/// One pass of the frames through a part of the pipeline. All numbers are indices of pipeline nodes.
 struct Pass {
-    std::vector<std::size_t> before;     ///< nodes that run once, before the frames, in order
-    std::vector<std::size_t> per_frame;  ///< nodes that run frame by frame, in order
-    std::vector<std::size_t> gatherers;  ///< nodes that take the frames in order, and finish after the last
-    std::vector<std::size_t> delivers;   ///< of `per_frame`: those asked for themselves, for the delivered frames only
+    std::vector<std::size_t> before;     ///< nodes that run once before the frames, in order
+    std::vector<std::size_t> per_frame;  ///< nodes that run per frame, in order
+    std::vector<std::size_t> gatherers;  ///< nodes that take the frames in order and finish after the last
+    std::vector<std::size_t> delivers;   ///< targets among `per_frame`: they run for the delivered frames
 
-    /// Per gatherer, as flags over the pipeline's nodes: the per-frame nodes that it needs.
+    /// `[gatherer][pipeline node]`: whether the gatherer needs the per-frame node.
     std::vector<std::vector<bool>> gatherer_needs;
 };
 
-/// The order of a run: the pipeline cut at its gathering nodes. A node's pass is its depth in gathering nodes; what a
-/// later pass needs of an earlier one's per-frame nodes runs again, unless it is kept.
+/// The order of a run: the pipeline is cut into passes at its gathering nodes. The pass of a node is the largest number of gathering
+/// nodes on a path to it. A per-frame node that a later pass needs again runs again, unless its results are cached.
 struct Plan {
     std::vector<Pass> passes;
     std::vector<std::size_t> after;        ///< nodes that run once after the last pass
-    std::vector<bool> targets;             ///< as flags: the nodes that were asked for
-    std::optional<std::size_t> digested;   ///< a gatherer that is to take its frames, and no more
-    std::vector<bool> needed;              ///< as flags: the targets and all that they need
-    std::vector<std::size_t> gathered_in;  ///< per node that gathers: the pass
+    std::vector<bool> targets;             ///< per node: whether the wish asks for it
+    std::optional<std::size_t> digested;   ///< a gatherer of which only the digests are wanted
+    std::vector<bool> needed;              ///< per node: whether it is a target or upstream of one
+    std::vector<std::size_t> gathered_in;  ///< per node: the pass in which it gathers, if it does
 };
 
-/// What is wrong with a wish, in words; empty if nothing is.
+/// What is wrong with a wish, in words; empty: nothing.
 std::string fault_of(const Wish& wish, const Pipeline& pipeline);
 
-/// @param wish  without fault
+/// Plans the passes of a run. @param wish  must have no fault
 Plan make_plan(const Pipeline& pipeline, const Wish& wish);
 
-/// What there is of former runs.
+/// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0 for nodes that deliver once.
 struct Known {
-    std::function<bool(std::size_t node, std::size_t place)> result;  ///< for any other than per-frame nodes the place is 0
-    std::function<bool(std::size_t node, std::size_t place)> taken;   ///< a gatherer's digest of a frame
+    std::function<bool(std::size_t node, std::size_t place)> result;  ///< whether the result is cached
+    std::function<bool(std::size_t node, std::size_t place)> taken;   ///< whether a gatherer's digest of the frame is cached
     std::function<bool(std::size_t node, std::size_t place)> wants;   ///< whether a gatherer takes the frame
-    std::function<bool(std::size_t node, std::size_t place)> keeps;   ///< what a pass computes of a kept result, later ones find
+    std::function<bool(std::size_t node, std::size_t place)> keeps;   ///< whether later passes can load a result that this run computes
 };
 
-/// What a run does: each node, each frame, before it starts.
+/// What each node will do in each frame of a run.
 struct Schedule {
     enum class Action : char {
         none,
         run,
-        load,  ///< what a former run, or an earlier pass, kept
+        load,  ///< load the cached result of a former run or an earlier pass
     };
-    /// Per pass, place and node. Of gatherers: whether they take the frame, from its inputs or as it was kept.
+    /// `[pass][place][node]`. For a gatherer in its pass: how it takes the frame, from its inputs (run) or from a cached digest (load).
     std::vector<std::vector<std::vector<Action>>> frames;
-    std::vector<Action> once;   ///< per node that delivers once: its result
-    std::vector<char> gathers;  ///< per node: it takes its frames, all of them, and finishes
+    std::vector<Action> once;   ///< per node: action for the result of a node that delivers once
+    std::vector<char> gathers;  ///< per node: whether it takes all its frames and finishes
 };
 
-/// @param delivered  per place in the sequence
+/// Decides what each node does in each frame. @param delivered  per place: whether the frame is delivered
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known);
 
-/// How much of a node a run does.
+/// How much of a node's work a run does. All counts are frames.
 struct Share {
-    std::size_t frames = 0;                      ///< that it is about; of a node that runs once: 1, or as many as it gathers
-    std::size_t runs = 0;                        ///< of those, which are computed; all others are there already
-    bool only_takes = false;                     ///< it is about what a gatherer takes
-    std::size_t taken_anew = 0, taken_kept = 0;  ///< of a gatherer: frames that it takes from its inputs, and as they were kept
+    std::size_t frames = 0;                      ///< frames that the run needs; for a node that runs once: 1, or the frames that it gathers
+    std::size_t runs = 0;                        ///< frames that the run computes; the others are cached
+    bool only_takes = false;                     ///< only the digests of a gatherer are wanted; `frames` and `runs` then count these
+    std::size_t taken_anew = 0, taken_kept = 0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
 };
 
-/// @param nothing_kept  the schedule of the same plan if nothing were known
-/// @return per node
+/// @param nothing_kept  the schedule of the same plan with an empty cache
+/// @return one share per node
 std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule, const Schedule& nothing_kept);
 
 }  // namespace fluidcarve

@@ -23,7 +23,7 @@ using Action = Schedule::Action;
 }  // namespace
 
 struct Flow::Self {
-    /// A body's line to the run, and what it said there.
+    /// The Context::Host of one call of a body. Forwards messages to the run, and records them for the cache.
     struct Line : Context::Host {
         Line(Self& run, std::size_t node) : run(run), node(node) {}
         Self& run;
@@ -31,7 +31,7 @@ struct Flow::Self {
         const Clock::time_point start = Clock::now();
         std::mutex mutex;
         Said said;
-        std::optional<Key> grows;  ///< where a growing result is held
+        std::optional<Key> grows;  ///< key under which `hold` caches a growing result
         Clock::time_point next_hold{};
 
         bool cancelled() const override { return run.cancelled(); }
@@ -54,7 +54,7 @@ struct Flow::Self {
             if (!grows || begin < next_hold) return;
             const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
             run.store.keep_grown(*grows, node, result, said, true);
-            // Holding must not take longer than what it saves.
+            // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
             constexpr int pauses = 10;
             next_hold = Clock::now() + pauses * (Clock::now() - begin);
         }
@@ -74,10 +74,10 @@ struct Flow::Self {
     const std::function<bool()> cancelled;
     std::vector<Behaviour> behaviours;
     std::vector<Steps> steps;
-    std::vector<std::vector<Payload>> held;  ///< outputs of once-run nodes
-    std::atomic<bool> failed{false};         ///< something went wrong
-    std::atomic<bool> fatal{false};          ///< it ends the run even where the user said to keep going
-    std::atomic<bool> lost{false};           ///< a kept result is not there any more
+    std::vector<std::vector<Payload>> held;  ///< `[node][output]`: outputs of nodes that run once
+    std::atomic<bool> failed{false};         ///< a body failed
+    std::atomic<bool> fatal{false};          ///< the failure ends the run even with `keep_going`
+    std::atomic<bool> lost{false};           ///< a cached result is missing
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
@@ -87,7 +87,7 @@ struct Flow::Self {
         return out;
     }
 
-    /// Hands a node its inputs. @param frame  null: per-frame inputs stay empty
+    /// Sets a node's input ports. @param frame  null: inputs that arrive per frame stay empty
     void connect(std::size_t n, void* ports, const FrameRun* frame) const {
         const auto& node = pipeline.nodes[n];
         for (std::size_t i = 0; i < node.inputs.size(); ++i) {
@@ -118,8 +118,9 @@ struct Flow::Self {
         return out;
     }
 
-    /// Calls a body; whatever it throws becomes a Fault. No exception leaves: one would cancel the whole graph.
-    /// @param what  the profile's category
+    /// Calls a body and turns exceptions into Faults. An exception that escaped would cancel the whole flow graph.
+    /// @param what  category in the profile
+    /// @return false if the body threw
     bool guarded(std::size_t n, std::optional<int> frame, const char* what, const std::function<void()>& body) {
         const RunProfile::Span span(profile, what, n, frame);
         const auto fault = [&](const std::string& message, Failure::Kind kind) {
@@ -128,7 +129,7 @@ struct Flow::Self {
             return false;
         };
         try {
-            // Isolated: a parallel loop inside the body must not pick up another frame's body while it waits.
+            // Isolate the body: a thread that waits in a parallel loop of the body must not start the body of another frame.
             tbb::this_task_arena::isolate(body);
             return true;
         } catch (const Cancelled&) {
@@ -142,19 +143,19 @@ struct Flow::Self {
         }
     }
 
-    /// The frame that a place means to a node; none to one that runs once.
+    /// Frame number at a place; nothing for a node that runs once.
     std::optional<int> frame_at(std::size_t n, std::size_t place) const {
         return pipeline.nodes[n].rate == Rate::frame ? std::optional(frames[place]) : std::nullopt;
     }
 
-    /// Keeps what a body made and said, if it is to be kept.
+    /// Caches the outputs and messages of a body, if the node is cached.
     void keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
         const bool stores = options.cache && (pipeline.nodes[n].kept || !said.empty());
         const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frame_at(n, place));
         store.keep(n, place, outputs, said);
     }
 
-    /// What a former run kept of a node's outputs. @param into  becomes them @return false if it is gone
+    /// Loads a node's cached outputs into `into`. @return false if they are missing
     bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
         const RunProfile::Span span(profile, "load", n, frame_at(n, place));
         if (auto outputs = store.result(n, place)) return into = std::move(*outputs), true;
@@ -166,7 +167,7 @@ struct Flow::Self {
         if (load(n, 0, held[n])) report.holds(n, bytes(held[n]));
     }
 
-    /// The end of a gatherer's work, in `ports`, from where a former run has come if its result grows.
+    /// Calls `finish` of a gatherer. If its result grows, it continues from the cached part of a former run.
     void end_gathering(std::size_t n, void* ports, Context& where, Line& line) {
         if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
             line.grows = store.key(n, 0);
@@ -195,7 +196,7 @@ struct Flow::Self {
         else if (delivers) keep(n, 0, held[n], line.said);
     }
 
-    /// What was read is what keys speak of: else results would be kept under another's name.
+    /// Throws if an input file changed after its key was computed: the result would be cached under a wrong key.
     void require_inputs(std::size_t n, std::size_t place) {
         if (store.inputs_changed(n, place)) throw Failure("its file changed while the run was on; run again", Failure::Kind::input);
     }
@@ -222,7 +223,7 @@ struct Flow::Self {
         else keep(n, 0, held[n], line.said);
     }
 
-    /// A per-frame node's work in one frame.
+    /// Runs or loads a per-frame node in one frame.
     void run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
         if (frame.actions[n] == Action::load) {
             frame.failed[n] = cancelled() || !load(n, frame.place, frame.outputs[n]);
@@ -261,7 +262,8 @@ struct Flow::Self {
         return std::any_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
     }
 
-    /// What a gatherer needs of a frame, found for many frames at once or as it was kept. Its one output here is the digest.
+    /// Computes or loads a gatherer's digest of a frame, concurrently with other frames. It becomes the gatherer's only output in
+    /// the frame.
     void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
         if (!behaviours[n].digest) return;
         if (frame.actions[n] == Action::load) {
@@ -290,7 +292,7 @@ struct Flow::Self {
         }
     }
 
-    /// A gatherer takes one frame; false if the frame had failed.
+    /// Hands one frame to a gatherer. @param all  whether the gatherer will finish @return false if the frame failed
     bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
         bool good = true;
         if (frame.actions[n] != Action::none) {
@@ -313,7 +315,7 @@ struct Flow::Self {
         return good;
     }
 
-    /// Lets go of what this node was the last to read: not the whole frame stays alive until its end.
+    /// Frees outputs of which this node was the last reader, before the end of the frame.
     static void release(std::size_t n, FrameRun& frame, const Wiring& wiring) {
         for (const auto source : wiring.sources[n])
             if (frame.readers[source].fetch_sub(1) == 1) frame.outputs[source].clear();
@@ -346,7 +348,7 @@ Flow::~Flow() = default;
 bool Flow::stopped() const { return self_->stopped(); }
 bool Flow::lost() const { return self_->lost; }
 
-/// Tells the progress of all that will run.
+/// Registers everything that will run with the progress display.
 void Flow::Self::announce(const Plan& plan, const Schedule& schedule) {
     std::vector<std::size_t> runs(pipeline.nodes.size(), 0);
     for (std::size_t p = 0; p < plan.passes.size(); ++p) {
@@ -393,7 +395,7 @@ void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action
 
     flow::graph graph;
     std::size_t next = 0;
-    // Only numbers wait in front of the limiter; data comes to life behind it.
+    // Only numbers wait in front of the limiter. Frames are created behind it.
     flow::input_node<std::size_t> source(graph, [&](tbb::flow_control& control) -> std::size_t {
         if (next == places.size() || self.stopped()) return control.stop(), 0;
         return next++;
@@ -422,7 +424,7 @@ void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action
     struct Gather {
         std::unique_ptr<flow::sequencer_node<Token>> order;
         std::unique_ptr<flow::function_node<Token, Token>> add;
-        std::vector<int> lost;  ///< frames that failed upstream or here
+        std::vector<int> lost;  ///< numbers of the frames that failed upstream or here
     };
     std::vector<std::unique_ptr<Unit>> units(nodes);
     std::vector<Gather> gathers(nodes);
@@ -436,7 +438,7 @@ void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action
         });
         if (!gathers_here) continue;
         auto& gather = gathers[n];
-        // Every admitted frame passes, failed ones too: a gap would stall the sequencer for good.
+        // Every admitted frame must pass, also a failed one: a gap would block the sequencer forever.
         gather.order = std::make_unique<flow::sequencer_node<Token>>(graph, [](const Token& frame) { return frame->order; });
         gather.add = std::make_unique<flow::function_node<Token, Token>>(graph, flow::serial, [&self, &wiring, &gather, &schedule, n](const Token& frame) {
             if (!self.add(n, *frame, wiring, schedule.gathers[n] != 0)) gather.lost.push_back(self.frames[frame->place]);

@@ -15,35 +15,34 @@
 
 namespace fluidcarve {
 
-/// Limits and wishes of one run.
+/// Limits and options of one run.
 struct RunOptions {
     int threads = 1;
-    int in_flight = 2;         ///< frames alive at once
-    std::uint64_t memory = 0;  ///< bytes for what nodes hold for the whole sequence
+    int in_flight = 2;         ///< maximum number of frames in memory at once
+    std::uint64_t memory = 0;  ///< bytes that each node may hold in memory for the whole sequence
     std::string work_folder = ".fluidcarve";
-    bool keep_going = false;
-    bool cache = true;                                                  ///< results are kept in the work folder, and taken from there
-    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes that stay there after a run
+    bool keep_going = false;                                            ///< run the other frames after a failure
+    bool cache = true;                                                  ///< read and write cached results in the work folder
+    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes of cached results that remain after a run
 };
 
-/// Executes the parts of a plan: once-run nodes, and passes as TBB flow graphs. Holds what outlives a pass.
+/// Executes a plan: nodes that run once, and passes as TBB flow graphs. Holds all results that outlive a pass.
 class Flow {
 public:
-    /// @param frames     the sequence, frames left out removed
-    /// @param store      what former runs kept, and where this one's results go
-    /// @param profile    null: none is made
-    /// @param cancelled  asked often; true: stop
+    /// @param frames     frame numbers of the sequence, without the frames that readers leave out
+    /// @param store      cached results of former runs; receives those of this run
+    /// @param profile    may be null
+    /// @param cancelled  called often; true: stop
     Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
          Progress& progress, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 
-    /// Runs what the schedule says, pass after pass. A failed frame stops the admission of new ones unless `keep_going`; those in
-    /// flight end.
+    /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a failure; frames in flight end.
     void run(const Plan& plan, const Schedule& schedule);
 
-    /// Not all could run: a failure (not kept going), an interrupted run, a node without its frames.
+    /// Whether the run ended early: cancelled, failed without `keep_going`, or a gatherer lacks frames.
     bool stopped() const;
-    /// A kept result that the schedule counted on was gone or damaged: another schedule is needed.
+    /// Whether a cached result in the schedule was missing or damaged. The run then needs another schedule.
     bool lost() const;
 
 private:

@@ -73,7 +73,7 @@ Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const S
         };
         const bool measured = add(runs, cost.frame_s) & add(share.taken_anew, cost.take_s) & add(once ? 1 : 0, cost.once_s);
         if (!measured) out.unmeasured.push_back(node.name);
-        // What a node delivers per frame is alive in as many frames as are in flight; what it takes of each, if it digests, until its end.
+        // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes, for all frames.
         const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
         const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(runs, share.taken_anew));
         out.bytes += once && node.type->digest != typeid(void) && node.rate != Rate::frame

@@ -11,14 +11,14 @@
 
 namespace fluidcarve {
 
-/// What a run will do, node by node, why, and what it will take.
+/// What a run will do, node by node, and its estimated time and memory.
 struct Forecast {
     struct Line {
         std::string node, type;
-        std::size_t frames = 0;                   ///< that the node is about
-        std::size_t cached = 0;                   ///< of those, what is there already
-        std::string why;                          ///< the others are not; empty if there are none
-        std::size_t taken = 0, taken_cached = 0;  ///< of a gatherer: frames that it takes
+        std::size_t frames = 0;                   ///< frames that the run needs
+        std::size_t cached = 0;                   ///< frames whose results are cached
+        std::string why;                          ///< why the node runs; empty if it does not
+        std::size_t taken = 0, taken_cached = 0;  ///< for a gatherer: frames that it takes; of these, from cached digests
     };
     struct Stream {
         std::size_t frames = 0;
@@ -26,23 +26,24 @@ struct Forecast {
     };
     std::string pipeline;
     FrameSet frames, delivered;
-    std::vector<Line> lines;      ///< of the nodes that are needed
-    std::vector<Stream> streams;  ///< the passes in which something is computed
-    double seconds = 0;           ///< as far as nodes were measured
-    std::vector<std::string> unmeasured;
-    std::uint64_t bytes = 0;  ///< memory; 0: nobody knows
+    std::vector<Line> lines;              ///< the nodes that the run needs
+    std::vector<Stream> streams;          ///< the passes in which a node runs
+    double seconds = 0;                   ///< estimated time of the nodes that were measured before
+    std::vector<std::string> unmeasured;  ///< nodes without a measured time
+    std::uint64_t bytes = 0;              ///< estimated memory; 0: unknown
 };
 
 Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
                   Keys& keys, const RunOptions& options);
 
-/// As a table, with times and memory.
+/// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);
-/// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why", "taken": {"frames", "cached"}}}, "passes", "seconds", "unmeasured", "bytes"}
+/// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why"?, "taken"?: {"frames", "cached"}}},
+/// "passes": [{"frames", "nodes", "gathers"}], "seconds", "unmeasured", "bytes"}
 nlohmann::ordered_json to_json(const Forecast& forecast);
 
-/// A table's columns, the first two to the left, those of numbers to the right.
-/// @param rows  the first is the head; all of equal size; the last column is text
+/// Formats a text table. The first two columns and the last are aligned left, the others right.
+/// @param rows  `[row][column]`; the first row is the head
 std::string table(const std::vector<std::vector<std::string>>& rows);
 
 }  // namespace fluidcarve

@@ -25,7 +25,7 @@ sigset_t stop_signals() {
 }  // namespace
 
 Interrupt::Interrupt() {
-    // Blocked here and so in every thread made from here on: only the watcher sees them, outside of any handler.
+    // Signals are blocked in this thread, and so in all threads that it starts later. Only the watcher reads them, through signalfd.
     const auto set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     signals_ = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);

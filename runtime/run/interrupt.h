@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// While it lives, Ctrl-C (SIGINT, SIGTERM) asks the run to stop; if it has not within 0.8 s, or at the second
-/// signal, the process removes what it was writing and leaves with exit code 130. Make it before any other thread.
+/// Handles SIGINT (Ctrl-C) and SIGTERM during its lifetime. The first signal asks the run to stop. After 0.8 s, or at the second
+/// signal, the process removes unfinished files and exits with code 130. Create it before any other thread.
 class Interrupt {
 public:
     Interrupt();

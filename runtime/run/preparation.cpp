@@ -8,10 +8,10 @@
 namespace fluidcarve {
 namespace {
 
-/// What the readers say of their files before anything runs.
+/// Collects what one reader says of its files.
 class SurveyOf : public Survey {
 public:
-    /// @param needed  nothing: all of them
+    /// @param needed  frames that the run will read; nothing: all
     SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
         : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
     const std::vector<int>& frames() const override { return frames_; }
@@ -35,7 +35,7 @@ private:
     const std::set<std::string, std::less<>> wanted_;
 };
 
-/// Names of a node's outputs that the nodes of a run read.
+/// Names of a node's outputs that the run reads or caches.
 std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node, bool cache) {
     std::set<std::string, std::less<>> out;
     if (cache && pipeline.nodes[node].kept)
@@ -50,12 +50,13 @@ std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, cons
 struct Inputs {
     std::vector<int> frames;  ///< the sequence without the frames that readers leave out
     std::vector<Fault> missing;
-    std::map<std::size_t, std::map<int, int>> stand_ins;  ///< per node
-    std::map<std::size_t, std::uint64_t> most_bytes;      ///< per node, of a frame
+    std::map<std::size_t, std::map<int, int>> stand_ins;  ///< per node: frame to the frame whose file it uses
+    std::map<std::size_t, std::uint64_t> most_bytes;      ///< per node: bytes of its largest frame
 };
 
-/// @param needed       as flags: the nodes that run
-/// @param in_sequence  as flags: those that run for every frame of the sequence, not only for the delivered ones
+/// Calls the survey of each reader.
+/// @param needed       per node: whether the run needs it
+/// @param in_sequence  per node: whether it is needed in every frame of the sequence, not only in delivered frames
 Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const std::vector<bool>& in_sequence, const std::optional<FrameSet>& deliver,
               bool cache, Report& report) {
     Inputs out;
@@ -82,7 +83,7 @@ Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const s
     }
     for (const auto frame : pipeline.frames.frames())
         if (!left_out.contains(frame)) out.frames.push_back(frame);
-    // Where frames are left out, others may stand in than in the whole sequence.
+    // With frames left out, the nearest file of a frame may be another one: find the stand-ins again.
     for (auto& [n, stand_ins] : out.stand_ins) {
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
         const std::optional<FrameSet> none = FrameSet();
@@ -93,7 +94,7 @@ Inputs survey(const Pipeline& pipeline, const std::vector<bool>& needed, const s
     return out;
 }
 
-/// As flags: the nodes that a gatherer needs, for every frame of the sequence and not only for those delivered.
+/// Per node: whether a gatherer needs it, and so needs it in every frame of the sequence, not only in delivered frames.
 std::vector<bool> in_sequence(const Pipeline& pipeline, const Plan& plan) {
     std::vector<bool> out(pipeline.nodes.size(), false);
     for (const auto& pass : plan.passes)

@@ -11,34 +11,35 @@
 
 namespace fluidcarve {
 
-/// All that is known of a run before it starts: which frames there are, what of them is computed, and what is there already.
+/// All that is known of a run before it starts: the plan, the available frames, and which results are cached.
 class Preparation {
 public:
-    /// Looks at the inputs. Warnings go to the report.
-    /// @param wish     without fault
-    /// @param deliver  what per-frame nodes deliver; nothing: all
+    /// Looks at the input files. Warnings go to the report.
+    /// @param wish     must have no fault
+    /// @param deliver  frames that per-frame nodes deliver; nothing: all
     Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options, const Wish& wish, const std::optional<FrameSet>& deliver,
                 Report& report);
 
     const Plan& plan() const { return plan_; }
-    const std::vector<int>& frames() const { return frames_; }         ///< the sequence, frames that readers leave out removed
-    const std::vector<bool>& delivered() const { return delivered_; }  ///< per place
-    std::vector<int> delivered_frames() const;
-    const std::vector<Fault>& missing() const { return missing_; }  ///< inputs that are not there, or unreadable
-    /// Per place: whether the run looks at the node's files there.
+    const std::vector<int>& frames() const { return frames_; }         ///< frame numbers of the sequence, without the frames that readers leave out
+    const std::vector<bool>& delivered() const { return delivered_; }  ///< per place in `frames()`: whether it is delivered
+    std::vector<int> delivered_frames() const;                         ///< frame numbers
+    const std::vector<Fault>& missing() const { return missing_; }     ///< input files that are missing or unreadable
+    /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
-    /// Per reader: memory of the largest frame, by what its file says.
+    /// Reader to the bytes of its largest frame in memory, estimated from its files.
     const std::map<std::size_t, std::uint64_t>& input_bytes() const { return input_bytes_; }
     Cache& cache() { return cache_; }
     Store& store() { return store_; }
     Keys& keys() { return keys_; }
 
     Schedule schedule();
-    /// After kept results turned out to be damaged or gone: reads what it counts on, and counts on nothing that is yet to be kept.
+    /// For use after a cached result was missing or damaged: checks every byte of the entries it uses, and does not expect to load
+    /// results that this run is yet to compute.
     Schedule careful_schedule();
-    /// As if nothing were there.
+    /// The schedule with an empty cache.
     Schedule whole_schedule() const;
-    /// Puts into the report what was said when the results were made that are not made again.
+    /// Adds to the report the warnings and entries of all cached results that the schedule uses.
     void repeat_said(const Schedule& schedule, Report& report);
 
 private:
@@ -52,8 +53,8 @@ private:
     std::vector<Fault> missing_;
     std::map<std::size_t, std::map<int, int>> stand_ins_;
     std::map<std::size_t, std::uint64_t> input_bytes_;
-    std::vector<bool> every_;                                 ///< as flags: the nodes that run for every frame of the sequence
-    std::vector<std::function<bool(const Context&)>> wants_;  ///< per node; empty: all
+    std::vector<bool> every_;                                 ///< per node: whether it is needed in every frame of the sequence
+    std::vector<std::function<bool(const Context&)>> wants_;  ///< per node: whether it takes a frame; empty: takes all
     Cache cache_;
     FileHashes files_;
     Keys keys_;

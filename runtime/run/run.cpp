@@ -21,7 +21,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Where a writer's first file can't be written, no other likely can: told before hours are spent.
+/// Creates the first file of each writer and removes it again, so that a folder that can't be written to fails before a long run.
 void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int frame, Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
@@ -45,7 +45,7 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// @param told  warnings that the user has seen
+/// Prints failures, warnings and times. @param told  warnings that are already printed
 void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
     constexpr std::size_t most = 20;
     const auto faults = report.faults();
@@ -62,7 +62,7 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
                              node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
-/// @param what  the file is, for people @return the exit code, which a file that can't be written changes
+/// Writes a text file. @param what  name of the file's kind, for messages @return `code`, or another exit code if writing fails
 int write_file(const char* what, const std::string& path, const std::string& text, int code) {
     try {
         OutputFile file(path);
@@ -78,7 +78,7 @@ int write_file(const char* what, const std::string& path, const std::string& tex
     }
 }
 
-/// The report, the page and the profile, as far as they are asked for. @return the exit code
+/// Writes the report, the page and the profile, if requested. @return the exit code
 int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
               std::filesystem::file_time_type start, int code) {
     if (!request.report_path.empty())
@@ -90,7 +90,7 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
     return write_file("page", request.html_path, to_html(pipeline, registry, request.origins, summary, files, when), code);
 }
 
-/// What `--only` needs of other nodes and is not there.
+/// For `--only`: a fault for each node whose cached results are missing.
 std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const std::vector<Share>& shares) {
     std::vector<Fault> out;
     for (std::size_t n = 0; n < shares.size(); ++n) {
@@ -104,7 +104,7 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
     return out;
 }
 
-/// Runs, and plans anew where a kept result turns out to be gone. @return whether it was stopped before its end
+/// Executes a schedule. If a cached result is missing, makes a new schedule and tries again. @return whether the run ended early
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
              RunProfile* profile, const std::function<bool()>& cancelled) {
     constexpr int most_attempts = 4;
@@ -130,7 +130,7 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
                  Failure::Kind::data});
             return true;
         }
-        // The last one counts on nothing that others may take away.
+        // The last attempt does not use the cache.
         schedule = attempt + 1 == most_attempts ? prepared.whole_schedule() : prepared.careful_schedule();
     }
 }
@@ -141,7 +141,7 @@ std::uint64_t input_bytes(const Preparation& prepared) {
     return out;
 }
 
-/// So that a later plan can say what changed.
+/// Stores the state of all nodes in the history, so that a later plan can say what changed.
 void remember(const Pipeline& pipeline, Preparation& prepared, const std::vector<Share>& shares, History& history) {
     if (!history.on()) return;
     for (std::size_t n = 0; n < shares.size(); ++n)
@@ -155,7 +155,7 @@ void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const 
     history.save();
 }
 
-/// What the user should know of the work folder.
+/// Warns of damaged or unwritable cache entries.
 void tell_of_cache(const Cache& cache) {
     if (cache.damaged() > 0)
         tell(fmt::format("warning: {} damaged {} of the work folder {} computed anew", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
@@ -195,7 +195,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     const auto told = report.warnings();
-    // What is missing is told before hours are spent. With --keep-going the reader fails at its frame instead.
+    // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (const auto& fault : prepared.missing()) report.failed(fault);
     if (prepared.frames().empty()) {
@@ -211,7 +211,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (report.faults().empty()) {
         auto schedule = prepared.schedule();
         prepared.repeat_said(schedule, report);
-        // Something that was said could not be read to its end: then what goes with it is to be made anew.
+        // repeat_said found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
         const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
         if (request.wish.only)

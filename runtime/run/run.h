@@ -10,7 +10,7 @@
 
 namespace fluidcarve {
 
-/// The program's exit codes (the contract's list).
+/// The program's exit codes (pipelines/FORMATS.md).
 namespace exit_code {
 constexpr int done = 0;
 constexpr int node_failed = 1;
@@ -20,25 +20,26 @@ constexpr int some_frames_failed = 4;
 constexpr int interrupted = 130;
 }  // namespace exit_code
 
+/// A run as asked for on the command line.
 struct RunRequest {
     RunOptions options;
-    std::optional<FrameSet> deliver;  ///< `-f`: what per-frame nodes deliver; nothing: all
-    Wish wish;                        ///< which part of the pipeline
-    std::string report_path;          ///< empty: none is written
-    std::string html_path;            ///< the same for the page
-    std::string profile_path;         ///< and for the trace
-    Origins origins;                  ///< of the pipeline's values, for the page
+    std::optional<FrameSet> deliver;  ///< `-f`: frames that per-frame nodes deliver; nothing: all
+    Wish wish;                        ///< the part of the pipeline to run
+    std::string report_path;          ///< empty: no report
+    std::string html_path;            ///< empty: no page
+    std::string profile_path;         ///< empty: no trace
+    Origins origins;                  ///< origins of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
-    bool quiet = false;    ///< only failures are told
-    bool verbose = false;  ///< the plan before, the time of each node after
+    bool quiet = false;    ///< print failures only
+    bool verbose = false;  ///< print the plan before the run, and the time of each node after it
 };
 
-/// Says on stdout what a run would do, and why; opens no data beyond the heads of files, and what is in them.
+/// Prints to stdout what a run would do, and why. Of input files it reads the headers, and hashes the content.
 /// @return an exit code
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json);
 
-/// Runs a checked pipeline to its end: looks at the inputs, plans, streams, reports. Everything is told on stderr.
-/// @param cancelled  asked often; true: stop soon
+/// Runs a checked pipeline: looks at the inputs, plans, executes, reports. Prints to stderr.
+/// @param cancelled  called often; true: stop soon
 /// @return an exit code
 int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled);
 

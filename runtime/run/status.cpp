@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double silent_seconds = 30;   ///< without a sign of life, a run on another machine counts as killed
-constexpr std::size_t most_ended = 10;  ///< runs that a work folder remembers
+constexpr double silent_seconds = 30;   ///< a run on another machine without an update for so long counts as killed
+constexpr std::size_t most_ended = 10;  ///< number of ended runs whose status files stay in the work folder
 
 double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
@@ -39,7 +39,7 @@ std::string state_of(const Json& run) {
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
-/// Whether it is what StatusFile writes: the file may hold anything.
+/// Whether a value read from a file has the form that StatusFile writes.
 bool well_formed(const Json& run) {
     const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
     if (!run.is_object() || !is(run, "pid", &Json::is_number_integer) || !is(run, "started", &Json::is_number) || !is(run, "updated", &Json::is_number) ||
@@ -57,7 +57,7 @@ struct Run {
     Json about;
 };
 
-/// The latest first.
+/// The runs in a folder of status files, latest first.
 std::vector<Run> runs_in(const std::string& folder) {
     std::vector<Run> out;
     std::error_code error;
@@ -130,7 +130,7 @@ void StatusFile::write(const int* exit_code) const {
         std::ofstream(file.aside()) << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
         file.commit();
     } catch (const Failure&) {
-        // Nobody is told how far the run has come; the run goes on.
+        // The run goes on without a status file.
     }
 }
 

@@ -10,12 +10,12 @@
 
 namespace fluidcarve {
 
-/// While it lives, a file in the work folder says how far a run has come, anew each second, for `fluidcarve status`.
+/// Writes the status of a run to a file in the work folder, every second during its lifetime, for `fluidcarve status`.
 class StatusFile {
 public:
-    /// @param folder  the work folder; empty: nothing is written
+    /// @param folder  the work folder; empty: no file
     StatusFile(const std::string& folder, const Forecast& forecast, const Report& report);
-    /// The run has ended.
+    /// Writes the final status.
     void end(int exit_code);
     ~StatusFile();
     StatusFile(const StatusFile&) = delete;
@@ -33,8 +33,8 @@ private:
     std::thread thread_;
 };
 
-/// The verb `status`: says on stdout of each run in a work folder, the latest first, what it is to do, what is done, and whether it runs,
-/// has ended, or was killed. @return an exit code
+/// The verb `status`: prints each run in a work folder to stdout, latest first: its nodes, how much of each is done, and whether the
+/// run is running, has ended, or was killed. @return an exit code
 int show_status(const std::string& folder, bool json);
 
 }  // namespace fluidcarve

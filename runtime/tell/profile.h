@@ -12,19 +12,20 @@
 
 namespace fluidcarve {
 
-/// When each node's body ran, on which thread, and what was loaded and kept: for viewers of Chrome's trace format. Safe from several
-/// threads.
+/// Records when each node's body ran, on which thread, and when results were loaded and cached. Written in Chrome's trace format.
+/// Thread-safe.
 class RunProfile {
 public:
     using Clock = std::chrono::steady_clock;
 
     explicit RunProfile(const Pipeline& pipeline) : pipeline_(pipeline) {}
 
-    /// Something that takes time: an event from now until its end.
+    /// An event that lasts from its construction to its destruction.
     class Span {
     public:
-        /// @param profile   null: nothing is recorded
-        /// @param category  run, take, digest, finish: a body of a node; load, keep: of its kept results. Outlives the profile
+        /// @param profile   null: the event is not recorded
+        /// @param category  run, take, digest, finish: a body of the node; load, keep: its cached results. Must outlive the profile
+        /// @param frame     frame number, if the event belongs to one frame
         Span(RunProfile* profile, const char* category, std::size_t node, std::optional<int> frame)
             : profile_(profile), category_(category), node_(node), frame_(frame) {}
         ~Span() {
@@ -41,8 +42,8 @@ public:
         const Clock::time_point start_ = Clock::now();
     };
 
-    /// JSON: {"traceEvents": [{"name", "cat", "ph": "X", "ts", "dur", "pid", "tid", "args": {"type", "frame"}}]}, times in microseconds
-    /// since the profile was made, threads numbered from 1.
+    /// JSON: {"traceEvents": [{"name", "cat", "ph": "X", "ts", "dur", "pid", "tid", "args": {"type", "frame"}}]}. Times are in
+    /// microseconds since the construction of the profile, threads are numbered from 1.
     std::string text() const;
 
 private:

@@ -43,7 +43,7 @@ void Progress::done(std::size_t step, double seconds, std::optional<int> frame) 
     const std::lock_guard lock(mutex_);
     auto& state = steps_[step];
     state.done = std::min<double>(std::floor(state.done) + 1, static_cast<double>(state.step.runs));
-    // A run that told of its parts has been counted with them.
+    // `part` has already added the time of a single run.
     state.seconds = state.step.runs == 1 ? seconds : state.seconds + seconds;
     current_ = frame ? fmt::format("{} {}", state.step.label, *frame) : state.step.label;
     show(false);

@@ -12,13 +12,13 @@ namespace fluidcarve {
 enum class ProgressStyle {
     none,
     bar,   ///< one line on a terminal, redrawn
-    json,  ///< a line of JSON a second
+    json,  ///< one line of JSON per second
 };
 
-/// How far a run has come, on stderr, with the time left. Safe from several threads.
+/// Prints the progress of a run and the time left to stderr. Thread-safe.
 ///
-/// A step is one kind of work (a node per frame, or a node's finish) and its number of runs. The time left is the sum
-/// over steps of what each run took so far times the runs to come; steps that have not begun count as the average.
+/// A step is one kind of work (a node's run per frame, or its finish) with its number of runs. The time left is the sum over all steps
+/// of the mean time of a run so far, times the number of runs left. Steps that have not begun count with the mean of the others.
 class Progress {
 public:
     struct Step {
@@ -32,9 +32,9 @@ public:
 
     std::size_t add(Step step);
     void begin_pass(std::size_t pass);
-    /// One run of the step is done. @param frame  shown beside the bar
+    /// To be called after each run of a step. @param seconds  time of the run @param frame  frame number, shown beside the bar
     void done(std::size_t step, double seconds, std::optional<int> frame);
-    /// A long single run has come so far, 0 to 1.
+    /// To be called during the run of a step with a single run. @param fraction  finished part, 0..1 @param seconds  time so far
     void part(std::size_t step, double fraction, double seconds);
 
     double fraction() const;
@@ -43,10 +43,10 @@ public:
 private:
     struct State {
         Step step;
-        double done = 0;  ///< runs
+        double done = 0;  ///< finished runs, with fractions
         double seconds = 0;
     };
-    std::pair<double, double> spent_and_left() const;  ///< seconds of work, summed over threads
+    std::pair<double, double> spent_and_left() const;  ///< seconds of work, summed over all threads
     void show(bool always);
 
     const ProgressStyle style_;

@@ -17,7 +17,7 @@ std::string to_text(const Fault& fault) {
 
 namespace {
 
-/// An entry with a field per frame, in the order of frames; any other as it is.
+/// Sorts the fields of an entry with a field per frame by frame number. Returns any other entry unchanged.
 nlohmann::ordered_json in_order(const nlohmann::ordered_json& entry) {
     std::map<int, nlohmann::ordered_json> frames;
     if (entry.is_object())
@@ -96,7 +96,7 @@ std::vector<std::size_t> Report::done() const {
 
 void Report::failed(Fault fault) {
     const std::lock_guard lock(mutex_);
-    // A run that has to plan anew may meet the same frame again.
+    // A run that plans again may meet the same failure again.
     const auto same = [&](const Fault& known) { return known.node == fault.node && known.frame == fault.frame && known.message == fault.message; };
     if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
 }

@@ -16,7 +16,7 @@
 
 namespace fluidcarve {
 
-/// A frame's (or a once-run node's) failure, as the user reads it.
+/// A failure of a node, in one frame or as a whole.
 struct Fault {
     std::string node;
     std::string type;
@@ -24,54 +24,54 @@ struct Fault {
     std::string message;
     Failure::Kind kind = Failure::Kind::data;
 };
-/// "spin (energy.vorticity), frame 43: message"
+/// The failure as a line of text: "spin (energy.vorticity), frame 43: message".
 std::string to_text(const Fault& fault);
 
-/// How long a node takes, as far as it was measured, and what its result holds.
+/// Measured times of a node, in seconds, and the size of its result.
 struct NodeCost {
-    std::optional<double> frame_s;  ///< to compute one frame
-    std::optional<double> take_s;   ///< of a gatherer: to take one from its inputs
-    std::optional<double> once_s;   ///< to finish, or to run once
-    std::uint64_t bytes = 0;
+    std::optional<double> frame_s;  ///< mean time to compute one frame
+    std::optional<double> take_s;   ///< for a gatherer: mean time to take one frame from its inputs
+    std::optional<double> once_s;   ///< time to finish, or to run once
+    std::uint64_t bytes = 0;        ///< largest result in memory; 0: unknown
 };
 
-/// What happened in a run. All members may be called from several threads at once.
+/// Collects what happens in a run. Thread-safe.
 class Report {
 public:
     explicit Report(const Pipeline& pipeline);
 
-    /// What the run is to do of each node; said once, before it starts.
+    /// Sets how much of each node the run will do. Called once, before the run starts. @param shares  one per node
     void expect(std::vector<Share> shares);
-    /// A node computed the result of one frame. @param bytes  held by it
+    /// A node computed the result of one frame. @param place  index in the sequence @param bytes  size of the result in memory
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gatherer took one frame from its inputs.
     void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
-    /// A node that runs once, or a gatherer, is done.
+    /// A node that runs once, or a gatherer, has finished.
     void finished(std::size_t node, double seconds, std::uint64_t bytes);
-    /// A result came from the work folder.
+    /// A node's result was loaded from the cache.
     void holds(std::size_t node, std::uint64_t bytes);
     void failed(Fault fault);
     void warn(std::size_t node, const std::string& message);
-    /// @param entry  fields of the node's; a node that reports per frame adds fields
+    /// Adds a node's entry to a section. @param entry  a JSON object; entries of the same node are merged
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
 
     const std::string& name(std::size_t node) const { return pipeline_.nodes[node].name; }
-    /// As far as this run measured it.
+    /// The node's cost as measured in this run.
     NodeCost cost(std::size_t node) const;
-    /// How many frames of each node are done: there, or computed.
+    /// Per node: number of frames that are cached or already computed.
     std::vector<std::size_t> done() const;
 
-    std::vector<Fault> faults() const;  ///< ordered by frame, then by the pipeline's order of nodes
+    std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
-    /// The report file's content (the contract's "Report").
+    /// The content of the report file (pipelines/FORMATS.md). @param delivered  numbers of the delivered frames
     nlohmann::ordered_json to_json(const std::vector<int>& delivered, int exit_code) const;
 
 private:
     struct Stats {
-        std::set<std::size_t> places;  ///< of the frames computed
-        std::set<std::size_t> taken;   ///< places of the frames that it took from its inputs
+        std::set<std::size_t> places;  ///< places of computed frames
+        std::set<std::size_t> taken;   ///< places of frames taken from its inputs
         bool finished = false;
-        double frame_s = 0, take_s = 0, once_s = 0;  ///< sums
+        double frame_s = 0, take_s = 0, once_s = 0;  ///< sums of seconds
         std::size_t runs = 0;
         std::uint64_t most_bytes = 0;
         double seconds() const { return frame_s + take_s + once_s; }
@@ -79,7 +79,7 @@ private:
     const Pipeline& pipeline_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     mutable std::mutex mutex_;
-    /// How many of a node's frames this run computed.
+    /// Number of a node's frames that this run computed.
     std::size_t computed(std::size_t node) const;
 
     std::vector<Stats> stats_;

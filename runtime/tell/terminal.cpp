@@ -12,7 +12,7 @@ bool coloured_terminal() {
     return isatty(STDERR_FILENO) != 0 && (!no_color || *no_color == '\0');
 }
 
-// fmt's own print throws where stderr is a file on a full disk.
+// Not fmt::print: it throws if stderr is a file on a full disk.
 void tell(const std::string& text) {
     std::string line = text + "\n";
     if (coloured_terminal())

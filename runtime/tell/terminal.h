@@ -4,10 +4,10 @@
 
 namespace fluidcarve {
 
-/// Whether stderr is a terminal that colours are welcome on: NO_COLOR is not set.
+/// Whether stderr is a terminal and the environment variable NO_COLOR is not set.
 bool coloured_terminal();
 
-/// A line on stderr. On a coloured terminal its first word stands out if it is `failed:`, `warning:` or `done:`.
+/// Prints a line to stderr. On a coloured terminal, a first word `failed:`, `warning:` or `done:` is highlighted.
 void tell(const std::string& text);
 
 }  // namespace fluidcarve

@@ -28,7 +28,7 @@ namespace {
 void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 void complain(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
-/// "8G", "500M", "1.5 GiB" to bytes; powers of 1024.
+/// Parses "8G", "500M", "1.5 GiB" into bytes. Units are powers of 1024.
 std::optional<std::uint64_t> parse_size(const std::string& text) {
     char* end = nullptr;
     const double number = std::strtod(text.c_str(), &end);
@@ -43,7 +43,7 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
 
 std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2; }
 
-/// What the verbs that take a pipeline share.
+/// Arguments of all verbs that take a pipeline.
 struct PipelineArguments {
     std::string path;
     std::vector<std::string> settings;
@@ -55,22 +55,22 @@ struct PipelineArguments {
             ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
             ->expected(1)
             ->take_all();
-        verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names: their code runs with all your rights");
+        verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names; their code runs with all your rights");
     }
 
-    /// What the document says, with the plugins that it names, whose types come into the registry.
+    /// Loads the plugins that a document names, adds their types to the registry, and builds the pipeline.
     Pipeline build(const Document& document, Registry& registry, Problems& problems) const {
         PluginFiles files;
         const auto before = problems.size();
         load_plugins(document.plugins, {allow_plugins, trusted_plugin_folders()}, registry, files, problems);
-        // Without all types there is no telling what is wrong with nodes.
+        // Nodes can't be checked without the types of all plugins.
         if (problems.size() > before) return {};
         auto pipeline = build_pipeline(document, registry, problems);
         pipeline.plugins = std::move(files);
         return pipeline;
     }
 
-    /// Nothing where there are problems, which have been told.
+    /// Reads and checks the pipeline. Prints problems and returns nothing if there are any.
     std::optional<Pipeline> read_or_complain(Registry& registry) const {
         Problems problems;
         auto pipeline = build(read_document(path, settings, problems), registry, problems);
@@ -89,43 +89,43 @@ struct RunArguments {
     std::string memory;
     std::string progress = "auto";
     RunRequest request;
-    const CLI::Option* frames_option = nullptr;  ///< an empty -f, as from an unset variable of a farm's script, is wrong, not "all"
+    const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a farm's script), which is an error, from no -f
 
     void declare(CLI::App& verb) {
         frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
         auto* const to =
-            verb.add_option("--to", request.wish.to, "Run this node and what it needs, nothing else; NODE.INPUT of a solver: only what it takes of each frame")
+            verb.add_option("--to", request.wish.to, "Run only this node and the nodes that it needs; NODE.INPUT of a solver: only extract its data from each frame")
                 ->type_name("NODE");
-        auto* const from = verb.add_option("--from", request.wish.from, "Deliver only what this node leads to")->type_name("NODE");
-        verb.add_option("--only", only, "Run this node alone: what it needs must be in the work folder, or cheap")
+        auto* const from = verb.add_option("--from", request.wish.from, "Deliver only results that depend on this node")->type_name("NODE");
+        verb.add_option("--only", only, "Run this node alone; the cached results that it needs must already be in the work folder")
             ->type_name("NODE")
             ->excludes(to)
             ->excludes(from);
         verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
-        verb.add_option("--in-flight", in_flight, "Frames alive at once (default: threads + 1)")->check(CLI::Range(1, 100000));
-        verb.add_option("--memory", memory, "What a node may hold for the whole sequence before it uses files (default: half of the machine's)")
+        verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")->check(CLI::Range(1, 100000));
+        verb.add_option("--memory", memory, "Memory that a node may use for the whole sequence before it uses files (default: half of the machine's memory)")
             ->type_name("SIZE")
             ->envname("FLUIDCARVE_MEMORY");
-        verb.add_option("--work", request.options.work_folder, "Folder for such files and for results, which no later run computes again")
+        verb.add_option("--work", request.options.work_folder, "Folder for these files and for cached results, which later runs use again")
             ->capture_default_str()
             ->type_name("DIR")
             ->envname("FLUIDCARVE_WORK");
-        verb.add_flag("--no-cache", no_cache, "Neither take results from the work folder nor keep any there")->envname("FLUIDCARVE_NO_CACHE");
-        verb.add_option("--cache-size", cache_size, "How much of results stays in the work folder after a run; what was used longest ago goes (default: 50G)")
+        verb.add_flag("--no-cache", no_cache, "Neither read nor write cached results in the work folder")->envname("FLUIDCARVE_NO_CACHE");
+        verb.add_option("--cache-size", cache_size, "Size of the cached results that remain after a run; the least recently used are removed (default: 50G)")
             ->type_name("SIZE")
             ->envname("FLUIDCARVE_CACHE_SIZE");
-        verb.add_option("--report", request.report_path, "Write what happened to this file")->type_name("FILE.json");
-        verb.add_option("--html", request.html_path, "Write what happened as a page for people: pictures, times, seams, where each value comes from")
+        verb.add_option("--report", request.report_path, "Write a report of the run")->type_name("FILE.json");
+        verb.add_option("--html", request.html_path, "Write a report of the run as a page: pictures, times, seams, the origin of each value")
             ->type_name("FILE.html");
-        verb.add_option("--profile", request.profile_path, "Write when each node ran, and on which thread, as a trace for chrome://tracing or Perfetto")
+        verb.add_option("--profile", request.profile_path, "Write a trace for chrome://tracing or Perfetto: when each node ran, and on which thread")
             ->type_name("FILE.json");
         verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
         verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
-        const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Tell failures only");
+        const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
         verb.add_flag("-v,--verbose", request.verbose, "Show the plan and the time of each node")->excludes(quiet);
     }
 
-    /// Nothing where an argument is wrong; it has been told.
+    /// Checks the arguments. Prints a message and returns nothing if one is wrong.
     std::optional<RunRequest> read(const Pipeline& pipeline) {
         const auto wrong = [](const std::string& message) {
             complain(message + "\n");
@@ -203,7 +203,7 @@ int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool j
     return request ? plan_pipeline(*pipeline, registry, *request, json) : exit_code::usage;
 }
 
-/// Removes what runs left in a work folder, and the folder if nothing else is in it.
+/// Removes all files of fluidcarve from a work folder, and the folder if it is then empty.
 int clean(const std::string& folder) {
     namespace fs = std::filesystem;
     std::error_code error;
@@ -218,7 +218,7 @@ int clean(const std::string& folder) {
     return exit_code::done;
 }
 
-/// Whether all plugins are there; what is wrong with one has been told.
+/// Loads plugins. Prints a message and returns false if one can't be loaded.
 bool load_or_complain(const std::vector<std::string>& plugins, Registry& registry) {
     PluginFiles files;
     try {
@@ -247,14 +247,14 @@ int graph(const PipelineArguments& arguments, const std::string& format, Registr
     return exit_code::done;
 }
 
-/// What `--help` of each verb, and the manual page, end with.
+/// Adds examples to the help of each verb and the manual page.
 void add_examples(CLI::App& app) {
     const std::map<std::string, const char*> examples{
         {"run",
          "  fluidcarve run pipelines/plume.yaml --set count=-20\n"
          "  fluidcarve run shot.yaml -f 1001-1010 --report out/shot.json     a farm's chunk\n"
-         "  fluidcarve run shot.yaml --to seams.energy -f 1-42              what a solver takes of these frames\n"
-         "  fluidcarve run shot.yaml --only seams                           the solver alone, of what is there"},
+         "  fluidcarve run shot.yaml --to seams.energy -f 1-42              only the solver's data of these frames\n"
+         "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
         {"check", "  fluidcarve check shot.yaml\n  fluidcarve check shot.yaml -v        where each value comes from"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
@@ -274,7 +274,7 @@ void add_examples(CLI::App& app) {
         if (const auto found = examples.find(verb->get_name()); found != examples.end()) verb->footer(std::string("Examples:\n") + found->second);
 }
 
-/// What is wrong with the first word, if it is meant to be a verb and is none.
+/// A message if the first argument should be a verb and is not one; else empty.
 std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
     std::vector<std::string> names;
     for (const auto* const verb : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(verb->get_name());
@@ -287,13 +287,13 @@ std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv, Registry registry) {
-    CLI::App app("Carves seams out of volume sequences, or into them: resize a finished simulation without simulating it again.", "fluidcarve");
+    CLI::App app("Changes the size of a finished simulation without simulating it again: carves seams out of volume sequences, or inserts them.", "fluidcarve");
     app.set_version_flag("--version", std::string("fluidcarve ") + FLUIDCARVE_VERSION);
     app.require_subcommand(1);
     app.failure_message(CLI::FailureMessage::simple);
 
     PipelineArguments pipeline;
-    RunArguments run_arguments, plan_arguments;  // each verb its own: the environment speaks to all of them
+    RunArguments run_arguments, plan_arguments;  // one per verb: environment variables set the options of both
     bool json = false;
     bool verbose = false;
     bool markdown = false;
@@ -303,49 +303,49 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const run_verb = app.add_subcommand("run", "Run a pipeline");
     pipeline.declare(*run_verb);
     run_arguments.declare(*run_verb);
-    auto* const check_verb = app.add_subcommand("check", "Find everything that is wrong with a pipeline, without running it");
+    auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
-    check_verb->add_flag("--json", json, "Problems as JSON; with --verbose and none, the values");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and where it comes from");
+    check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, if there are none, the values");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin");
     auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
-    plan_verb->add_flag("--json", json, "As JSON");
+    plan_verb->add_flag("--json", json, "Print as JSON");
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
     auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
-    status_verb->add_flag("--json", json, "As JSON");
+    status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
     clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or describe one");
-    nodes_verb->add_option("type", type, "A node type, for its description")->type_name("TYPE");
-    auto* const json_flag = nodes_verb->add_flag("--json", json, "As JSON");
-    nodes_verb->add_flag("--markdown", markdown, "As Markdown")->excludes(json_flag);
+    nodes_verb->add_option("type", type, "The node type to describe")->type_name("TYPE");
+    auto* const json_flag = nodes_verb->add_flag("--json", json, "Print as JSON");
+    nodes_verb->add_flag("--markdown", markdown, "Print as Markdown")->excludes(json_flag);
     auto* const schema_verb = app.add_subcommand("schema", "Print the JSON schema (draft 7) of pipeline files, for editors");
     std::vector<std::string> plugins;
     for (auto* const verb : {nodes_verb, schema_verb})
-        verb->add_option("--plugin", plugins, "With the types of this plugin, whose code is loaded; may be repeated")
+        verb->add_option("--plugin", plugins, "Include the types of this plugin; its code is loaded; may be repeated")
             ->type_name("FILE")
             ->expected(1)
             ->take_all();
     NewNode new_node;
     auto* const new_node_verb = app.add_subcommand("new-node", "Write a plugin with a node type of your own: source, test, build files, a pipeline");
-    new_node_verb->add_option("name", new_node.name, "Of the node type: FAMILY.NAME, such as acme.sparkle; the family is yours")->required()->type_name("NAME");
-    new_node_verb->add_flag("--solver", new_node.solver, "A solver, in place of an energy");
-    new_node_verb->add_option("--folder", new_node.folder, "Where it is written (default: ./FAMILY_NAME)")->type_name("DIR");
+    new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")->required()->type_name("NAME");
+    new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
+    new_node_verb->add_option("--folder", new_node.folder, "The folder to write (default: ./FAMILY_NAME)")->type_name("DIR");
     auto* const graph_verb = app.add_subcommand("graph", "Draw a pipeline");
     pipeline.declare(*graph_verb);
-    graph_verb->add_option("--format", format, "Language of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
+    graph_verb->add_option("--format", format, "Format of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
 
     std::vector<std::string> files;
-    auto* const inspect_verb = app.add_subcommand("inspect", "Say what is in data files: grids, types, transforms, ranges, oddities");
+    auto* const inspect_verb = app.add_subcommand("inspect", "Show the content of data files: grids, types, transforms, ranges, oddities");
     inspect_verb->add_option("files", files, "Data files (.vdb)")->required()->type_name("FILE");
-    inspect_verb->add_flag("--json", json, "As JSON");
+    inspect_verb->add_flag("--json", json, "Print as JSON");
 
     std::string shell;
     auto* const man_verb = app.add_subcommand("man", "Print the manual page");
     auto* const completion_verb = app.add_subcommand("completion", "Print a script that completes commands in a shell");
-    completion_verb->add_option("shell", shell, "Which shell")->required()->check(CLI::IsMember({"bash", "zsh"}))->type_name("SHELL");
+    completion_verb->add_option("shell", shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh"}))->type_name("SHELL");
     add_examples(app);
 
     if (const auto fault = wrong_verb(app, argc, argv); !fault.empty()) return complain(fault), exit_code::usage;

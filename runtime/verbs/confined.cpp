@@ -31,13 +31,13 @@ void write_all(int file, const std::string& text) {
 }
 
 void confine(std::uint64_t memory, double seconds) {
-    // Not left alone: neither when the parent is killed nor when the file makes it loop.
+    // The child must not survive a killed parent, nor loop forever.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     const rlimit time{static_cast<rlim_t>(seconds * std::max(1U, std::thread::hardware_concurrency())) + 1, RLIM_INFINITY};
     setrlimit(RLIMIT_CPU, &time);
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-#ifndef __SANITIZE_ADDRESS__  // whose shadow alone takes terabytes
+#ifndef __SANITIZE_ADDRESS__  // AddressSanitizer's shadow memory takes terabytes
     const rlimit space{memory, memory};
     setrlimit(RLIMIT_AS, &space);
 #else
@@ -61,7 +61,7 @@ void confine(std::uint64_t memory, double seconds) {
     _exit(0);
 }
 
-/// All that the child writes. @return false if the time is over first
+/// Reads everything that the child writes. @return false if the time is over before
 bool read_all(int in, double seconds, std::string& text) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));

@@ -6,17 +6,17 @@
 
 namespace fluidcarve {
 
-/// What came of a call in a process of its own.
+/// Outcome of a call in a child process.
 struct Confined {
     enum class End { returned, threw, crashed, too_slow };
     End end = End::crashed;
-    std::string text;  ///< what it returned, or the message of what it threw; of a crash, the signal
+    std::string text;  ///< the returned text, the exception's message, or the name of the signal
 };
 
-/// Calls in a child process with limits, so that a hostile file can take down or hang that one only. What the call
-/// prints is dropped. Call it before the program has other threads.
-/// @param memory   bytes of address space
-/// @param seconds  until the child is killed
+/// Calls a function in a child process with limits, so that a hostile file can't crash or hang the program. Output of the call to
+/// stdout and stderr is discarded. Must be called before the program starts other threads.
+/// @param memory   limit of the address space, bytes
+/// @param seconds  time after which the child is killed
 Confined call_confined(const std::function<std::string()>& call, std::uint64_t memory, double seconds);
 
 }  // namespace fluidcarve

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// fmt's own print throws where a file is on a full disk.
+/// Not fmt::print: it throws if the output is a file on a full disk.
 void tell(std::FILE* where, const std::string& text) { std::fwrite(text.data(), 1, text.size(), where); }
 
 const FileInspector* inspector_of(const std::string& path, const Registry& registry) {
@@ -26,7 +26,7 @@ const FileInspector* inspector_of(const std::string& path, const Registry& regis
     return found == all.end() ? nullptr : &*found;
 }
 
-/// Small files within seconds, so that one that makes its reader loop does not hold up a script; large ones as long as a slow disk takes.
+/// Time limit for reading a file, in seconds: short for small files, in case the reader loops; for large files as long as a slow disk needs.
 double patience(const std::string& path) {
     constexpr double least = 6, bytes_per_second = 2e7;
     std::error_code ignored;
@@ -34,7 +34,7 @@ double patience(const std::string& path) {
     return ignored ? least : least + static_cast<double>(bytes) / bytes_per_second;
 }
 
-/// @param fault  set to what is wrong when nothing is returned
+/// Inspects a file in a child process. @param fault  set to the reason if nothing is returned
 std::optional<Json> look(const std::string& path, const FileInspector& inspector, std::uint64_t memory, std::string& fault) {
     const double seconds = patience(path);
     const auto answer = call_confined([&] { return inspector.look(path).dump(-1, ' ', false, Json::error_handler_t::replace); }, memory, seconds);

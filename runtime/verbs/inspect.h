@@ -8,8 +8,8 @@
 
 namespace fluidcarve {
 
-/// The verb `inspect`: says on stdout what is in each file, read in a process of its own, and on stderr which can't be read.
-/// @param memory  bytes that reading one file may take
+/// The verb `inspect`: reads each file in a child process, prints its content to stdout, and errors to stderr.
+/// @param memory  limit of the memory for reading one file, bytes
 /// @return an exit code
 int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory, const Registry& registry);
 

@@ -14,7 +14,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Whether it is FAMILY.NAME, each of small letters, digits and single _ between them, a letter first.
+/// Whether a name has the form FAMILY.NAME: both parts begin with a letter, and hold small letters, digits and single underscores.
 bool well_formed(const std::string& name) {
     const auto dot = name.find('.');
     if (dot == std::string::npos) return false;
@@ -29,7 +29,7 @@ bool well_formed(const std::string& name) {
 
 namespace fs = std::filesystem;
 
-/// What is wrong with a node type's name, or empty.
+/// What is wrong with the name of a new node type; empty: nothing.
 std::string fault_of(const std::string& name, const Registry& registry) {
     if (!well_formed(name))
         return fmt::format("'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in small letters, digits and single _", name);

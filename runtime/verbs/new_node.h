@@ -8,17 +8,18 @@
 
 namespace fluidcarve {
 
+/// Arguments of the verb `new-node`.
 struct NewNode {
-    std::string name;     ///< of the node type: `acme.sparkle`
-    bool solver = false;  ///< in place of an energy
-    std::string folder;   ///< empty: `acme_sparkle` in the current one
+    std::string name;     ///< name of the node type: `acme.sparkle`
+    bool solver = false;  ///< true: a solver; false: an energy
+    std::string folder;   ///< empty: `FAMILY_NAME` in the current folder
 };
 
-/// Writes a plugin with one node type that can be built as it is: source, test, build files, a pipeline that uses it. Overwrites nothing.
+/// Writes a plugin with one node type, ready to build: source, test, build files, and a pipeline that uses it. Never overwrites files.
 /// @return an exit code
 int write_new_node(const NewNode& wanted, const Registry& registry);
 
-/// What is written, by file: nodes/new_node/*.in, in which `{{family}}`, `{{name}}`, `{{Name}}`, `{{type}}` and `{{folder}}` stand for names.
+/// Templates of these files, by name: nodes/new_node/*.in. `{{family}}`, `{{name}}`, `{{Name}}`, `{{type}}` and `{{folder}}` are placeholders.
 const std::map<std::string_view, std::string_view>& new_node_texts();
 
 }  // namespace fluidcarve

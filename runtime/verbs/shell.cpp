@@ -10,7 +10,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Text that roff takes literally.
+/// Escapes a text for roff.
 std::string roff(const std::string& text) {
     std::string out;
     bool begins = true;
@@ -31,18 +31,18 @@ std::vector<const CLI::Option*> options(const CLI::App& app) {
     return app.get_options([](const CLI::Option*) { return true; });
 }
 
-/// "-f, --frames FRAMES"; of a positional its name.
+/// An option as in help texts: "-f, --frames FRAMES"; a positional argument by its type name.
 std::string spelling(const CLI::Option& option) {
     std::string out;
     for (const auto& name : option.get_snames()) out += (out.empty() ? "-" : ", -") + name;
     for (const auto& name : option.get_lnames()) out += (out.empty() ? "--" : ", --") + name;
-    // A check on choices is no name of a type.
+    // CLI11 appends the choices of a check to the type name: "TEXT:{auto,bar}".
     const auto type = option.get_type_name().substr(0, option.get_type_name().find(':'));
     if (out.empty()) return type;
     return option.get_expected_max() == 0 || type.empty() ? out : out + " " + type;
 }
 
-/// Choices of an option: what stands in braces behind its type, "{auto,bar}".
+/// Choices of an option, from the braces in its type name: "{auto,bar}".
 std::vector<std::string> choices(const CLI::Option& option) {
     const auto text = option.get_type_name();
     const auto begin = text.rfind('{'), end = text.rfind('}');

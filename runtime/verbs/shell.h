@@ -8,10 +8,10 @@ class App;
 
 namespace fluidcarve {
 
-/// The manual page of a program with verbs (roff), made of what its command line declares.
+/// The manual page of a program with verbs, in roff, generated from its command line.
 std::string man_page(const CLI::App& app, const std::string& version);
 
-/// A script for bash or zsh that completes verbs, options, their choices, and files elsewhere.
+/// A script for bash or zsh that completes verbs, options and their choices, and file names for all other arguments.
 /// @param shell  "bash" or "zsh"
 std::string completion(const CLI::App& app, const std::string& shell);
 

@@ -101,11 +101,11 @@ TEST_CASE("check tells where each value of a shot comes from: its own file, the 
     CHECK_THAT(told.out,
                Catch::Contains("\n    path = /show/caches/sh010/smoke.####.vdb, from pipelines/shots/smoke.yaml:") && Catch::Contains(" with CACHES, shot\n"));
 
-    // The README shows a part of it.
-    const auto readme = Scratch::read(SOURCE_ROOT "/README.md");
-    const auto begin = readme.find("      seams:\n        type = ");
+    // A page shows a part of it.
+    const auto page = Scratch::read(SOURCE_ROOT "/pipelines/README.md");
+    const auto begin = page.find("      seams:\n        type = ");
     REQUIRE(begin != std::string::npos);
-    const auto part = std::regex_replace(readme.substr(begin, readme.find("\n\n", begin) + 1 - begin), std::regex("(^|\n)    "), "$1");
+    const auto part = std::regex_replace(page.substr(begin, page.find("\n\n", begin) + 1 - begin), std::regex("(^|\n)    "), "$1");
     CHECK_THAT(fluidcarve_program("check -v pipelines/shots/sh010.yaml").out, Catch::Contains("\n" + part));
 
     // From its own folder, places are as they are typed there.
@@ -190,17 +190,72 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
     for (const auto& file : files) CHECK_THAT(file, !Catch::Contains(".part"));
 }
 
-TEST_CASE("the README's pipeline is good and runs") {
+TEST_CASE("the README's pipeline is good and runs, and its mistake is told as the README says") {
     const auto readme = Scratch::read(SOURCE_ROOT "/README.md");
     const std::string fence = "```yaml\n";
     const auto begin = readme.find(fence) + fence.size();
+    const auto text = readme.substr(begin, readme.find("```", begin) - begin);
     const Scratch scratch;
-    const auto path = scratch.write("readme.yaml", readme.substr(begin, readme.find("```", begin) - begin));
-    const auto ran = fluidcarve_program("run -q " + path + " --set out.path=" + (scratch / "out.####.vdb") + " --set sheet.path=" + (scratch / "sheet.png"));
+    const auto path = scratch.write("readme.yaml", text);
+    const auto ran = fluidcarve_program("run -q " + path + " --set out.path=" + (scratch / "out.####.vdb"));
     CHECK(ran.err == "");
     CHECK(ran.code == 0);
     CHECK(fs::exists(scratch / "out.0056.vdb"));
-    CHECK(fs::exists(scratch / "sheet.png"));
+
+    scratch.write("shot.yaml", std::regex_replace(text, std::regex("energy: energy,"), "energy: sim.densty,"));
+    const auto told = call_shell("cd " + scratch.path() + " && " FLUIDCARVE_PROGRAM " check shot.yaml").err;
+    REQUIRE_THAT(told, Catch::StartsWith("shot.yaml:"));
+    const auto first = told.substr(0, told.find("^\n") + 1);
+    CHECK_THAT(readme, Catch::Contains("\n    " + std::regex_replace(first, std::regex("\n"), "\n    ") + "\n"));
+}
+
+TEST_CASE("the shot that a page shows is the one that ships") {
+    const auto shot = Scratch::read(SOURCE_ROOT "/pipelines/shots/sh010.yaml");
+    CHECK_THAT(Scratch::read(SOURCE_ROOT "/pipelines/README.md"), Catch::Contains("```yaml\n" + shot.substr(shot.find("fluidcarve: 1")) + "```\n"));
+}
+
+TEST_CASE("pages name verbs, options and node types that there are") {
+    const auto all = [](const std::string& text, const std::string& pattern, auto&& tell) {
+        const std::regex expression(pattern);
+        for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at) tell(*at);
+    };
+    const auto types = fluidcarve_program("nodes").out;
+    const auto help = [](const std::string& verb) {
+        const auto called = fluidcarve_program(verb + " --help");
+        CHECK(called.code == 0);
+        return called.out + " --help ";
+    };
+    int commands = 0, options = 0, nodes = 0;
+    for (const std::string page : {"README.md", "nodes/README.md", "pipelines/README.md", "runtime/README.md"}) {
+        const auto text = std::regex_replace(Scratch::read(SOURCE_ROOT "/" + page), std::regex(R"(\\\n *)"), "");
+        all(text, R"([/`]fluidcarve ([a-z-]+)([^`#\n]*))", [&](const std::smatch& command) {
+            INFO(page << ": " << command.str());
+            const auto known = help(command[1]);
+            all(command[2], R"( (--?[a-z][a-z-]*))", [&](const std::smatch& option) {
+                INFO(option.str());
+                CHECK(std::regex_search(known, std::regex("[ ,]" + option.str(1) + "[ ,]")));
+            });
+            ++commands;
+        });
+        // The table of options, and that of verbs.
+        const auto of_run = page == "runtime/README.md" ? help("run") : "";
+        all(text, R"(\n\| `(--?[a-z][a-z-]*))", [&](const std::smatch& option) {
+            INFO(page << ": " << option.str());
+            CHECK(std::regex_search(of_run, std::regex("[ ,]" + option.str(1) + "[ ,]")));
+            ++options;
+        });
+        if (page == "runtime/README.md") all(text, R"(\n\| `([a-z][a-z-]*))", [&](const std::smatch& verb) { help(verb[1]); });
+        all(text, R"((`|type: )([a-z]+\.)([a-z_]+)[`,}\n])", [&](const std::smatch& type) {
+            // Of a family that there is: not `sim.density`, nor a file, nor the example of a page.
+            if (types.find("\n  " + type.str(2)) == std::string::npos || type.str(3) == "yaml") return;
+            INFO(page << ": " << type.str());
+            CHECK_THAT(types, Catch::Contains("\n  " + type.str(2) + type.str(3) + " "));
+            ++nodes;
+        });
+    }
+    CHECK(commands > 15);
+    CHECK(options > 15);
+    CHECK(nodes > 60);
 }
 
 TEST_CASE("the generated reference and schema are current") {

@@ -109,7 +109,9 @@ private:
             const auto found = connected.find(std::string(input));
             return found == connected.end() ? 0 : found->second;
         }
+        std::vector<std::string> names(std::string_view) const override { return {}; }
         void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
+        void fault(const Mark& at, const std::string& message) override { faults += fluidcarve::text_of(at) + ": " + message + "\n"; }
     };
 
     std::map<std::string, Payload> outputs(const void* made) const {

@@ -8,7 +8,7 @@
 
 namespace fluidcarve {
 
-/// A rim of a lattice that content crosses: what the carve moves on one side stays on the other (METHOD 4, "Tears").
+/// A rim of a lattice that content crosses: what the carve moves on one side stays on the other (METHOD 4 "Tears").
 struct Tear {
     std::string grid;
     std::string rim;   ///< "v = 0"

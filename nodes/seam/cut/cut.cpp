@@ -15,9 +15,9 @@ namespace fluidcarve {
 
 namespace {
 
-/// Nodes of the smallest tiles, which a core's own cache holds.
+/// Nodes of a tile; they fit into a core's own cache.
 constexpr std::size_t tile_nodes = 16384;
-/// How many nodes may be looked at between two searches, as a share of all.
+/// How many nodes may be visited between two searches, as a share of all nodes.
 constexpr double steps_per_search = 2;
 constexpr std::size_t most_slabs = 16;
 
@@ -32,13 +32,13 @@ Cut::Cut(const Columns& columns, const Band& band, const CostOf& cost_of, const 
 void Cut::lifts(std::size_t high, std::size_t low, unsigned direction, int first, const LiftsOf& lifts_of, std::span<std::int32_t> out) const {
     const bool in_time = direction / 2 == 2;
     if (!reversed_) return lifts_of(high, low, in_time, first, out);
-    // Upside down the lower one is the higher.
+    // In a reversed cut, the lower column is the higher one.
     lifts_of(low, high, in_time, 0xFFFF - first - static_cast<int>(out.size()), out);
     std::ranges::reverse(out);
 }
 
-/// Gives a column's nodes their arcs to those beside them. Where a neighbour's band ends there is no such node: the only seams
-/// that step there take the entry next to the end, which then costs as much more.
+/// Sets the capacities from a column's nodes to those beside them. Where a neighbour's band ends, there is no such node. Only a seam
+/// through the entry next to that end makes the step, so this entry's cost rises instead.
 void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs, std::vector<std::int32_t>& scratch) {
     const auto& column = column_[c];
     const auto around = columns_.around(c, columns_.place(c));
@@ -67,7 +67,7 @@ void Cut::add_lifts(std::size_t c, const LiftsOf& lifts_of, std::vector<std::int
     }
 }
 
-/// Makes the nodes, with as much flow up each column as it takes alone.
+/// Makes the nodes, with as much flow up each column as it takes by itself.
 void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of) {
     column_.resize(columns_.count());
     std::uint32_t begin = 0;
@@ -113,7 +113,7 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
 /// Pushes flow through a part of the columns.
 class Cut::Region {
 public:
-    /// @param walled  as if there were no other columns; else those outside are given flow too, but are not theirs to push
+    /// @param walled  true: as if there were no other columns; false: columns outside get flow too, but push it themselves
     Region(Cut& cut, const Box& box, bool walled) : cut_(cut), box_(box) {
         const auto& all = cut.columns_;
         const std::array<std::size_t, 3> size{all.laterals(), all.slices(), all.frames()};
@@ -144,18 +144,18 @@ public:
     }
 
     std::size_t size() const { return size_; }
-    /// Whether it has nothing to push and gave nothing away since.
+    /// Whether it has nothing left to push, and gave nothing to other regions.
     bool idle() const { return active_.empty() && sent_[0].empty() && sent_[1].empty(); }
-    /// What came to the sink.
+    /// Flow that reached the sink.
     std::int64_t sunk() const { return sunk_; }
-    /// Whether more flow came together than an arc holds.
+    /// Whether more flow gathered than an arc holds.
     bool overflowed() const { return overflowed_; }
-    /// How much excess could still get there when the last search was finished.
+    /// Excess that could still reach the sink when the last search ended.
     std::int64_t left() const { return left_; }
-    /// Nodes of the part before and of the part behind that were reached or given something.
+    /// Nodes of the regions before and behind that were reached or given flow.
     std::array<std::vector<Spot>, 2>& sent() { return sent_; }
 
-    /// Forgets all distances but those of nodes next to the sink.
+    /// Resets all distances but those of nodes next to the sink.
     void begin_search() {
         for (auto* const list : {&front_, &active_, &sent_[0], &sent_[1]}) list->clear();
         left_ = 0;
@@ -167,7 +167,8 @@ public:
             if (cut_.tags_[end - 1].up()) reach({static_cast<std::uint32_t>(c), column.last}, end - 1, 1, front_);
         });
     }
-    /// Goes on by one arc. @return whether there was anywhere to go on from
+    /// Extends the search by one arc.
+    /// @return whether it reached any node
     bool go_on(Label distance) {
         next_.clear();
         for (const auto& spot : front_) {
@@ -194,14 +195,14 @@ public:
         std::swap(front_, next_);
         return !front_.empty();
     }
-    /// Nodes that others reached.
+    /// Adds nodes that other regions reached.
     void take_reached(std::vector<Spot>& spots, Label distance) {
         for (const auto& spot : spots) reach(spot, node(cut_.column_[spot.column], spot.entry), distance, front_);
         spots.clear();
     }
 
-    /// Pushes until nothing is left to push or so many nodes were looked at.
-    /// @return how many those were
+    /// Pushes until nothing is left to push or `most` nodes were visited.
+    /// @return number of visited nodes
     std::int64_t push(std::int64_t most) {
         std::int64_t steps = 0;
         while (!active_.empty() && steps < most) {
@@ -217,7 +218,7 @@ public:
     }
 
 private:
-    // Bits of Cut::sides_ behind those of the directions, and where a direction's step across the closing stands.
+    // closing, leaving: bits of Cut::sides_ behind those of the directions. wrapped: where step_ holds the steps across the closing.
     static constexpr unsigned closing = 6, leaving = 8, wrapped = 6;
 
     static std::uint16_t higher(int entry) { return static_cast<std::uint16_t>(entry + 1); }
@@ -231,8 +232,8 @@ private:
                 for (auto lateral = box_.low[0]; lateral < box_.high[0]; ++lateral) call(first + lateral, std::array{lateral, k, t});
             }
     }
-    /// @param call  the neighbour, the direction to it, and -1 if it is inside, else 0 if it belongs to the part before, 1 if
-    ///              to the one behind
+    /// @param call  called with the neighbour, the direction to it, and -1 if it is inside, 0 if it belongs to the region before, 1 if to
+    ///   the one behind
     template <class Call>
     void for_each_side(std::uint32_t c, const Call& call) {
         const unsigned sides = cut_.sides_[c];
@@ -253,8 +254,8 @@ private:
         active_.push_back(spot);
     }
 
-    /// Pushes a node's excess on to where it comes nearer to the sink, and lifts the node if some is left.
-    /// @return how often the node was looked at
+    /// Pushes a node's excess on to nodes nearer to the sink, and raises the node's distance if some is left.
+    /// @return number of visits of the node
     int discharge(const Spot& spot) {
         const auto c = spot.column;
         const int entry = spot.entry;
@@ -273,7 +274,7 @@ private:
             excess -= amount;
         };
         for (int steps = 1;; ++steps) {
-            // The nearest node to which an arc leads that lets something through.
+            // The least distance among nodes at the ends of arcs with residual capacity.
             auto nearest = far;
             if (arcs.up > 0) {
                 const bool last = entry == column.last;
@@ -354,7 +355,7 @@ private:
     Cut& cut_;
     const Box box_;
     std::array<std::ptrdiff_t, 12> step_;
-    unsigned along_ = 0;  ///< the dimension in which what is left and right of the box is another's
+    unsigned along_ = 0;  ///< the dimension in which the columns before and behind the box belong to other regions
     std::size_t size_ = 0;
     std::int64_t sunk_ = 0, left_ = 0;
     bool overflowed_ = false;
@@ -363,7 +364,7 @@ private:
 };
 
 /// Boxes that cover all columns.
-/// @param nodes    in each, about
+/// @param nodes    in each box, about
 /// @param shifted  by half of their size
 std::vector<Cut::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
     const std::array<std::size_t, 3> sizes{columns_.laterals(), columns_.slices(), columns_.frames()};
@@ -372,7 +373,7 @@ std::vector<Cut::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
     std::ranges::sort(rising, {}, [&](std::size_t d) { return sizes[d]; });
     std::array<std::vector<std::size_t>, 3> cuts;
     for (std::size_t n = 0; n < 3; ++n) {
-        // As long in all dimensions; what a short one leaves goes to the longer.
+        // Boxes are equally long in all dimensions. If a dimension is too short, they are longer along the others.
         const auto d = rising[n];
         const double size = static_cast<double>(sizes[d]), side = std::pow(std::max(columns, 1.0), 1.0 / static_cast<double>(3 - n));
         const auto count = static_cast<std::size_t>(std::max(1.0, std::round(size / side)));
@@ -390,7 +391,7 @@ std::vector<Cut::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
     return out;
 }
 
-/// Slabs along k or t, whichever is longer, each of two planes at least, so that every second one touches no other's nodes.
+/// Slabs along k or t, whichever is longer. Each has at least two planes, so that every second one touches no other's nodes.
 std::vector<Cut::Box> Cut::slabs() const {
     const std::array<std::size_t, 3> sizes{columns_.laterals(), columns_.slices(), columns_.frames()};
     const std::size_t along = sizes[1] >= sizes[2] ? 1 : 2;

@@ -11,45 +11,46 @@
 
 namespace fluidcarve {
 
-/// The cheapest seam in a band, as a minimum cut (METHOD 8 "The cut").
+/// Finds the cheapest seam in a band, as a minimum cut (METHOD 8 "The cut").
 ///
-/// Node (c, a) stands between the entries a-1 and a of column c, and says whether the seam is at a or above. Up a column
-/// an arc costs what the entry between its ends does, down it none can be cut; nor can arcs to the next lower node in
-/// each neighbouring column, which keep neighbours within 1. Where steps cost something, arcs to the nodes at the same height
-/// beside it cost that. None of the arcs is stored: they follow from the place of a node. A node holds what its arcs still let
-/// through, its excess and its distance to the sink: 40 bytes, 64 where steps cost something, and 8 for each column.
+/// Node (c, a) stands between entries a-1 and a of column c. It tells whether the seam is at a or above. An arc up a column costs as much
+/// as the entry between its ends. Arcs down a column cannot be cut, nor can arcs to the next lower node in each neighbouring column; the
+/// latter keep neighbours within 1. If steps cost something, arcs to the nodes at the same height in neighbouring columns cost that. No
+/// arcs are stored: they follow from the place of a node. A node stores the residual capacities of its arcs, its excess and its distance to
+/// the sink: 40 bytes, 64 if steps cost something, and 8 per column.
 ///
-/// The flow is found by push-relabel (Goldberg and Tarjan 1988) in sweeps over the rows of columns, with distances
-/// computed anew by breadth-first search (Cherkassky and Goldberg 1997), and without its second phase: excess that can
-/// not reach the sink stays where it is. Chosen over augmenting paths, whose trees want as much memory again and do not
-/// run in parallel: here blocks of rows do, every second at a time, so that the result does not depend on the number of
-/// threads. At any time what can still reach the sink is one side of a cut, dearer than the flow by the excess in it; so a
-/// tolerance makes it stop early, with proof.
+/// The flow is found by push-relabel (Goldberg and Tarjan 1988), in sweeps over the rows of columns. Distances are recomputed by
+/// breadth-first search (Cherkassky and Goldberg 1997). The second phase is left out: excess that cannot reach the sink stays where it is.
+/// Augmenting paths would need as much memory again for their trees, and do not run in parallel. Here blocks of rows do, every second block
+/// at a time, so that the result does not depend on the number of threads. At any time, the nodes that can still reach the sink are one
+/// side of a cut, which costs more than the flow by the excess in it. So a tolerance makes the search stop early, with proof.
 class Cut {
 public:
-    /// The cost of a column's entries in the band, 0 to most_cost or endless; written for entries band.first to band.last.
+    /// Writes the costs of a column's entries band.first to band.last: 0 to most_cost, or endless.
     using CostOf = std::function<void(std::size_t column, Band::Column band, std::int32_t* costs)>;
-    /// No seam goes through an entry of this cost if it can go elsewhere. Not for the ends of a column.
+    /// Cost of an entry that no seam takes if it can go elsewhere. Not for the ends of a column.
     static constexpr std::int32_t endless = 0x7FFFFFFF;
     static constexpr std::int32_t most_cost = 1 << 26;
 
-    /// What steps cost, 0 to most_cost: being at entry + 1 in column `high` and at entry in its neighbour `low`; written for
-    /// entries from `first` on.
+    /// Writes the costs of steps, 0 to most_cost: being at entry + 1 in column `high` and at entry in its neighbour `low`, for entries from
+    /// `first` on.
     using LiftsOf = std::function<void(std::size_t high, std::size_t low, bool in_time, int first, std::span<std::int32_t> lifts)>;
 
-    /// @param lifts_of  none: steps are free
-    /// @param reversed  of equal seams the lowest is found, not the highest
+    /// @param lifts_of  null: steps are free
+    /// @param reversed  of equal seams, true finds the lowest, false the highest
     Cut(const Columns& columns, const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of = nullptr, bool reversed = false);
 
+    /// Finds the flow, and with it the seam.
     /// @param tolerance  how much the seam may cost above the least, as a share of the flow
-    /// @return false if more flow came together than an arc holds, 31 bits: then there is no seam, and lower costs are wanted
+    /// @param tick       called often; may throw to stop
+    /// @return false if more flow gathered than an arc holds, 31 bits: then there is no seam, and lower costs are needed
     [[nodiscard]] bool solve(double tolerance, const std::function<void()>& tick);
 
     /// Entry per column; feasible.
     std::vector<std::uint16_t> seam() const;
-    /// What any seam in the band costs at least.
+    /// Lower bound on the cost of any seam in the band, in the units of CostOf.
     std::int64_t flow() const { return flow_; }
-    /// What the seam costs.
+    /// Cost of the seam, in the units of CostOf.
     std::int64_t cost() const { return flow_ + left_; }
     std::size_t nodes() const { return tags_.size(); }
 
@@ -57,13 +58,13 @@ private:
     using Label = std::uint32_t;
     static constexpr Label far = 0xFFFFFF;
 
-    /// What arcs of a node let through, but those that let everything through.
+    /// Residual capacities of a node's arcs, but for arcs of unlimited capacity.
     struct Arcs {
         std::int32_t up;                            ///< to the next node of the column
         std::int32_t lowered[Columns::directions];  ///< flow that went to the next lower node of each neighbour
     };
     struct Column {
-        std::uint32_t begin;  ///< its first node, that of entry first + 1
+        std::uint32_t begin;  ///< its first node, the one below entry first + 1
         std::uint16_t first, last;
         int size() const { return last - first; }
     };
@@ -71,8 +72,7 @@ private:
         std::uint32_t column;
         std::uint16_t entry;
     };
-    /// All that a search has to know of a node: its distance to the sink in arcs, at most, and which of its figures are
-    /// not 0.
+    /// All that a search needs to know of a node: an estimate of its distance to the sink, in arcs, and which of its figures are not 0.
     class Tag {
     public:
         Label label() const { return bits_ >> 8; }
@@ -88,14 +88,14 @@ private:
         void set(std::size_t bit, bool is) { bits_ = (bits_ & ~(1u << bit)) | static_cast<std::uint32_t>(is) << bit; }
         std::uint32_t bits_ = far << 8;
     };
-    /// A part of the columns: `low` to below `high` along lateral, k and t.
+    /// A part of the columns: from `low` to before `high` along lateral, k and t.
     struct Box {
         std::array<std::size_t, 3> low, high;
     };
     class Region;
 
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    /// The node below an entry.
+    /// The node below an entry; none if the column has no such node.
     static std::uint32_t node(const Column& column, int entry) {
         return entry > column.first && entry <= column.last ? column.begin + static_cast<std::uint32_t>(entry - column.first - 1) : none;
     }
@@ -110,11 +110,12 @@ private:
     const Columns columns_;
     const bool reversed_;
     std::vector<Column> column_;
-    std::vector<std::uint16_t> sides_;  ///< per column, which neighbours it has in its region
+    std::vector<std::uint16_t> sides_;  ///< `[column]`: which neighbours it has in its region
     std::vector<Tag> tags_;
     std::vector<std::int64_t> excess_;
     std::vector<Arcs> arcs_;
-    std::vector<std::array<std::int32_t, Columns::directions>> level_;  ///< to the neighbours' nodes at the same height; empty if steps are free
+    std::vector<std::array<std::int32_t, Columns::directions>>
+        level_;  ///< residual capacities to the neighbours' nodes at the same height; empty if steps are free
     std::int64_t flow_ = 0, left_ = 0;
 };
 

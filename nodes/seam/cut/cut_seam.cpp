@@ -13,12 +13,12 @@ namespace fluidcarve {
 
 namespace {
 
-/// Beyond so many times what entries differ by at most, a step costs no more: it is hardly ever worth it.
+/// Limit for the cost of a step, in multiples of the range of entry costs: beyond, a step is hardly ever worth it.
 constexpr float most_lift_of_range = 1024;
-/// How many times higher than those of energies the figures of steps may be.
+/// How many times higher the figures of steps may be than those of energies.
 constexpr float room_for_lifts = 8;
 
-/// What the dearest step in a band costs.
+/// Cost of the most expensive step in a band.
 float highest_lift(const Columns& columns, const Band& band, const StepCosts& steps) {
     if (!steps) return 0;
     return tbb::parallel_reduce(
@@ -36,7 +36,8 @@ float highest_lift(const Columns& columns, const Band& band, const StepCosts& st
         [](float a, float b) { return std::max(a, b); });
 }
 
-/// @param cost_at   (column, entry)
+/// Cuts a band with costs from any source.
+/// @param cost_at   called with (column, entry)
 /// @param protects  whether some cost is infinite
 template <class CostAt>
 CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, const StepCosts& steps, bool protects, double tolerance, int number,
@@ -59,16 +60,15 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
         [](const Span& a, const Span& b) {
             return Span{std::min(a.low, b.low), std::max(a.high, b.high)};
         });
-    // Where some costs are below 0, those of each column count from its lowest, so that `tolerance` is a share of what
-    // seams differ in.
+    // If some costs are below 0, each column's costs count from its lowest, so that `tolerance` is a share of what seams differ in.
     std::vector<float> lows(span.low < 0 ? columns.count() : 0);
     for (std::size_t c = 0; c < lows.size(); ++c) {
         lows[c] = cost_at(c, band.columns[c].first);
         for (int entry = band.columns[c].first; entry <= band.columns[c].last; ++entry) lows[c] = std::min(lows[c], cost_at(c, entry));
     }
     const auto sum_of_lows = std::accumulate(lows.begin(), lows.end(), 0.0);
-    // A power of two, so that what fits into so many bits is not rounded. Dear steps must not push energies out of them; and a
-    // column's ends may cost, besides, steps to all of its neighbours.
+    // The scale is a power of two, so that costs that fit into the bits are not rounded. High step costs must not push energies out of the
+    // bits. Besides, a column's ends may also pay for steps to all neighbours.
     int exponent = 0;
     const float range = span.high - span.low, most_lift = most_lift_of_range * range;
     std::frexp(std::max(range, std::min(most_lift, highest_lift(columns, band, steps)) / room_for_lifts), &exponent);
@@ -85,7 +85,7 @@ CutSeam solve(const Columns& columns, const Band& whole, const CostAt& cost_at, 
             for (auto& lift : lifts) lift = static_cast<std::int32_t>(scale * std::min(steps.lift(high, low, first++, in_time), most_lift));
         };
         Cut cut(columns, band, cost_of, steps ? Cut::LiftsOf(lifts_of) : nullptr, number % 2 != 0);
-        // Where more flow gathers than an arc holds, lower figures leave more room.
+        // If more flow gathered than an arc holds, lower figures leave more room.
         if (cut.solve(tolerance, tick)) return {cut.seam(), static_cast<double>(cut.flow()) / scale + sum_of_lows};
     }
 }
@@ -108,7 +108,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
     std::vector<std::uint16_t> at;
     for (std::size_t begin = 0; begin < all.frames(); begin += static_cast<std::size_t>(interval)) {
         const auto frames = std::min(static_cast<std::size_t>(interval), all.frames() - begin);
-        // Of all columns that are left; a frame may drift from the last one before by one entry for each frame between.
+        // The band of all columns that are left. The seam may drift from the last finished frame by one entry per frame.
         const Columns rest(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(all.frames() - begin), all.closed());
         auto band = Band::whole(rest.count(), window);
         for (std::size_t c = 0; begin > 0 && c < rest.count(); ++c) {
@@ -118,7 +118,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
         }
         auto part = with_costs(energy, [&](const auto& cost_at) {
             const auto steps = energy.steps().from(begin * all.per_frame());
-            // The step from the frame before, whose seam is there already.
+            // Cost of the step from the frame before, where the seam is known.
             const auto step_there = [&](std::size_t c, int entry) {
                 if (begin == 0 || c >= all.per_frame()) return 0.0f;
                 const auto here = begin * all.per_frame() + c, before = here - all.per_frame();
@@ -135,7 +135,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
                              energy.protects(), 0, number, tick)
                            .at;
             if (!energy.protects()) return cut;
-            // What comes later may find no way on from here.
+            // Later frames may find no way on from here: extend the seam to them and move it aside as a whole.
             for (auto c = cut.size(); c < rest.count(); ++c) {
                 const auto [first, last] = band.columns[c];
                 cut.push_back(std::clamp(cut[c - all.per_frame()], first, last));

@@ -8,7 +8,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Where vertices stand in a slab.
+/// Strides between the vertices of a slab along u, v and w.
 struct Places {
     std::array<std::size_t, 3> stride;
 

@@ -9,13 +9,14 @@
 
 namespace fluidcarve {
 
-/// One frame's energy in the space that seams carved before leave: removed entries go, inserted ones are the mean of their
-/// neighbours (METHOD 4), and marked if either is.
-/// @param slab   as sample_energy fills it
-/// @param shape  I, J, K of the slab, which the steps carve in their order
-/// @param axis   along which the slab is contiguous; the steps' own may differ
+/// Carves one frame's energy into the space that earlier seams leave. Removed entries disappear. An inserted entry is the mean of its
+/// neighbours (METHOD 4), and marked if either of them is.
+/// @param slab   energy codes, laid out as by sample_energy()
+/// @param shape  I, J, K of the slab; the steps carve it in order
+/// @param axis   along which the slab is contiguous; the steps' own axes may differ
+/// @return the carved slab, laid out the same way
 std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
-/// The same for a field.
+/// The same for a field, in field codes.
 std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
 
 }  // namespace fluidcarve

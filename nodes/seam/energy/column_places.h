@@ -9,18 +9,19 @@
 
 namespace fluidcarve {
 
-/// The vertex of an entry in column `(lateral, k)`.
+/// The vertex (i, j, k) of an entry in column `(lateral, k)`.
 inline std::array<int, 3> vertex_of(Axis axis, int entry, int lateral, int k) {
     return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k};
 }
 
-/// A column's vertices in a grid's index space: on a line at equal distances, if its transform is linear.
+/// Finds the vertices of a column in a grid's index space. If the grid's transform is linear, they stand on a line at equal distances.
 class ColumnPlaces {
 public:
     ColumnPlaces(const openvdb::math::Transform& transform, const Lattice& lattice, Axis axis)
         : transform_(transform), linear_(transform_.isLinear()), lattice_(lattice), axis_(axis) {}
 
-    /// @param first  the column's first vertex
+    /// Moves to a column.
+    /// @param first  the column's first vertex (i, j, k)
     void move_to(const std::array<int, 3>& first) {
         const openvdb::Vec3d at(first[0], first[1], first[2]);
         auto next = at;
@@ -32,7 +33,7 @@ public:
         first_ = position(at);
         step_ = position(next) - first_;
     }
-    /// Where an entry's vertex is, snapped.
+    /// Index coordinates of an entry's vertex, snapped.
     openvdb::Vec3d operator()(int entry) const {
         const auto at = first_ + entry * step_;
         return snapped(linear_ ? at : transform_.worldToIndex(at));

@@ -11,10 +11,10 @@ namespace fluidcarve {
 
 namespace {
 
-/// No bytes are packed into fewer than this part of them: what says so is damaged.
+/// Highest compression ratio that is possible. A file that claims more is damaged.
 constexpr std::size_t most_packed = 4096;
 
-/// Neighbouring codes are alike, and most of them 0.
+/// Writes codes compressed: neighbouring codes are alike, and most of them 0.
 void write_codes(const std::vector<std::uint16_t>& codes, BinaryWriter& to) {
     std::ostringstream packed;
     openvdb::io::bloscToStream(packed, reinterpret_cast<const char*>(codes.data()), sizeof(std::uint16_t), codes.size());
@@ -23,7 +23,7 @@ void write_codes(const std::vector<std::uint16_t>& codes, BinaryWriter& to) {
 
 std::vector<std::uint16_t> read_codes(std::size_t count, BinaryReader& from) {
     const auto packed = from.text();
-    // The library takes on trust how many bytes follow, which are as they were where that is below 0.
+    // The library trusts the stated size: the number of bytes that follow, below 0 if they are not compressed.
     std::int64_t size = 0;
     BinaryReader::require(packed.size() >= sizeof size);
     std::memcpy(&size, packed.data(), sizeof size);
@@ -83,7 +83,7 @@ void read(FrameEnergy& out, BinaryReader& from) {
 void add_frame_energy_payload(Registry& registry) {
     const auto& lattice = registry.payload(typeid(Lattice));
     Filed<FrameEnergy> filed;
-    filed.version = 2 + lattice.version;  // whichever is raised raises the sum
+    filed.version = 2 + lattice.version;  // raising either version raises the sum
     filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
         lattice.write(Payload(frame.lattice), stream);
         BinaryWriter to(stream);
@@ -97,7 +97,7 @@ void add_frame_energy_payload(Registry& registry) {
         return out;
     };
     registry.add(payload_type<FrameEnergy>(
-        "frame_energy", "Energy at a lattice's vertices in a frame: what solvers keep of it.",
+        "frame_energy", "The energy at a lattice's vertices in one frame; solvers keep one per frame.",
         [](const FrameEnergy& frame) { return (frame.energy.size() + frame.field.size()) * sizeof(std::uint16_t); }, std::move(filed)));
 }
 

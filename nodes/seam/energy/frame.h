@@ -12,18 +12,18 @@
 
 namespace fluidcarve {
 
-/// All that a solver needs of one frame.
+/// Everything that a solver needs of one frame.
 struct FrameEnergy {
     Ref<Lattice> lattice;
-    std::vector<std::uint16_t> energy;                              ///< codes at the lattice's vertices, marked ones included, laid out as sample_energy does
-    std::vector<std::uint16_t> field;                               ///< the same of the field; empty: none
-    std::optional<std::size_t> protect, attract;                    ///< how many vertices the masks mark; nothing: no mask
-    openvdb::math::Transform::ConstPtr transform, field_transform;  ///< of the grids; null: no field
+    std::vector<std::uint16_t> energy;                              ///< energy codes at the lattice's vertices, marks included; laid out as by sample_energy()
+    std::vector<std::uint16_t> field;                               ///< field codes, laid out the same way; empty: no field
+    std::optional<std::size_t> protect, attract;                    ///< number of vertices that each mask marks; nothing: no mask
+    openvdb::math::Transform::ConstPtr transform, field_transform;  ///< of the grids; field_transform is null without a field
     std::optional<openvdb::BBoxd> active;                           ///< world box of the energy's active voxels; nothing: none
     bool met = false;                                               ///< whether the lattice meets active voxels
 };
 
-/// Registers `frame_energy`; `lattice` comes before it.
+/// Registers the payload type `frame_energy`. Register `lattice` before.
 void add_frame_energy_payload(Registry& registry);
 
 }  // namespace fluidcarve

@@ -26,7 +26,7 @@ MaskTree active_voxels(const openvdb::GridBase& grid) {
     throw Failure(fmt::format("grid '{}' is of type {}, which is no mask; make one of a field, by mask.threshold", grid.getName(), grid.type()));
 }
 
-/// Whether a mask is set around the vertices of one column.
+/// Tells whether a mask is set around the vertices of a column.
 class Around {
 public:
     /// @param box  of the mask's active voxels
@@ -57,7 +57,7 @@ public:
 
 private:
     openvdb::tree::ValueAccessor<const MaskTree> mask_;
-    const openvdb::CoordBBox box_;  ///< of the lowest of 8 voxels among which some may be set
+    const openvdb::CoordBBox box_;  ///< of the lowest of the 8 voxels around a vertex, if any of them may be set
     ColumnPlaces places_;
     const std::optional<Alignment>& alignment_;
     const Axis axis_;

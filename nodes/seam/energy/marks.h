@@ -10,13 +10,13 @@
 
 namespace fluidcarve {
 
-/// Writes a code at the vertices of a lattice around which a mask is set, that is active: at any of the 8 voxels between
-/// whose centres the vertex stands; of a vertex on a centre, within 1e-5 voxels, that voxel alone, on the line or face
-/// between centres those at its ends or corners.
+/// Writes a code at all vertices of a lattice around which a mask is set, that is, active. A mask is set around a vertex if any of the 8
+/// voxels whose centres surround the vertex is active. For a vertex on a voxel centre, within 1e-5 voxels, only that voxel counts; on a
+/// line or face between centres, only the voxels at its ends or corners.
 /// @param mask  of any type that can be carved
 /// @param code  protected_code or attracted_code
-/// @param slab  as sample_energy fills it
-/// @return how many vertices that are
+/// @param slab  as sample_energy() fills it
+/// @return number of marked vertices
 /// @throws Failure naming the type of a grid that is no mask
 std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> slab);
 

@@ -13,7 +13,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Calls `visit(sum, column)` for all columns and adds up the sums of slices of them in a fixed order: the same whatever the threads.
+/// Calls `visit(sum, column)` for all columns and adds partial sums in a fixed order, so that the result does not depend on the threads.
 template <class Sum, class Visit>
 Sum summed_over(const EnergyVolume& energy, const Visit& visit) {
     const auto columns = energy.columns_per_frame() * energy.frames();

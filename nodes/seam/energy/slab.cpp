@@ -19,7 +19,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// Readers go along one column at a time, whose vertices stand on a line at equal distances.
+/// Reads values by voxel index. All readers move to a column and then read its entries: its vertices stand on a line at equal distances.
 class ByIndex {
 public:
     ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment, Axis axis)
@@ -34,7 +34,7 @@ private:
     openvdb::Coord first_;
 };
 
-/// Values between voxels.
+/// Samples values between voxels.
 class Trilinear {
 public:
     explicit Trilinear(const openvdb::FloatGrid& grid) : values_(grid.getConstAccessor()) {}
@@ -64,7 +64,7 @@ private:
     ColumnPlaces places_;
 };
 
-/// Over the space that is nearest to each vertex.
+/// Averages over the space nearest to each vertex.
 class OverCells {
 public:
     OverCells(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis)
@@ -73,7 +73,7 @@ public:
     float operator()(int entry) {
         auto at = first_;
         at[static_cast<int>(axis_)] += entry;
-        // Planes are even: only between them space is more or less than a spacing wide.
+        // Within a plane, vertices are one spacing apart. Only the distance between planes varies.
         const auto& plane = lattice_.planes[static_cast<std::size_t>(at.z())];
         const auto across = 0.5 * (lattice_.position(at + Vec3d(0, 0, 1)) - lattice_.position(at - Vec3d(0, 0, 1)));
         const double volume = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing;
@@ -95,7 +95,7 @@ private:
     Vec3d first_;
 };
 
-/// How values become codes, and what is said of those that do not.
+/// How values are encoded, and the message about a value that cannot be.
 struct Code {
     std::uint16_t (*encode)(float value);
     std::uint16_t invalid;
@@ -120,7 +120,7 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
             for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
         }
     });
-    // Searched serially, so that the place named is always the first.
+    // Searched serially, so that the message always names the first place.
     const auto bad = std::find(slab.begin(), slab.end(), code.invalid);
     if (bad == slab.end()) return;
     const auto place = bad - slab.begin();

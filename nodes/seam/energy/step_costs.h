@@ -9,35 +9,35 @@
 
 namespace fluidcarve {
 
-/// What a seam pays for steps: for being at different entries in neighbouring columns (METHOD 8 "rigidity", and "forward" after
-/// Rubinstein, Shamir and Avidan 2008). Removing entry `i + 1` of one column and `i` of its neighbour puts entry `i` of the
-/// one beside `i + 1` of the other: a new edge in the field.
+/// Costs of steps: a seam pays for being at different entries in neighbouring columns (METHOD 8 "Rigidity", METHOD 7 "Forward costs" after
+/// Rubinstein, Shamir and Avidan 2008). Removing entry `i + 1` of one column and entry `i` of its neighbour puts entry `i` of the first
+/// beside entry `i + 1` of the other: a new edge in the field.
 class StepCosts {
 public:
     /// Steps are free.
     StepCosts() = default;
-    /// @param rigidity  for any step, in space and in time
-    /// @param field     its codes, `[column][entry]`; none: null
+    /// @param rigidity  cost of any step, in space and in time
+    /// @param field     field codes, `[column][entry]`; null: no field
     /// @param stride    entries from a column to the next
-    /// @param weight    for each unit by which the field changes across the new edge
+    /// @param weight    cost per unit by which the field changes across the new edge
     StepCosts(const std::array<float, 2>& rigidity, const std::uint16_t* field, std::size_t stride, float weight)
         : any_(field || rigidity[0] > 0 || rigidity[1] > 0), rigidity_(rigidity), field_(field), stride_(stride), weight_(weight) {}
 
     explicit operator bool() const { return any_; }
 
-    /// Of a seam that is at `entry` + 1 in column `high` and at `entry` in its neighbour `low`.
+    /// Cost of a step: the seam is at `entry` + 1 in column `high` and at `entry` in its neighbour `low`.
     float lift(std::size_t high, std::size_t low, int entry, bool in_time) const {
         const float rigidity = rigidity_[in_time ? 1 : 0];
         if (!field_) return rigidity;
         const auto at = [&](std::size_t column, int place) { return decode_field(field_[column * stride_ + static_cast<std::size_t>(place)]); };
         return rigidity + weight_ * std::abs(at(high, entry) - at(low, entry + 1));
     }
-    /// Of a seam that is at these entries, at most 1 apart, in neighbouring columns.
+    /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
     float operator()(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
         if (entry == entry_there) return 0;
         return entry > entry_there ? lift(column, other, entry_there, in_time) : lift(other, column, entry, in_time);
     }
-    /// The same, where columns count from another.
+    /// The same costs, with columns counted from another one.
     StepCosts from(std::size_t column) const { return {rigidity_, field_ ? field_ + column * stride_ : nullptr, stride_, weight_}; }
 
 private:

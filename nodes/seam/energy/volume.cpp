@@ -159,7 +159,7 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
             if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
             if (!without_edges_) continue;
             close(without_edges_->slab(0).data() + c * stride_, at[c]);
-            // What it was handed counts too, as far as it was.
+            // Update the entries that got energy or a new neighbour.
             for (int entry = std::max(at[c] - 1 - spread_, 0); entry <= std::min<int>(at[c] + spread_, width_ - 1); ++entry)
                 slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
         }

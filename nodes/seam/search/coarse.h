@@ -11,7 +11,7 @@ namespace fluidcarve {
 
 /// An energy at half the resolution: along the carved axis, and along each lateral dimension and time of more than one. An
 /// entry's energy is the mean, over its columns, of what a seam pays that can choose between the column's two entries
-/// (METHOD 8 "restriction"). Protected vertices are dear and no more, since what is free may be narrower than an entry;
+/// (METHOD 8 "Restriction"). Protected vertices are dear and no more, since what is free may be narrower than an entry;
 /// attracted ones count by their share. Steps cost as much for each entry, since a coarse step stands for two fine ones in half as
 /// many columns.
 /// @param window  the entries that are kept; entry i of the result stands for window.first + 2i and the next

@@ -61,7 +61,7 @@ struct NoSeam : Failure {
 /// @throws Failure that says how many are possible
 void require_room(Seams::Kind kind, int count, Window window, int width);
 
-/// The loop around a solver (METHOD 4 and 8): finds a seam, deletes it from the energy, and so on. Insertions are found
+/// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and so on. Insertions are found
 /// as removals and returned as original entries. What is found is the same at once or continued.
 /// @param volume  used up
 /// @param count   of all seams, those found before included

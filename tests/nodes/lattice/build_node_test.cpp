@@ -1,0 +1,321 @@
+#include "graph/text/problem.h"
+#include "nodes/lattice/build.h"
+#include "nodes/lattice/build_node.h"
+#include "nodes/lattice/extension.h"
+#include "nodes/lattice/overlap.h"
+#include "nodes/lattice/write.h"
+#include "nodes/rig/circle.h"
+#include "tests/support/node_bench.h"
+#include "tests/support/scratch.h"
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <sstream>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+using openvdb::Vec3d;
+
+namespace {
+
+Rig through(std::vector<Vec3d> points, bool closed = false, const Vec3d& up = {0, 0, 1}) {
+    Rig out;
+    out.points = std::move(points);
+    out.closed = closed;
+    out.up = up;
+    return out;
+}
+
+LatticeSpec spec(double spacing, std::array<double, 2> u = {-0.5, 0.5}, std::array<double, 2> v = {-0.5, 0.5}) {
+    LatticeSpec out;
+    out.spacing = spacing;
+    out.u = u;
+    out.v = v;
+    return out;
+}
+
+struct Heard : Context::Host {
+    std::vector<std::string> warnings;
+    nlohmann::ordered_json reported;
+    void warn(const std::string& message) override { warnings.push_back(message); }
+    void report(const std::string& section, const nlohmann::ordered_json& entry) override { reported[section] = entry; }
+};
+
+/// All lattices of lattice.build, and what it said.
+struct Run {
+    std::vector<Ref<Lattice>> lattices;
+    Heard heard;
+
+    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {}) {
+        NodeBench bench(lattice_build(), yaml, {{"rig", 1}});
+        REQUIRE(bench.faults().empty());
+        const std::vector<int> none{1};
+        Context context(heard, frames.empty() ? none : frames);
+        const auto at = [&](std::size_t t) { return frames.empty() ? context : Context(heard, frames).at(t); };
+        const auto input = [&](std::size_t t) { return NodeBench::Inputs{{"rig", {Payload(std::make_shared<Rig>(rigs[t]))}}}; };
+        for (std::size_t t = 0; t < rigs.size(); ++t) bench.add(input(t), at(t));
+        bench.finish(context);
+        for (std::size_t t = 0; t < rigs.size(); ++t) lattices.push_back(bench.run(input(t), at(t)).at("lattice").as<Lattice>());
+    }
+};
+
+std::vector<Vec3d> helix_points(double rise = 0.3) {
+    std::vector<Vec3d> out;
+    for (int n = 0; n <= 2000; ++n) {
+        const double a = 6 * M_PI * n / 2000;
+        out.push_back({2 * std::cos(a), 2 * std::sin(a), rise * a});
+    }
+    return out;
+}
+
+/// Two legs, `apart`, and half a circle between them; `u` points to its outside.
+Rig hairpin(double apart) {
+    std::vector<Vec3d> points{{0, 0, 0}};
+    for (int n = 0; n <= 100; ++n) {
+        const double a = M_PI * n / 100;
+        points.push_back({8 + 0.5 * apart * std::sin(a), 0.5 * apart * (std::cos(a) - 1), 0});
+    }
+    points.push_back({0, -apart, 0});
+    return through(points);
+}
+
+/// Closed and not flat, so that carrying the basis around turns it.
+std::vector<Vec3d> saddle_points() {
+    std::vector<Vec3d> out;
+    for (int n = 0; n < 3000; ++n) {
+        const double a = 2 * M_PI * n / 3000;
+        out.push_back({3 * std::cos(a), 3 * std::sin(a), std::sin(2 * a) + 0.5 * std::cos(3 * a)});
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("voxels in several cells are those that are found there one by one, slab by slab") {
+    const auto cubes = openvdb::math::Transform::createLinearTransform(0.11);
+    const auto counted = [&](const Lattice& lattice, const std::array<int, 3>& extent) {
+        const Mapping mapping(lattice, extent);
+        const auto& slabs = *mapping.slabs();
+        const auto box = cubes->worldToIndex(mapping.world_box({Vec3d(0), Vec3d(extent[0] - 1, extent[1] - 1, slabs.size())}));
+        std::size_t shared = 0;
+        std::vector<std::size_t> lowest(static_cast<std::size_t>(slabs.size()));
+        for (auto at = openvdb::CoordBBox(openvdb::Coord::floor(box.min()), openvdb::Coord::ceil(box.max())).begin(); at; ++at) {
+            const auto p = cubes->indexToWorld(*at);
+            int cells = 0, first = 0;
+            for (int k = 0; k < slabs.size(); ++k) {
+                if (!(slabs.divider(k).side(p) >= 0 && slabs.divider(k + 1).side(p) < 0)) continue;
+                Vec3d place;
+                if (slabs.settle(k, slabs[k].solve(slabs[k].products(p), slabs.from(k), slabs.to(k)), place) == Slabs::Holds::no) continue;
+                if (++cells == 1) first = k;
+                if (cells == 2) ++lowest[static_cast<std::size_t>(first)];
+            }
+            shared += cells > 1 ? 1 : 0;
+        }
+        const auto overlap = count_overlap(mapping, *cubes);
+        CHECK(overlap.voxels == shared);
+        if (shared > 0) CHECK(overlap.plane == std::max_element(lowest.begin(), lowest.end()) - lowest.begin());
+        return shared;
+    };
+    const auto built = [](const Rig& rig, const LatticeSpec& spec) { return build_lattice(rig, spec).lattice; };
+    auto kinked = spec(0.2);
+    kinked.smooth = Smooth::none;
+    const auto wide = spec(0.2, {-0.6, 0.6}, {-0.6, 0.6});
+    for (const auto& [lattice, meets] :
+         {std::pair(built(through(helix_points()), spec(0.2)), false), std::pair(built(through(helix_points(0.1)), spec(0.2)), true),
+          std::pair(built(through(saddle_points(), true), wide), false), std::pair(built(circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0), wide), false),
+          std::pair(built(hairpin(2), spec(0.2)), false), std::pair(built(hairpin(2), spec(0.2, {-1.3, 0.5})), true),
+          std::pair(built(through({{0, 0, 0}, {4, 0, 0}, {2, 3, 0}}), kinked), true)}) {
+        INFO(lattice.description);
+        CHECK((counted(lattice, lattice.shape) > 0) == meets);
+    }
+    const auto legs = built(hairpin(2), spec(0.2, {-0.8, 0.5}));
+    CHECK(counted(legs, legs.shape) == 0);
+    auto flipped = spec(0.2, {-0.5, 0.8});
+    flipped.flip_u = true;
+    const auto inwards = built(hairpin(2), flipped);
+    CHECK(counted(inwards, {inwards.shape[0] + 3, inwards.shape[1], inwards.shape[2]}) > 0);
+}
+
+TEST_CASE("insertions that make a sound lattice fold or meet itself are told with the worst frame") {
+    auto inwards = spec(0.2, {-0.5, 0.5});
+    inwards.flip_u = true;
+    const auto legs = [&](double apart) { return build_lattice(hairpin(apart), inwards).lattice; };
+    Extension sound;
+    sound.add(legs(2), Axis::u, 0, 0, 1);
+    sound.add(legs(2), Axis::u, 0, 2, 1);
+    sound.add(legs(2), Axis::v, 0, 40, 1);
+    CHECK(sound.fault().empty());
+
+    Extension one;
+    one.add(legs(2), Axis::u, 0, 4, 1);
+    const auto lattice = legs(2);
+    auto extent = lattice.shape;
+    extent[0] += 4;
+    const auto folds = count_folds(lattice, extent[0], extent[1]);
+    const auto overlap = count_overlap(Mapping(lattice, extent), *openvdb::math::Transform::createLinearTransform(0.2));
+    REQUIRE(folds.cells > 0);
+    REQUIRE(overlap.voxels > 0);
+    const auto between = [&](int plane) { return fmt::format("most of them between planes {} and {}", plane, plane + 1); };
+    CHECK(one.fault() ==
+          fmt::format("to insert 4 seams the lattice goes on beyond its last vertex along u, and there {} cells are folded, {}, and {} voxels, as "
+                      "large as the spacing, lie in several cells, {}: what is pushed there is lost in part; insert fewer, or turn the lattice "
+                      "round by its `flip_u` or its rig's `up`, so that it grows to the other side",
+                      folds.cells, between(folds.plane), overlap.voxels, between(overlap.plane)));
+    Extension moving;
+    for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)}) moving.add(legs(apart), Axis::u, 0, 4, frame);
+    CHECK(moving.fault().find(fmt::format("{} cells are folded in frame 2, ", folds.cells)) != std::string::npos);
+    CHECK(moving.fault().find(fmt::format("{} voxels, as large as the spacing, lie in several cells in frame 2, ", overlap.voxels)) != std::string::npos);
+}
+
+TEST_CASE("lattice.build tells where a lattice meets itself, in the worst frame") {
+    // More than a turn of a circle: nothing is folded.
+    const auto turned = [](double degrees) {
+        std::vector<Vec3d> points;
+        for (double a = 0; a <= degrees; ++a) points.push_back({2 * std::cos(a * M_PI / 180), 2 * std::sin(a * M_PI / 180), 0});
+        return through(points);
+    };
+    const std::string around = "spacing: 0.2, extent_u: [-0.5, 0.5], extent_v: [-0.4, 0.4]";
+    const Run run("{" + around + "}", {turned(380), turned(440), turned(400)}, {4, 5, 6});
+    REQUIRE(run.heard.warnings.size() == 2);
+    const auto overlap = count_overlap(Mapping(*run.lattices[1]), *openvdb::math::Transform::createLinearTransform(0.2));
+    REQUIRE(overlap.voxels > 100);
+    const auto message = [&](const std::string& frame) {
+        return fmt::format(
+            "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice meets itself; "
+            "each is carved in the lowest only: reduce the extents, or lead the rig further away from itself",
+            overlap.voxels, frame, overlap.plane, overlap.plane + 1);
+    };
+    CHECK(run.heard.warnings[1] == message(" in frame 5"));
+    CHECK(run.heard.reported.at("lattices").at("shared_voxels") == overlap.voxels);
+    CHECK(Run("{" + around + "}", {turned(350)}).heard.warnings.empty());
+    CHECK(failure_of([&] { Run("{" + around + ", on_fold: error}", {turned(440)}); }) == message(""));
+}
+
+TEST_CASE("lattice.build says before a run what is wrong with its extents and spacing") {
+    const auto faults = [](const std::string& yaml) { return NodeBench(lattice_build(), yaml, {{"rig", 1}}).faults(); };
+    CHECK(faults("{spacing: 0, extent_u: [0, 1], extent_v: [0, 1]}") == "spacing: 'spacing' wants more than 0\n");
+    CHECK(faults("{spacing: 0.1, extent_u: [0, 0], extent_v: [1, 1]}") ==
+          "extent_u: 'extent_u' is [0, 0], which holds nothing; one vertex, for images, is less than a spacing: [0, 0.05]\n"
+          "extent_v: 'extent_v' is [1, 1], which holds nothing; one vertex, for images, is less than a spacing: [1, 1.05]\n");
+    CHECK(faults("{spacing: 0.1, extent_u: [0, 10000], extent_v: [0, 1]}") ==
+          "extent_u: 'extent_u' holds 100001 vertices at a spacing of 0.1; 65534 is the most\n");
+}
+
+TEST_CASE("lattice.build delivers a static rig's lattice once, and reports it") {
+    const Run run("{spacing: 0.1, extent_u: [-0.8, 0.8], extent_v: [-0.4, 0.4]}", {circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0)});
+    CHECK(run.heard.warnings.empty());
+    CHECK(run.lattices[0]->shape == std::array{17, 9, 314});
+    const auto& entry = run.heard.reported.at("lattices");
+    CHECK(entry.at("shape") == nlohmann::ordered_json{17, 9, 314});
+    CHECK(entry.at("closed") == true);
+    CHECK(entry.at("spacing") == 0.1);
+    CHECK(entry.at("step").at(0).get<double>() == Approx(10 * std::sin(M_PI / 314)));
+    CHECK(entry.at("folded_cells") == 0);
+    CHECK(entry.at("shared_voxels") == 0);
+    CHECK(entry.at("smoothed") == 0);
+    CHECK(entry.at("moved") == 0);
+}
+
+TEST_CASE("lattice.build gives all frames of a moving rig the planes of the longest") {
+    const Run run("{spacing: 0.5, extent_u: [-1, 1], extent_v: [-1, 1]}",
+                  {through({{0, 0, 0}, {4, 0, 0}}), through({{0, 0, 0}, {0, 8, 0}}), through({{0, 0, 0}, {0, 0.1, 0}, {0, 8.2, 0}})}, {5, 7, 9});
+    CHECK(run.heard.warnings ==
+          std::vector<std::string>{"the rig takes 17 planes in frame 7, but 9 in frame 5; all frames get 17, which stand 0.25 apart in frame 5, not 0.5"});
+    for (const auto& lattice : run.lattices) CHECK(lattice->shape == std::array{5, 5, 17});
+    CHECK((run.lattices[0]->position(Vec3d(2, 2, 16)) - Vec3d(4, 0, 0)).length() < 1e-9);
+    CHECK((run.lattices[1]->position(Vec3d(2, 2, 16)) - Vec3d(0, 8, 0)).length() < 1e-9);
+    CHECK((run.lattices[2]->position(Vec3d(2, 2, 16)) - Vec3d(0, 8, 0)).length() < 1e-9);
+    CHECK(run.lattices[0]->hash != run.lattices[1]->hash);
+
+    const auto square = std::vector<Vec3d>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+    CHECK(failure_of([&] {
+              Run("{spacing: 0.5, extent_u: [-0.1, 0.1], extent_v: [-1, 1]}", {through(square), through(square, true)}, {5, 6});
+          }) == "the rig is open in frame 5, but closed in frame 6");
+}
+
+TEST_CASE("lattice.build tells of folds and of smoothing against them, where they are worst") {
+    const auto straight = through({{0, 0, 0}, {8, 0, 0}}), kinked = through({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}});
+    const std::string extents = "spacing: 0.5, extent_u: [-1, 1], extent_v: [-1, 1]";
+    const Run folded("{" + extents + ", smooth: none}", {straight, kinked}, {1, 2});
+    CHECK(folded.heard.warnings ==
+          std::vector<std::string>{"12 cells are folded in frame 2, most of them (8) between planes 8 and 9: reduce the extents on the "
+                                   "inner side of the bend, or smooth the rig more"});
+    CHECK(failure_of([&] { Run("{" + extents + ", smooth: none, on_fold: error}", {kinked}); }) ==
+          "12 cells are folded, most of them (8) between planes 8 and 9: reduce the extents on the inner side of the bend, or smooth the rig more");
+    const Run smoothed("{" + extents + "}", {kinked});
+    REQUIRE(smoothed.heard.warnings.size() == 1);
+    CHECK(smoothed.heard.warnings[0] == "the rig was smoothed 4 times against folded cells, which moved it by up to 0.4539");
+    CHECK(smoothed.heard.reported.at("lattices").at("moved").get<double>() == Approx(0.4539).epsilon(1e-4));
+    // Less than half a spacing goes without saying.
+    const Run rounded("{spacing: 0.5, extent_u: [-5, 5], extent_v: [-1, 1]}", {through({{0, 0, 0}, {4, 0, 0}, {8, 1, 0}})});
+    CHECK(rounded.heard.warnings.empty());
+    CHECK(rounded.heard.reported.at("lattices").at("smoothed") > 0);
+    CHECK(rounded.heard.reported.at("lattices").at("moved") > 0);
+}
+
+TEST_CASE("lattice.build says at once that no smoothing cures a circle that is reached across") {
+    const auto circle = circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0);
+    const Run run("{spacing: 0.1, extent_u: [-1.25, 0.5], extent_v: [-0.1, 0.1]}", {circle});
+    CHECK(run.heard.warnings ==
+          std::vector<std::string>{
+              "378 cells are folded, most of them (6) between planes 0 and 1: the lattice reaches 1.25 inwards, past the centre of a circle of "
+              "radius 1 around (0, 0, 0), which no smoothing cures: keep 'extent_u' within the radius"});
+    CHECK(failure_of([&] {
+              Run("{spacing: 0.1, extent_u: [-0.5, 1.2], extent_v: [-0.1, 0.1], flip_u: true, on_fold: error}", {circle});
+          }).find("reaches 1.2 inwards") != std::string::npos);
+}
+
+TEST_CASE("lattice.write draws the lines of a lattice, closed where it is") {
+    const Scratch folder;
+    struct Drawn {
+        std::vector<Vec3d> vertices;
+        std::vector<std::vector<std::size_t>> lines;
+        std::string head;
+        explicit Drawn(const std::string& path) {
+            std::istringstream in(Scratch::read(path));
+            std::getline(in, head);
+            for (std::string line; std::getline(in, line);) {
+                std::istringstream words(line);
+                std::string kind;
+                words >> kind;
+                if (kind == "v") {
+                    vertices.emplace_back();
+                    words >> vertices.back().x() >> vertices.back().y() >> vertices.back().z();
+                } else {
+                    REQUIRE(kind == "l");
+                    lines.emplace_back();
+                    for (std::size_t n; words >> n;) lines.back().push_back(n - 1);
+                }
+            }
+        }
+    };
+    const auto write = [&](const std::string& name, const Lattice& lattice, const std::string& more) {
+        const auto path = folder / name;
+        NodeBench(lattice_write(), "{path: " + path + more + "}").run({{"lattice", {Payload(std::make_shared<Lattice>(lattice))}}});
+        return Drawn(path);
+    };
+    const auto box = make_box(Vec3d(1, 2, 3), {4, 3, 1}, 0.5, {0, 1, 2});
+    const auto all = write("box.obj", box, ", every: 1");
+    CHECK(all.head == "# " + box.description);
+    REQUIRE(all.vertices.size() == 12);
+    CHECK(all.vertices[0] == Vec3d(1, 2, 3));
+    CHECK(all.vertices[11] == Vec3d(2.5, 3, 3));
+    CHECK(all.lines.size() == 3 + 4);
+    CHECK(all.lines[0] == std::vector<std::size_t>{0, 1, 2, 3});
+    CHECK(all.lines[3] == std::vector<std::size_t>{0, 4, 8});
+    const auto some = write("some.obj", box, ", every: 2");
+    CHECK(some.vertices == std::vector<Vec3d>{{1, 2, 3}, {2, 2, 3}, {2.5, 2, 3}, {1, 3, 3}, {2, 3, 3}, {2.5, 3, 3}});
+
+    const auto ring = build_lattice(circle_rig({0, 0, 0}, {0, 0, 1}, {5, 5}, 0), spec(0.1)).lattice;
+    const auto drawn = write("ring.obj", ring, "");
+    CHECK(drawn.vertices.size() == 11 * 11 * 17);
+    for (const auto& vertex : drawn.vertices) REQUIRE(std::abs(std::hypot(vertex.x(), vertex.y()) - 5) < 0.5 + 1e-6);
+    std::size_t closed = 0;
+    for (const auto& line : drawn.lines) closed += line.front() == line.back() ? 1 : 0;
+    CHECK(closed == 11 * 11);
+}
