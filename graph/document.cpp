@@ -57,6 +57,7 @@ void put_before(Value& later, const Value& earlier, const char* list) {
         now->value.items.insert(now->value.items.begin(), before->value.items.begin(), before->value.items.end());
 }
 
+/// Reads a pipeline file and the files that it extends.
 class Reader {
 public:
     explicit Reader(Problems& problems) : problems_(problems) {}

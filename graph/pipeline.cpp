@@ -1,6 +1,5 @@
 #include "graph/pipeline.h"
 
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,6 +29,7 @@ struct Draft {
     bool unsure = false;                             ///< the rate is unknown because of a problem here or upstream
 };
 
+/// The NodeCheck of one draft; faults become problems.
 class NodeCheckOf : public NodeCheck {
 public:
     NodeCheckOf(const Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
@@ -55,6 +55,7 @@ private:
     Problems& problems_;
 };
 
+/// Builds a pipeline from a document, step by step.
 class Builder {
 public:
     Builder(const Document& document, const Registry& registry, Problems& problems) : document_(document), registry_(registry), problems_(problems) {}

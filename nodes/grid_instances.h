@@ -2,8 +2,8 @@
 
 #include <openvdb/openvdb.h>
 
-// The grids that nodes work with, compiled once, in grid_instances.cpp: a file that uses one otherwise compiles all of its
-// virtual functions again, which takes longer than the rest of it.
+// The grid types of the nodes are instantiated once, in grid_instances.cpp. Otherwise each file that uses one compiles all its virtual
+// functions again, which takes longer than the rest of the file.
 
 namespace openvdb {
 OPENVDB_USE_VERSION_NAMESPACE

@@ -13,20 +13,20 @@ using FloatGrid = openvdb::FloatGrid;
 using VectorGrid = openvdb::Vec3SGrid;
 using MaskGrid = openvdb::MaskGrid;
 
-/// Any one grid; float and vector grids convert to it.
+/// One grid of any type. Float, vector and mask grids convert to it.
 struct AnyGrid {
     openvdb::GridBase::ConstPtr grid;
 };
 
-/// All grids of one frame, in the order of their file, and what the file says beside them.
+/// All grids of one frame, in the order of their file, and the file's metadata.
 struct Volume {
     std::vector<openvdb::GridBase::ConstPtr> grids;
-    openvdb::MetaMap metadata;  ///< the file's own
-    std::string codec;          ///< as the file was compressed: "none", "zip", "blosc"; empty: not from a file
+    openvdb::MetaMap metadata;  ///< metadata of the file, not of its grids
+    std::string codec;          ///< compression of the file: "none", "zip", "blosc"; empty: not from a file
 
     /// The first grid of this name, or null.
     openvdb::GridBase::ConstPtr find(const std::string& name) const;
-    /// "density, velocity", for messages.
+    /// Names of the grids for messages: "density, velocity".
     std::string names() const;
 };
 

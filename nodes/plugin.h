@@ -5,5 +5,5 @@
 #include "nodes/grid_instances.h"
 #include "nodes/payloads.h"
 
-/// All that a plugin of nodes on grids includes: declarations of nodes, the plugin's entry, grids and volumes.
-/// A plugin with a solver includes nodes/seam/solver.h, too.
+// The header for plugins: declarations of nodes, the plugin's entry points, grids and volumes.
+// A plugin with a solver also includes nodes/seam/solver.h.

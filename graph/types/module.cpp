@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders that may hold modules: by this library, and by the program that it serves.
+/// Folders that may contain modules: those of this library and of the program, and `../lib/fluidcarve` of both.
 std::vector<fs::path> folders() {
     std::vector<fs::path> out;
     std::error_code error;

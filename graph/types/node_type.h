@@ -31,6 +31,7 @@ using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< connections wit
 /// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
+/// An input of a node type.
 struct InputSpec {
     enum class Arity { one, list, named };
     std::string name;
@@ -43,6 +44,7 @@ struct InputSpec {
     bool optional = false;  ///< may be unconnected
 };
 
+/// An output of a node type.
 struct OutputSpec {
     std::string name;
     std::string doc;
@@ -50,6 +52,7 @@ struct OutputSpec {
     std::function<Payload(const void* ports)> get;
 };
 
+/// A parameter of a node type.
 struct ParamSpec {
     std::string name;
     std::string doc;
@@ -102,7 +105,8 @@ struct Growth {
     std::string param;                                    ///< the parameter with the wanted count; not part of the cache key
     std::function<std::string(const void* params)> rest;  ///< the part of that parameter that belongs to the cache key, as text
     std::function<Extent(const Payload& result)> extent;  ///< extent of a result
-    std::function<std::size_t(const void* params, std::size_t of)> wanted;  ///< wanted count; `of` as in Extent
+    /// The wanted count. @param of  as Extent::of
+    std::function<std::size_t(const void* params, std::size_t of)> wanted;
     /// The first `count` items of a result. Changes `entry`, the report entry of the whole result, to that of the cut one.
     std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
     /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
@@ -198,16 +202,18 @@ struct ParamsOf<Node> {
     using type = typename Node::Params;
 };
 
-/// `has_NAME<Node>`: whether a node has a member of that name, whatever its signature. Beside a member of another base class of
-/// the same name, the name of such a node is ambiguous.
-#define FLUIDCARVE_HOOK(name)                            \
-    struct Other_##name {                                \
-        int name;                                        \
-    };                                                   \
-    template <class Node>                                \
-    struct Both_##name : Node, Other_##name {};          \
-    template <class Node>                                \
-    inline constexpr bool has_##name = !requires { &Both_##name<Node>::name; };
+/// Defines `has_NAME<Node>`: whether a node has a member of that name with any signature. It derives from the node and from a class with
+/// such a member: if both have it, the name is ambiguous.
+#define FLUIDCARVE_HOOK(name)                      \
+    struct Other_##name {                          \
+        int name;                                  \
+    };                                             \
+    template <class Node>                          \
+    struct Both_##name : Node, Other_##name {};    \
+    template <class Node>                          \
+    inline constexpr bool has_##name = !requires { \
+        &Both_##name<Node>::name;                  \
+    };
 FLUIDCARVE_HOOK(run)
 FLUIDCARVE_HOOK(add)
 FLUIDCARVE_HOOK(digest)
@@ -246,12 +252,12 @@ FLUIDCARVE_HOOK(survey)
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files before the run
 ///
-/// A result that smaller wishes are answered from, and larger ones go on from (Declare::grows), may have
+/// A node with a growing result (Declare::grows, Growth) may have
 ///
 ///     void resume(const Payload& result, const nlohmann::ordered_json& entry);
 ///
-/// called once, after the last `add` and before `finish`, if the work folder keeps a result of less than is wished for, with what
-/// the node reported of it. Then `finish` continues it.
+/// It is called once, after the last `add` and before `finish`, if the cache holds a smaller result than wanted, with that result and
+/// its report entry. `finish` then continues the result.
 template <class Node>
 class Declare {
 public:
@@ -268,8 +274,7 @@ public:
             else if constexpr (detail::has_gathers<Node>) return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
-        if constexpr (detail::has_animates<Node>)
-            type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
+        if constexpr (detail::has_animates<Node>) type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
         if constexpr (detail::has_check<Node>)
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
         if constexpr (detail::has_survey<Node>)
@@ -375,22 +380,37 @@ private:
         node.add(params, ports, context);
     };
     static_assert(has_run || has_add, "a node needs run, or add and finish");
-    // A hook of the wrong signature would else be left out in silence.
+    // Without these checks, a hook with a wrong signature would be ignored.
     static_assert(has_run || !detail::has_run<Node>, "`run` must be `static void run(const Params&, Ports&, Context&)`, or const if the node gathers");
     static_assert(has_digest || !detail::has_digest<Node>, "`digest` must be `static std::shared_ptr<T> digest(const Params&, const Ports&, Context&)`");
     static_assert(has_add || !detail::has_add<Node>, "`add` must be `void add(const Params&, const Ports&, Context&)`");
-    static_assert(!detail::has_resume<Node> || requires(Node node, const Payload& result, const nlohmann::ordered_json& entry) { node.resume(result, entry); },
-                  "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`");
-    static_assert(!detail::has_gathers<Node> || requires(const Params& params) { { Node::gathers(params) } -> std::same_as<bool>; },
-                  "`gathers` must be `static bool gathers(const Params&)`");
-    static_assert(!detail::has_wants<Node> || requires(const Params& params, const Context& context) { { Node::wants(params, context) } -> std::same_as<bool>; },
-                  "`wants` must be `static bool wants(const Params&, const Context&)`");
-    static_assert(!detail::has_animates<Node> || requires(const Params& params) { { Node::animates(params) } -> std::same_as<bool>; },
-                  "`animates` must be `static bool animates(const Params&)`");
-    static_assert(!detail::has_check<Node> || requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
-                  "`check` must be `static void check(const Params&, NodeCheck&)`");
-    static_assert(!detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
-                  "`survey` must be `static void survey(const Params&, Survey&)`");
+    static_assert(
+        !detail::has_resume<Node> || requires(Node node, const Payload& result, const nlohmann::ordered_json& entry) { node.resume(result, entry); },
+        "`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`");
+    static_assert(
+        !detail::has_gathers<Node> ||
+            requires(const Params& params) {
+                { Node::gathers(params) } -> std::same_as<bool>;
+            },
+        "`gathers` must be `static bool gathers(const Params&)`");
+    static_assert(
+        !detail::has_wants<Node> ||
+            requires(const Params& params, const Context& context) {
+                { Node::wants(params, context) } -> std::same_as<bool>;
+            },
+        "`wants` must be `static bool wants(const Params&, const Context&)`");
+    static_assert(
+        !detail::has_animates<Node> ||
+            requires(const Params& params) {
+                { Node::animates(params) } -> std::same_as<bool>;
+            },
+        "`animates` must be `static bool animates(const Params&)`");
+    static_assert(
+        !detail::has_check<Node> || requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
+        "`check` must be `static void check(const Params&, NodeCheck&)`");
+    static_assert(
+        !detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
+        "`survey` must be `static void survey(const Params&, Survey&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
@@ -434,8 +454,7 @@ private:
                 if constexpr (detail::has_resume<Node>)
                     out.resume = [node](const Payload& result, const nlohmann::ordered_json& entry) { node->resume(result, entry); };
                 out.finish = [params, node](void* ports, Context& context) { node->finish(*params, *static_cast<Ports*>(ports), context); };
-                if constexpr (detail::has_wants<Node>)
-                    out.wants = [params](const Context& context) { return Node::wants(*params, context); };
+                if constexpr (detail::has_wants<Node>) out.wants = [params](const Context& context) { return Node::wants(*params, context); };
             }
         }
         return out;

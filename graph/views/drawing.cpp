@@ -35,6 +35,7 @@ const char* meaning(Rate rate) {
     return "frame: for every frame";
 }
 
+/// A connection between two nodes, with its tooltip.
 struct Connection {
     std::size_t from = 0;
     std::size_t to = 0;

@@ -22,6 +22,7 @@ struct Item {
     std::vector<std::size_t> after;
 };
 
+/// Computes a Layout, step by step.
 class Placement {
 public:
     explicit Placement(Layout& layout) : layout_(layout) {}

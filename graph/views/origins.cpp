@@ -42,6 +42,7 @@ std::string yaml(const Value& value) {
     return "~";
 }
 
+/// Finds the origins of values in a document.
 class Finder {
 public:
     explicit Finder(const Document& document) : document_(document) {}

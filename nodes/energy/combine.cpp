@@ -12,7 +12,7 @@
 namespace fluidcarve {
 namespace {
 
-/// A term of combined_energy, ready for its voxels.
+/// A term of combined_energy with its remap.
 struct Remap {
     const FloatGrid* grid;
     double weight, low, width;
@@ -61,7 +61,7 @@ struct Combine {
 FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
     for (std::size_t n = 1; n < terms.size(); ++n) require_same_transform(fmt::format("terms 1 and {}", n + 1), *terms[0].energy, *terms[n].energy);
     const std::vector<Remap> remaps(terms.begin(), terms.end());
-    float nothing = 0;  ///< where no term is active
+    float nothing = 0;  ///< the background of the sum
     for (const auto& remap : remaps) nothing += remap(remap.grid->background());
     const auto tree = std::make_shared<openvdb::FloatTree>(terms[0].energy->tree(), nothing, openvdb::TopologyCopy());
     for (std::size_t n = 1; n < terms.size(); ++n) tree->topologyUnion(terms[n].energy->tree());
@@ -107,11 +107,11 @@ FloatGrid::Ptr combined_energy(const std::vector<EnergyTerm>& terms) {
 
 NodeType energy_combine() {
     return Declare<Combine>("energy.combine", "Adds energies, each remapped to [0, 1] over the whole sequence and weighted.")
-        .input("terms", &Combine::Ports::terms, "Energies, all on grids of one transform.")
-        .param("weights", &Combine::Params::weights, Unit::none, at_least(0), "One per term; left empty, all are 1.")
+        .input("terms", &Combine::Ports::terms, "Energies, all on grids with the same transform.")
+        .param("weights", &Combine::Params::weights, Unit::none, at_least(0), "One weight per term. Empty: all are 1.")
         .param("range", &Combine::Params::range,
-               "What is remapped to [0, 1], values beyond are clamped: the smallest and largest active value of the sequence, found in a pass of its own; "
-               "or an interval for all terms; or a list with one of these per term. A term that is constant counts as 0.")
+               "The interval that is remapped to [0, 1]; values outside are clamped. Auto: from the smallest to the largest active value of the sequence, "
+               "found in an extra pass. A list states one interval or auto per term. A constant term counts as 0.")
         .output("energy", &Combine::Ports::energy, "From 0 to the sum of the weights, on the voxels that are active in any term.")
         .digests({"terms", "range"});
 }

@@ -29,10 +29,10 @@ FloatGrid::Ptr curvature_energy(const FloatGrid& surface, float gain) {
 
 NodeType energy_curvature() {
     return Declare<Curvature>("energy.curvature", "High where a surface curves, so that seams avoid its waves, drops and edges.")
-        .input("surface", &Curvature::Ports::surface, "A level set, or any field whose level surfaces are meant.")
+        .input("surface", &Curvature::Ports::surface, "A level set, or any field: its level surfaces count.")
         .param("gain", &Curvature::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
         .output("energy", &Curvature::Ports::energy,
-                "|sum of the principal curvatures|, 1 per world unit, on the active voxels of `surface`; as field.curvature.")
+                "|sum of the principal curvatures| (field.curvature), 1 per world unit, on the active voxels of `surface`.")
         .kept();
 }
 

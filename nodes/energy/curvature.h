@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// Energy that is high where a surface curves: gain |H|, `H` the sum of its principal curvatures (paper eq. 7 and 8, first term).
-/// @param surface  a level set, or any field whose level surfaces are meant, as for curvature_field
+/// Energy that is high where a surface curves: gain |H|, with `H` the sum of the principal curvatures (paper eq. 7 and 8, first term).
+/// @param surface  a level set, or any field: its level surfaces count, as for curvature_field
 /// @return energy >= 0, 1 / world unit, on the active voxels of `surface`
 /// @throws Failure as curvature_field
 FloatGrid::Ptr curvature_energy(const FloatGrid& surface, float gain);

@@ -14,6 +14,7 @@ namespace {
 
 using Leaf = FloatGrid::TreeType::LeafNodeType;
 
+/// A channel and its weight in the intensity.
 struct Term {
     FloatGrid::ConstPtr channel;
     float weight;
@@ -94,11 +95,12 @@ FloatGrid::Ptr image_energy(const FloatGrid& intensity) {
 }
 
 NodeType energy_image() {
-    return Declare<ImageEnergy>("energy.image", "High where a picture's intensity changes, so that seams avoid edges and textures: the paper's eq. 6.")
-        .input("source", &ImageEnergy::Ports::source, "The picture: a volume with a float grid for each channel, or one grid.")
+    return Declare<ImageEnergy>("energy.image",
+                                "The paper's energy for images (equation 6): high where the intensity changes, so that seams avoid edges and textures.")
+        .input("source", &ImageEnergy::Ports::source, "The picture: a volume with a float grid per channel, or one grid.")
         .param("channels", &ImageEnergy::Params::channels,
-               "Grids whose mean is the intensity. Auto is 0.2126 R + 0.7152 G + 0.0722 B; of pictures without these channels, the mean of all but opacity "
-               "(A, alpha).")
+               "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B; without these channels, the mean of all channels except "
+               "opacity (A, alpha).")
         .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
         .kept();
 }

@@ -9,18 +9,18 @@
 
 namespace fluidcarve {
 
-/// Intensity of a picture: 0.2126 R + 0.7152 G + 0.0722 B (Rec. 709) if it has these channels, else the mean of all of its
-/// channels but opacity (A, alpha).
-/// @param channels  takes the mean of these grids instead
-/// @return on the voxels that are active in any of them
-/// @throws Failure if there is no such grid, or one is no float grid or has another transform
+/// Intensity of a picture: 0.2126 R + 0.7152 G + 0.0722 B (Rec. 709) if it has these channels, else the mean of all channels except
+/// opacity (A, alpha).
+/// @param channels  if given, the intensity is the mean of these grids
+/// @return intensity in the unit of the channels, active where any channel is
+/// @throws Failure if a grid is missing, is not a float grid, or has another transform
 FloatGrid::Ptr intensity(const Volume& image, const std::optional<std::vector<std::string>>& channels = std::nullopt);
 
-/// Energy of a picture: |dI/dx| + |dI/dy| of its intensity (paper eq. 6; Avidan and Shamir 2007), by central differences, beside
-/// voxels that are not active by one-sided ones.
-/// @param intensity  in cubic voxels along the world's axes
-/// @return energy >= 0, per world unit (a pixel, if read by image.read), on the active voxels of `intensity`
-/// @throws Failure naming the grid if its voxels are no cubes or a value is not finite
+/// Energy of a picture: |dI/dx| + |dI/dy| of its intensity (paper eq. 6; Avidan and Shamir 2007), by central differences; beside
+/// inactive voxels by one-sided differences.
+/// @param intensity  with cubic voxels along the world's axes
+/// @return energy >= 0, units of `intensity` per world unit (one pixel in pictures of image.read), on the active voxels of `intensity`
+/// @throws Failure naming the grid if its voxels are not cubes along the world's axes, or a value is not finite
 FloatGrid::Ptr image_energy(const FloatGrid& intensity);
 
 NodeType energy_image();

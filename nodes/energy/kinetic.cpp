@@ -29,7 +29,7 @@ NodeType energy_kinetic() {
     return Declare<Kinetic>("energy.kinetic", "High where the flow is fast, so that seams avoid jets and bursts.")
         .input("velocity", &Kinetic::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
         .param("gain", &Kinetic::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
-        .output("energy", &Kinetic::Ports::energy, "velocity . velocity, without a half, in the square of its unit, on its active voxels.");
+        .output("energy", &Kinetic::Ports::energy, "velocity . velocity, without the factor 1/2, in squared units of `velocity`, on its active voxels.");
 }
 
 }  // namespace fluidcarve

@@ -7,11 +7,10 @@
 namespace fluidcarve {
 
 void add_energy_payload(Registry& registry) {
-    registry.add(
-        payload_type<FrameRanges>("ranges", "What energies range over in a frame: what is kept of it for `range: auto`.",
-                                  [](const FrameRanges& ranges) { return ranges.each.size() * sizeof(Interval); },
-                                  {1, [](const FrameRanges& ranges, std::ostream& to) { BinaryWriter(to).list(ranges.each); },
-                                   [](std::istream& from) { return std::make_shared<FrameRanges>(FrameRanges{BinaryReader(from).list<Interval>()}); }}));
+    registry.add(payload_type<FrameRanges>(
+        "ranges", "The range of each energy in one frame, for `range: auto`.", [](const FrameRanges& ranges) { return ranges.each.size() * sizeof(Interval); },
+        {1, [](const FrameRanges& ranges, std::ostream& to) { BinaryWriter(to).list(ranges.each); },
+         [](std::istream& from) { return std::make_shared<FrameRanges>(FrameRanges{BinaryReader(from).list<Interval>()}); }}));
 }
 
 }  // namespace fluidcarve

@@ -4,7 +4,7 @@ namespace fluidcarve {
 
 class Registry;
 
-/// Registers `ranges`.
+/// Registers the payload type `ranges`.
 void add_energy_payload(Registry& registry);
 
 }  // namespace fluidcarve

@@ -52,18 +52,17 @@ FloatGrid::Ptr remapped_energy(const FloatGrid& field, const Interval& range, co
 }
 
 NodeType energy_remap() {
-    return Declare<EnergyRemap>("energy.remap", "Brings an energy's values into another interval, straight or bent, upside down if need be.")
+    return Declare<EnergyRemap>("energy.remap", "Remaps an energy's values to another interval: linearly or with a gamma, and inverted if wanted.")
         .input("energy", &EnergyRemap::Ports::energy, "An energy, density or any other field.")
         .param("range", &EnergyRemap::Params::range, Unit::none, any_number(),
-               "What becomes `to`, in the unit of `energy`; auto: the smallest and largest active value of the sequence, found in a pass of its own. Where "
-               "they are "
-               "the same, all counts as the low end.")
-        .param("to", &RemapCurve::to, Unit::none, any_number(), "Where the ends of `range` go.")
+               "The interval that becomes `to`, in the unit of `energy`. Auto: from the smallest to the largest active value of the sequence, found in an "
+               "extra pass. If both are equal, every value counts as the low end.")
+        .param("to", &RemapCurve::to, Unit::none, any_number(), "The interval that `range` is mapped to.")
         .param("gamma", &RemapCurve::gamma, Unit::none, between(0.01, 100),
-               "Exponent between the ends: below 1 lifts low values, above 1 lowers them. Only with `clamp`.")
-        .param("clamp", &RemapCurve::clamp, "Values beyond `range` go to the ends of `to`; false: beyond them, in a straight line.")
-        .param("invert", &RemapCurve::invert, "The low end of `range` goes to the high end of `to`: empty space gets the most.")
-        .output("energy", &EnergyRemap::Ports::remapped, "On the active voxels of `energy`; everywhere else its background, remapped too.")
+               "Exponent of the curve: below 1 raises low values, above 1 lowers them. Needs `clamp`.")
+        .param("clamp", &RemapCurve::clamp, "Whether values outside of `range` go to the ends of `to`. False: they are extrapolated linearly.")
+        .param("invert", &RemapCurve::invert, "Maps the low end of `range` to the high end of `to`: empty space then gets the highest energy.")
+        .output("energy", &EnergyRemap::Ports::remapped, "The remapped values, on the active voxels of `energy`. Its background is remapped too.")
         .digests({"energy"});
 }
 

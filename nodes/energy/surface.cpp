@@ -54,16 +54,16 @@ std::vector<EnergyTerm> surface_terms(const FloatGrid& surface, const Ref<Vector
 
 NodeType energy_surface() {
     return Declare<SurfaceEnergy>("energy.surface", "The paper's energy for liquids and meshes: high where the surface curves, or the flow is fast.")
-        .input("surface", &SurfaceEnergy::Ports::surface, "The surface as a level set, of sdf.from_points for one.")
+        .input("surface", &SurfaceEnergy::Ports::surface, "The surface as a level set, for example from sdf.from_points.")
         .input("velocity", &SurfaceEnergy::Ports::velocity,
-               "Velocity, world units per second, on a grid of the surface's transform; staggered grids are collocated.")
+               "Velocity, world units per second, on a grid with the surface's transform; staggered grids are collocated.")
         .param("curvature", &SurfaceWeights::curvature, Unit::none, at_least(0), "Weight of |sum of the principal curvatures|.")
         .param("kinetic", &SurfaceWeights::kinetic, Unit::none, at_least(0), "Weight of velocity . velocity; lambda in the paper.")
         .param(
             "range", &SurfaceEnergy::Params::range,
-            "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
-            "found in a pass of its own; or an interval for both terms; or a list with one of these for the curvature and one for the kinetic energy. A term "
-            "that is constant counts as 0.")
+            "The interval of each term that is remapped to [0, 1] before weighting; values outside are clamped. Auto: from the smallest to the largest active "
+            "value of the sequence, found in an extra pass. A list states one interval or auto per term: curvature, then kinetic energy. A constant term "
+            "counts as 0.")
         .output("energy", &SurfaceEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in either input.")
         .digests({"surface", "velocity", "range"})
         .kept();

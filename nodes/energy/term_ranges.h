@@ -12,12 +12,12 @@ class NodeCheck;
 /// The parameter `range` of a sum of energies: `auto`, `[low, high]`, or a list with one of these per term.
 struct TermRanges {
     std::vector<Auto<Interval>> each{std::nullopt};
-    bool shared = true;  ///< one for all terms
+    bool shared = true;  ///< `each` has one entry for all terms; false: one per term
 
     const Auto<Interval>& of(std::size_t term) const { return each.at(shared ? 0 : term); }
-    /// Whether any is left to the sequence.
+    /// Whether any range is `auto` and must be gathered from the sequence.
     bool gathers() const;
-    /// Faults a list that is not one per term.
+    /// Reports a fault if a list does not have one entry per term.
     void check(std::size_t terms, NodeCheck& check) const;
 };
 
@@ -28,16 +28,16 @@ struct ParamTraits<TermRanges> {
     static std::string text(const TermRanges& ranges);
 };
 
-/// What each of several grids ranges over in one frame: smallest and largest active value, low > high where there is none.
+/// The range of each term in one frame: smallest and largest active value; low > high if there is none.
 struct FrameRanges {
     std::vector<Interval> each;
 };
 
-/// The ranges of one frame's energies, as far as they are `auto`; of the others those of no values.
+/// The ranges of one frame's terms. Terms whose range is stated get the empty range.
 /// @throws Failure as active_range
 std::shared_ptr<FrameRanges> ranges_of(const TermRanges& stated, const std::vector<Ref<FloatGrid>>& terms);
 
-/// What the terms that are `auto` range over in a sequence.
+/// Gathers the ranges of the terms whose range is `auto` over a sequence.
 class GatheredRanges {
 public:
     void add(const FrameRanges& frame);

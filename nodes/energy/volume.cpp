@@ -68,15 +68,15 @@ std::vector<EnergyTerm> volume_terms(const Ref<VectorGrid>& velocity, const std:
 NodeType energy_volume() {
     return Declare<VolumeEnergy>("energy.volume", "The paper's energy for smoke and fire: high where the flow spins, is fast, or its fields change.")
         .input("velocity", &VolumeEnergy::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
-        .input("fields", &VolumeEnergy::Ports::fields, "The fields that are seen: density, temperature, flame; on grids of the velocity's transform.")
+        .input("fields", &VolumeEnergy::Ports::fields, "The visible fields: density, temperature, flame; on grids with the velocity's transform.")
         .param("vorticity", &VolumeWeights::vorticity, Unit::none, at_least(0), "Weight of |curl velocity|.")
         .param("kinetic", &VolumeWeights::kinetic, Unit::none, at_least(0), "Weight of velocity . velocity; lambda 1 in the paper.")
         .param("gradient", &VolumeWeights::gradient, Unit::none, at_least(0), "Weight of |grad field|, for each field; lambda 2 in the paper.")
         .param(
             "range", &VolumeEnergy::Params::range,
-            "What of each term is remapped to [0, 1] before it is weighted, values beyond are clamped: the smallest and largest active value of the sequence, "
-            "found in a pass of its own; or an interval for all terms; or a list with one of these per term: vorticity, kinetic, then the gradient of each "
-            "field. A term that is constant counts as 0.")
+            "The interval of each term that is remapped to [0, 1] before weighting; values outside are clamped. Auto: from the smallest to the largest active "
+            "value of the sequence, found in an extra pass. A list states one interval or auto per term: vorticity, kinetic energy, then the gradient of each "
+            "field. A constant term counts as 0.")
         .output("energy", &VolumeEnergy::Ports::energy, "From 0 to the sum of the terms' weights, on the voxels that are active in any input.")
         .digests({"velocity", "fields", "range"})
         .kept();

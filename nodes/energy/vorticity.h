@@ -5,11 +5,11 @@
 
 namespace fluidcarve {
 
-/// Energy that is high where the flow spins: gain |curl v|, by central differences (paper eq. 11, first term).
-/// @param velocity  world units per second, in cubic voxels along the world's axes; a staggered grid is collocated first.
-///                  Beyond its active voxels the values that it holds count (0, in most files)
+/// Energy that is high where the flow rotates: gain |curl v|, by central differences (paper eq. 11, first term).
+/// @param velocity  world units per second, with cubic voxels along the world's axes; a staggered grid is collocated first.
+///                  Inactive voxels count with their stored value (0 in most files)
 /// @return energy >= 0, 1/s, on the active voxels of `velocity`
-/// @throws Failure naming the grid if its voxels are no cubes or a value is not finite
+/// @throws Failure naming the grid if its voxels are not cubes along the world's axes, or a value is not finite
 FloatGrid::Ptr vorticity_energy(const Ref<VectorGrid>& velocity, float gain);
 
 NodeType energy_vorticity();

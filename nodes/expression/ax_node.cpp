@@ -19,17 +19,17 @@ std::string text_of(const Mark& mark) { return fmt::format("{}:{}:{}", mark.sour
 }  // namespace
 
 const char* const ax_inputs_doc =
-    "Grids by name, of one transform: `{d: sim.density, vel: sim.velocity}`. The program reads a float grid or a mask (1 and 0) as `@d`, a vector grid as "
-    "`v@vel`; staggered vectors are collocated first.";
-const char* const ax_params_doc = "Constants by name, numbers or [x, y, z]: `{gain: 2}`. The program reads `$gain`, a vector as `v$name`.";
+    "Grids by name, all with the same transform: `{d: sim.density, vel: sim.velocity}`. The program reads a float grid or a mask (1 and 0) as `@d`, a vector "
+    "grid as `v@vel`. Staggered vectors are collocated first.";
+const char* const ax_params_doc = "Constants by name, numbers or [x, y, z]: `{gain: 2}`. The program reads a number as `$gain`, a vector as `v$name`.";
 
 std::string ax_code_doc(const std::string& output) {
     return fmt::format(
-        "A program in OpenVDB AX, run for each voxel: `float speed = length(v@vel); {0} = $gain * speed + abs(@d);`. Until it is written, {0} is 0. Variables "
-        "are "
-        "float, vec3f, int, bool, double, vec3d, vec3i or int64. `vec3d p = getvoxelpws(); {0} = max(p.z, 0.0);` goes by the voxel's place in the world, "
-        "getcoordx(), getcoordy(), getcoordz() by its index. It sees no neighbours: take field.gradient or field.curl as inputs. Loops must count to a stated "
-        "end, rand(seed) needs its seed, whole numbers are divided by what can't be 0 only.",
+        "A program in OpenVDB AX that runs for each voxel: `float speed = length(v@vel); {0} = $gain * speed + abs(@d);`. {0} is 0 until the program writes "
+        "it. Variables may be float, vec3f, int, bool, double, vec3d, vec3i or int64. getvoxelpws() is the voxel's position in the world, as in `vec3d p = "
+        "getvoxelpws(); {0} = max(p.z, 0.0);`; getcoordx(), getcoordy() and getcoordz() are its index. A program can't read neighbouring voxels: use "
+        "field.gradient or field.curl as inputs. Loops must count to a stated end, rand() needs a seed, and a whole number may only be divided by a value "
+        "that can't be 0.",
         output);
 }
 

@@ -16,20 +16,20 @@ namespace fluidcarve {
 class Context;
 class NodeCheck;
 
-/// What `energy.ax` and `field.ax` share: all but the name of what the program writes, and what it may be.
+/// Parameters of `energy.ax` and `field.ax`.
 struct AxParams {
     std::map<std::string, ScriptConstant> params;
     Script code;
 };
 
-/// Faults all that is wrong with the program, at its place in the file. Without the module `expressions` nothing can be said; the
-/// run then asks for it.
+/// Reports all faults of a program, at their places in the file. Without the module `expressions` it reports nothing, and the run fails.
+/// @param output  name of the grid that the program writes, without @
 void check_ax(const AxParams& params, const std::string& output, NodeCheck& check);
 
-/// A node's program, compiled by the first frame for all.
+/// A node's program. The first frame compiles it for all frames.
 class AxProgram {
 public:
-    /// @param least  the smallest value that is allowed, or -infinity
+    /// Runs the program for one frame. @param least  smallest allowed result, or -infinity
     /// @throws Failure as `evaluated`
     Ref<FloatGrid> run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
                        const Context& context) const;
@@ -41,7 +41,7 @@ private:
 
 extern const char* const ax_inputs_doc;
 extern const char* const ax_params_doc;
-/// @param output  what the program writes: "@energy"
+/// Doc string of the parameter `code`. @param output  the grid that the program writes: "@energy"
 std::string ax_code_doc(const std::string& output);
 
 }  // namespace fluidcarve

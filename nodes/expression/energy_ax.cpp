@@ -24,11 +24,12 @@ struct EnergyAx {
 }  // namespace
 
 NodeType energy_ax() {
-    return Declare<EnergyAx>("energy.ax", "An energy by a program of your own, in OpenVDB AX: what you say is left alone, whatever the built-in energies know.")
+    return Declare<EnergyAx>("energy.ax", "An energy computed by your own program, in OpenVDB AX, where the built-in energies are not enough.")
         .input("inputs", &EnergyAx::Ports::inputs, ax_inputs_doc)
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@energy"))
-        .output("energy", &EnergyAx::Ports::energy, "What the program writes, at least 0 and finite, on the voxels that are active in any input; elsewhere 0.")
+        .output("energy", &EnergyAx::Ports::energy,
+                "The values that the program writes, finite and at least 0, on the voxels that are active in any input; 0 elsewhere.")
         .kept();
 }
 

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `energy.ax {inputs, params, code}`: an energy by a program that stands in the pipeline (expression.h).
+/// `energy.ax {inputs, params, code}`: an energy computed by a program in the pipeline (expression.h).
 NodeType energy_ax();
 
 }  // namespace fluidcarve

@@ -16,7 +16,7 @@ namespace {
 
 using openvdb::FloatTree;
 
-/// As a program reads it.
+/// The grid in the form that a program reads: a mask as 1 and 0, a staggered vector grid collocated.
 openvdb::GridBase::ConstPtr readable(const std::string& name, const openvdb::GridBase::ConstPtr& grid) {
     if (grid->isType<FloatGrid>()) return grid;
     if (grid->isType<VectorGrid>()) return collocated(openvdb::gridConstPtrCast<VectorGrid>(grid));
@@ -29,7 +29,7 @@ openvdb::GridBase::ConstPtr readable(const std::string& name, const openvdb::Gri
     return out;
 }
 
-/// What is active, or a voxel, in any of the grids.
+/// A tree with the union of the grids' active voxels and leaves.
 FloatTree::Ptr united_topology(const std::vector<NamedGrid>& grids) {
     FloatTree::Ptr out;
     const auto add = [&](const auto& tree) {
@@ -43,12 +43,13 @@ FloatTree::Ptr united_topology(const std::vector<NamedGrid>& grids) {
     return out;
 }
 
+/// An invalid result at a voxel.
 struct Wrong {
     openvdb::Coord at;
     float value;
 };
 
-/// The lowest active voxel, or corner of a tile, whose value is not finite or below `least`.
+/// The lowest active voxel, or tile corner, whose value is not finite or below `least`.
 std::optional<Wrong> lowest_wrong(const FloatGrid& grid, float least) {
     std::mutex mutex;
     std::optional<Wrong> out;

@@ -12,32 +12,32 @@
 
 namespace fluidcarve {
 
-/// A program in OpenVDB AX, and all that it may name.
+/// A program in OpenVDB AX, and the names that it may use.
 struct Expression {
     std::string code;
-    std::vector<std::string> inputs;                              ///< grids, read as `@name`, or as `v@name` where they hold vectors
-    std::map<std::string, std::variant<double, Vec3>> constants;  ///< `$name`, or `v$name`
-    std::string output;                                           ///< what it writes: `@name`, a number
+    std::vector<std::string> inputs;                              ///< names of grids, read as `@name`, or `v@name` for vectors
+    std::map<std::string, std::variant<double, Vec3>> constants;  ///< read as `$name`, or `v$name` for vectors
+    std::string output;                                           ///< name of the grid that it writes as `@name`, a number
 };
 
-/// What is wrong with a program.
+/// A fault of a program.
 struct ExpressionFault {
     std::string field;  ///< "code", "inputs" or "params"
-    int line = 0;       ///< of the code, from 1, as the column; 0: the field as a whole
-    int column = 0;
+    int line = 0;       ///< line of the code, from 1; 0: the field as a whole
+    int column = 0;     ///< from 1, in bytes
     std::string message;
 };
 
 /// A program ready to run, from many threads at once.
 struct CompiledExpression {
-    /// The first place where an input is read, and as what.
+    /// The first place where an input is read.
     struct Read {
         std::string input;
-        bool vector = false;
+        bool vector = false;  ///< read as a vector, `v@name`
         int line = 0, column = 0;
     };
-    std::vector<Read> reads;  ///< every input, once
-    bool asks_where = false;  ///< depends on the voxel's place, not on its inputs alone
+    std::vector<Read> reads;  ///< one per input
+    bool asks_where = false;  ///< whether the program uses the voxel's position
     virtual ~CompiledExpression() = default;
 };
 
@@ -45,15 +45,18 @@ using NamedGrid = std::pair<std::string, openvdb::GridBase::ConstPtr>;
 
 /// The functions of the module `expressions`.
 ///
-/// The language is AX but for what would not end, crash the process, or differ from run to run: loops that don't count to a
-/// stated end, casts to the type that a value has, whole numbers divided by what may be 0, indices that are no literals, random
-/// numbers without a seed, printing, bit shifts, texts, matrices, and functions that look outside.
+/// The language is AX without everything that might not end, crash the process, or differ between runs: loops without a stated end,
+/// casts of a value to its own type, division of a whole number by a value that may be 0, indices that are not literals, random numbers
+/// without a seed, printing, bit shifts, texts, matrices, and functions that read anything but their arguments and the voxel's position.
 struct ExpressionModule {
-    /// @return null, and what is wrong, all of it that can be known at once; else a program that ends and does not crash
+    /// Compiles a program. The compiled program ends and does not crash.
+    /// @param faults  receives all faults that can be found at once
+    /// @return null if there are faults
     std::shared_ptr<const CompiledExpression> (*compile)(const Expression& expression, std::vector<ExpressionFault>& faults);
-    /// Runs a program for each active voxel of `out`, which bears the output's name; once for a tile, unless the program asks
-    /// where it is: then tiles become voxels where values differ.
-    /// @param inputs  float and vector grids of the transform of `out`, each as the program reads it
+    /// Runs a program for each active voxel of `out`; once per tile, unless the program uses the voxel's position: tiles then become
+    /// voxels where values differ.
+    /// @param inputs  float and vector grids with the transform of `out`, each of the type that the program reads
+    /// @param out     called as the program's output
     void (*run)(const CompiledExpression& program, const std::vector<NamedGrid>& inputs, FloatGrid& out);
 };
 

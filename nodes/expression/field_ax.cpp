@@ -27,11 +27,11 @@ struct FieldAx {
 }  // namespace
 
 NodeType field_ax() {
-    return Declare<FieldAx>("field.ax", "A field by a program of your own, in OpenVDB AX: to mix, scale or cut fields before others use them.")
+    return Declare<FieldAx>("field.ax", "A field computed by your own program, in OpenVDB AX: to mix, scale or cut fields before other nodes use them.")
         .input("inputs", &FieldAx::Ports::inputs, ax_inputs_doc)
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@out"))
-        .output("out", &FieldAx::Ports::out, "What the program writes, finite, on the voxels that are active in any input; elsewhere 0.")
+        .output("out", &FieldAx::Ports::out, "The values that the program writes, finite, on the voxels that are active in any input; 0 elsewhere.")
         .kept();
 }
 

@@ -15,11 +15,11 @@ std::size_t offset_of(std::string_view text, int line, int column) {
     return std::min(begin + static_cast<std::size_t>(std::max(column - 1, 0)), end);
 }
 
-/// Goes through a scalar as it stands in a YAML file, letter by letter. White space is passed over: folding changes nothing else.
+/// Reads the characters of a scalar in a YAML file. It skips white space, since YAML's folding changes only that.
 class ScalarReader {
 public:
-    /// @param at  of the scalar, or of its anchor or tag
-    /// @param value  what it stands for; tells a quoted scalar from a text that was given as it is
+    /// @param at     offset of the scalar, or of its anchor or tag
+    /// @param value  the parsed value; tells a quoted scalar from a plain text that begins with a quote
     ScalarReader(std::string_view file, std::size_t at, std::string_view value) : file_(file), at_(at) {
         while (here() == '&' || here() == '!') {
             while (at_ < file_.size() && !is_space(file_[at_])) ++at_;
@@ -32,7 +32,7 @@ public:
 
     std::size_t at() const { return at_; }
 
-    /// Moves to the next letter. @return it, or 0 if there is none, or one that is written in a way that is not known here
+    /// Moves to the next character. @return the character; 0 at the end of the file, or for an unknown escape sequence
     char next() {
         skip_space();
         const char c = here();
@@ -59,7 +59,7 @@ private:
 
     std::string_view file_;
     std::size_t at_;
-    std::size_t escape_ = 0;  ///< bytes before the letter here that belong to it
+    std::size_t escape_ = 0;  ///< bytes of an escape sequence before the current character
     char quote_ = '\0';
 };
 

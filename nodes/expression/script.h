@@ -7,14 +7,15 @@
 
 namespace fluidcarve {
 
-/// A program that stands in a pipeline file.
+/// A program in a pipeline file.
 struct Script {
     std::string text;
-    Mark mark;  ///< where YAML has it begin
+    Mark mark;  ///< place of the YAML scalar
 
-    /// Where a place of the text stands in the file: exactly, whatever YAML's style (plain, quoted, `|`, `>`), unless `${name}` or
-    /// an escaped letter stands before it; then the last place before that. Ends and spaces are told by the letter before them.
-    /// @param line, column  from 1, in bytes; 0: the script as a whole
+    /// Converts a place in the program to a place in the file, for all YAML styles (plain, quoted, `|`, `>`). The result is exact unless
+    /// `${name}` or an escaped character comes before it; then it is the last place before that. For a space it is the place after the
+    /// character before.
+    /// @param line, column  in the program, from 1, in bytes; line 0: the program as a whole
     Mark place(int line, int column) const;
 };
 

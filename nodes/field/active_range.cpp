@@ -16,7 +16,7 @@ Interval active_range(const FloatGrid& grid) {
     const auto extend = [](Interval range, auto value) {
         for (; value; ++value) {
             const double v = *value;
-            // Told apart from any finite range, so that the caller looks for the place.
+            // An infinite range marks a value that is not finite; the place is found below.
             range = std::isfinite(v) ? joined(range, {v, v}) : Interval{empty_range.high, empty_range.low};
         }
         return range;

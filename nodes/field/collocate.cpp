@@ -29,8 +29,8 @@ Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
 }
 
 NodeType field_collocate() {
-    return Declare<FieldCollocate>("field.collocate", "Brings a staggered velocity from the voxels' faces to their centres.")
-        .input("velocity", &FieldCollocate::Ports::velocity, "Velocity, any unit; one that is not staggered passes as it is.")
+    return Declare<FieldCollocate>("field.collocate", "Moves a staggered velocity from the voxels' faces to their centres.")
+        .input("velocity", &FieldCollocate::Ports::velocity, "Velocity, any unit. A grid that is not staggered passes unchanged.")
         .output("velocity", &FieldCollocate::Ports::collocated, "The mean of each voxel's two faces along each axis, on the active voxels of `velocity`.")
         .kept();
 }

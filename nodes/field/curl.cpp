@@ -27,7 +27,7 @@ VectorGrid::Ptr curl_field(const Ref<VectorGrid>& velocity) {
 }
 
 NodeType field_curl() {
-    return Declare<FieldCurl>("field.curl", "The axis and rate of a flow's spin.")
+    return Declare<FieldCurl>("field.curl", "The curl of a velocity: the axis of the flow's rotation, and twice its rate.")
         .input("velocity", &FieldCurl::Ports::velocity, "Velocity, world units per second; staggered grids are collocated.")
         .output("curl", &FieldCurl::Ports::curl, "curl velocity, 1/s, on the active voxels of `velocity`.")
         .kept();

@@ -20,10 +20,10 @@ struct FieldCurvature {
     static void run(const Params&, Ports& io, Context&) { io.curvature = curvature_field(*io.field); }
 };
 
-/// Of a ball of one voxel's radius, per voxel.
+/// Limit of the curvature: that of a ball with a radius of one voxel, 1 / voxel.
 constexpr double sharpest = 2;
 
-/// Per voxel. Differences of doubles: in a float field that hardly changes those of floats would be rounding.
+/// Curvature at a voxel, 1 / voxel. In double precision: in a nearly constant field, differences of floats would be rounding errors.
 template <class Accessor>
 double curvature(Accessor& field, const Coord& at) {
     double s[3][3][3];
@@ -58,11 +58,12 @@ FloatGrid::Ptr curvature_field(const FloatGrid& field) {
 }
 
 NodeType field_curvature() {
-    return Declare<FieldCurvature>("field.curvature", "How a surface curves: the sum of its two principal curvatures, div (grad field / |grad field|).")
-        .input("field", &FieldCurvature::Ports::field, "A level set, or any field whose level surfaces are meant.")
+    return Declare<FieldCurvature>("field.curvature",
+                                   "Curvature of a field's level surfaces: the sum of the two principal curvatures, div (grad field / |grad field|).")
+        .input("field", &FieldCurvature::Ports::field, "A level set, or any field: its level surfaces count.")
         .output("curvature", &FieldCurvature::Ports::curvature,
-                "1 per world unit on the field's active voxels, 2 / radius on a ball; above 0 where a level set bulges outward. 0 where a neighbour is not "
-                "active, and never beyond that of a ball of one voxel's radius.")
+                "1 per world unit, on the field's active voxels: 2 / radius on a ball, above 0 where a level set bulges outward. It is 0 where a neighbour is "
+                "inactive, and limited to that of a ball with a radius of one voxel.")
         .kept();
 }
 

@@ -4,10 +4,10 @@
 
 namespace fluidcarve {
 
-// For map_stencil. Not tools::gradient and tools::curl: those take a staggered grid for a collocated one, and the corner of an
-// active tile for all of it.
+// Operators for map_stencil. tools::gradient and tools::curl are not used: they treat staggered grids as collocated, and evaluate
+// an active tile only at its corner.
 
-/// What a field's neighbours differ by along x, y and z: its gradient, times two voxels.
+/// Differences of the neighbours along x, y and z: the gradient, times two voxels.
 template <class Accessor>
 openvdb::Vec3s gradient_differences(Accessor& field, const openvdb::Coord& at) {
     return {field.getValue(at.offsetBy(1, 0, 0)) - field.getValue(at.offsetBy(-1, 0, 0)),

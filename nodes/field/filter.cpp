@@ -32,7 +32,7 @@ bool all_finite(const Tree& tree) {
         [](bool a, bool b) { return a && b; });
 }
 
-/// The lowest active voxel with a value that is not finite within `width` voxels of it.
+/// The lowest active voxel that has a value that is not finite within `width` voxels.
 std::optional<openvdb::Coord> lowest_near_not_finite(const Tree& tree, int width) {
     if (all_finite(tree)) return std::nullopt;
     std::optional<openvdb::Coord> lowest;
@@ -66,7 +66,7 @@ struct FieldFilter {
 
 FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width, int iterations) {
     const auto out = field.deepCopy();
-    // Not the filter's own setProcessTiles: that looks for other values beyond a tile's faces only, and a cube has corners.
+    // The filter's own setProcessTiles only compares values beyond a tile's faces, but a cube also reaches over its edges and corners.
     open_tile_borders(out->tree(), width * iterations * (mode == FilterMode::gaussian ? 4 : 1));
     const auto refuse = [&](int near) {
         if (const auto lowest = lowest_near_not_finite(out->tree(), near)) refuse_not_finite(field, *lowest);
@@ -87,10 +87,12 @@ NodeType field_filter() {
     return Declare<FieldFilter>("field.filter", "Smooths a field, so that an energy made of it follows its large shapes.")
         .input("field", &FieldFilter::Ports::field, "Density, an energy or any other field.")
         .param("mode", &FieldFilter::Params::mode,
-               "mean of a cube of voxels; median of it, which removes specks and keeps edges; gaussian, as four means in a row, within 5 % of the true one.")
-        .param("width", &FieldFilter::Params::width, Unit::voxels, between(1, 64), "From the middle of the cube to its sides: 1 is 3 x 3 x 3 voxels.")
+               "mean: of a cube of voxels. median: of that cube; removes specks, keeps edges. gaussian: four means in a row, within 5 % of a true Gaussian.")
+        .param("width", &FieldFilter::Params::width, Unit::voxels, between(1, 64),
+               "Distance from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
         .param("iterations", &FieldFilter::Params::iterations, Unit::none, between(1, 100), "How often the filter is applied.")
-        .output("filtered", &FieldFilter::Ports::filtered, "In the unit of `field`, on its active voxels; beyond them its values count as they are.")
+        .output("filtered", &FieldFilter::Ports::filtered,
+                "The smoothed field, in its unit, on its active voxels. Inactive voxels count with their stored value, and keep it.")
         .kept();
 }
 

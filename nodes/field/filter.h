@@ -5,10 +5,11 @@
 
 namespace fluidcarve {
 
+/// The filters of filtered_field.
 enum class FilterMode {
-    mean,      ///< of the cube of 2 width + 1 voxels
-    median,    ///< of that cube; removes what is thinner than half of it, keeps edges
-    gaussian,  ///< four means, one after the other: within 5 % of a Gaussian of variance 4 width (width + 1) / 3
+    mean,      ///< mean of a cube with sides of 2 width + 1 voxels
+    median,    ///< median of that cube: removes features thinner than half of it, keeps edges
+    gaussian,  ///< four means in a row: within 5 % of a Gaussian with variance 4 width (width + 1) / 3, in voxels squared
 };
 
 template <>
@@ -17,13 +18,12 @@ struct ChoiceNames<FilterMode> {
                                          std::pair{"gaussian", FilterMode::gaussian}};
 };
 
-/// A smoother field, by openvdb::tools::Filter.
-/// @param field  any unit. Beyond its active voxels the values that it holds count, and stay
-/// @param width  voxels, >= 1
-/// @param iterations  >= 1; how often the filter is applied
-/// @return same unit, active voxels, class, metadata and transform; where all values within reach are alike, so is the result,
-///         to the rounding of a float
-/// @throws Failure naming the grid and voxel if a value that is not finite lies on or within `width` of an active voxel
+/// Smooths a field with openvdb::tools::Filter.
+/// @param field       any unit. Inactive voxels count with their stored value, and keep it
+/// @param width       voxels, >= 1
+/// @param iterations  how often the filter is applied, >= 1
+/// @return same unit, active voxels, class, metadata and transform. A constant neighbourhood stays constant, up to float rounding
+/// @throws Failure naming the grid and the voxel if a value that is not finite lies on or within `width` voxels of an active voxel
 FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width, int iterations);
 
 NodeType field_filter();

@@ -27,7 +27,7 @@ VectorGrid::Ptr gradient_field(const FloatGrid& field) {
 }
 
 NodeType field_gradient() {
-    return Declare<FieldGradient>("field.gradient", "Where and how steeply a field rises.")
+    return Declare<FieldGradient>("field.gradient", "The gradient of a field: the direction and steepness of its rise.")
         .input("field", &FieldGradient::Ports::field, "Density, temperature or any other field.")
         .output("gradient", &FieldGradient::Ports::gradient, "grad field, units of `field` per world unit, on its active voxels.")
         .kept();

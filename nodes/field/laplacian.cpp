@@ -33,7 +33,7 @@ FloatGrid::Ptr laplacian_field(const FloatGrid& field) {
 }
 
 NodeType field_laplacian() {
-    return Declare<FieldLaplacian>("field.laplacian", "How a field differs from its surroundings: div grad, below 0 on peaks, above 0 in pits.")
+    return Declare<FieldLaplacian>("field.laplacian", "The Laplacian of a field, div grad: below 0 on peaks, above 0 in pits.")
         .input("field", &FieldLaplacian::Ports::field, "Density, temperature or any other field.")
         .output("laplacian", &FieldLaplacian::Ports::laplacian, "Units of `field` per square world unit, on its active voxels.")
         .kept();

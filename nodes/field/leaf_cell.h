@@ -5,7 +5,7 @@
 
 namespace fluidcarve {
 
-/// As Coord::floor and Coord::round, which call the library for each component.
+/// Coord::floor, without a library call per component.
 inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
     const auto floor = [](double x) {
         const int towards_0 = static_cast<int>(x);
@@ -15,10 +15,10 @@ inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
 }
 inline openvdb::Coord nearest_voxel(const openvdb::Vec3d& q) { return voxel_below(q + openvdb::Vec3d(0.5)); }
 
-/// Whether the 2^3 voxels from `low` on lie in one leaf.
+/// Whether the cell of 2 x 2 x 2 voxels with lowest voxel `low` lies in one leaf.
 inline bool in_one_leaf(const openvdb::Coord& low) { return (low.x() & 7) != 7 && (low.y() & 7) != 7 && (low.z() & 7) != 7; }
 
-/// Reads them from it, as openvdb::tools::BoxSampler orders them. Not for leaves of booleans or masks.
+/// Reads the values of such a cell, `out[x][y][z]`, in the order of openvdb::tools::BoxSampler. Not for leaves of booleans or masks.
 template <class Leaf, class Value>
 void read_cell(const Leaf& leaf, const openvdb::Coord& low, Value (&out)[2][2][2]) {
     const auto* const at = leaf.buffer().data() + Leaf::coordToOffset(low);

@@ -7,8 +7,8 @@ namespace fluidcarve {
 
 /// The length of each vector.
 /// @param vectors  any unit; a staggered grid is collocated first
-/// @return the same unit, on the active voxels of `vectors`; the background is that of `vectors`, as a length
-/// @throws Failure naming the grid and voxel if a value is not finite
+/// @return lengths in the unit of `vectors`, on their active voxels; the background is the length of theirs
+/// @throws Failure naming the grid and the voxel if a value is not finite
 FloatGrid::Ptr magnitude_field(const Ref<VectorGrid>& vectors);
 
 NodeType field_magnitude();

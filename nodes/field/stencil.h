@@ -10,16 +10,16 @@
 
 namespace fluidcarve {
 
-/// Edge of the cubic voxels, world units.
-/// @throws Failure naming the grid if its voxels are no cubes along the world's axes, where derivatives by axis make no sense
+/// Edge length of a grid's cubic voxels, world units.
+/// @throws Failure naming the grid if its voxels are not cubes along the world's axes
 double cubic_voxel_size(const openvdb::GridBase& grid);
 
-/// @throws Failure naming the lowest active voxel of `grid` whose value is not finite; if there is none, `beside`
+/// Always throws. @throws Failure naming the grid and its lowest active voxel with a value that is not finite, else `beside`
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
 [[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
 
-/// Turns the blocks along the border of each active tile into leaves, so that what is left of a tile has only its own values
-/// within `reach` voxels.
+/// Turns the border of each active tile into leaves, so that all voxels within `reach` voxels of what remains of the tile have its value.
+/// @param reach  voxels
 template <class Tree>
 void open_tile_borders(Tree& tree, int reach = 1) {
     constexpr int step = Tree::LeafNodeType::DIM;
@@ -42,7 +42,8 @@ void open_tile_borders(Tree& tree, int reach = 1) {
 }
 
 namespace detail {
-/// Sets the active values of `tree`, those of `in`, to `op(accessor of in, voxel)`: once per tile.
+/// Sets the active values of `tree` to `op(accessor of in, voxel)`; calls it once per tile.
+/// @param tree  with the active voxels of `in`
 template <class Out, class In, class Op>
 typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, const Op& op) {
     using Tree = typename Out::TreeType;
@@ -72,9 +73,9 @@ typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, 
 }
 }  // namespace detail
 
-/// A grid on the active voxels of `in`, with its transform: `op(accessor of in, voxel)` at each, `background` elsewhere.
-/// @param op  called from many threads; may look at the 26 neighbours. Within an active tile, away from its border, all voxels
-///            look alike: there it is called once
+/// A grid with the active voxels and transform of `in`: active values are `op(accessor of in, voxel)`, the background is `background`.
+/// @param op  called from many threads; may read the 26 neighbours. Called once for the inside of an active tile, where all
+///            neighbourhoods are equal
 /// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
 template <class Out, class In, class Op>
 typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& background, const Op& op) {
@@ -84,7 +85,7 @@ typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& backg
     return detail::filled<Out>(tree, in, op);
 }
 
-/// The same for what a voxel's own value decides: `op(value)`; tiles stay tiles.
+/// The same for an `op(value)` that needs only the voxel's own value. Tiles stay tiles.
 template <class Out, class In, class Op>
 typename Out::Ptr map_values(const In& in, const typename Out::ValueType& background, const Op& op) {
     const auto tree = std::make_shared<typename Out::TreeType>(in.tree(), background, openvdb::TopologyCopy());

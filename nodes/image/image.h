@@ -5,71 +5,71 @@
 
 namespace fluidcarve {
 
-/// A picture as its file holds it. Plain data: all that passes between the core and the module that knows image files.
+/// A picture as stored in a file. Plain data, exchanged between the core and the module that reads and writes image files.
 struct Image {
-    /// What a file says beside its pixels: colour space, camera, texts.
+    /// One entry of a file's metadata: colour space, camera, texts.
     struct Attribute {
         std::string name;
-        std::string type;   ///< as OpenImageIO calls it: "string", "int", "matrix", "uint8[540]"
-        std::string value;  ///< the text, or the bytes of the numbers; of "string[2]" texts that each end in a 0
+        std::string type;   ///< OpenImageIO's name: "string", "int", "matrix", "uint8[540]"
+        std::string value;  ///< the text, or the bytes of the numbers; for "string[2]" two texts, each ended by a 0
     };
     struct Channel {
         std::string name;   ///< "R", "diffuse.G"
-        std::string depth;  ///< "uint8", "uint16", "half", "float" and OpenImageIO's others
+        std::string depth;  ///< "uint8", "uint16", "half", "float" or another type of OpenImageIO
     };
-    /// Pixels, x to the right and y down as in files, the first included and the end not.
+    /// A rectangle of pixels, x to the right, y down as in files. `x` and `y` are the first pixel.
     struct Window {
         int x = 0, y = 0, width = 0, height = 0;
         bool operator==(const Window&) const = default;
     };
 
     std::string format;  ///< OpenImageIO's name: "png", "jpeg", "tiff", "openexr"
-    Window data;         ///< the pixels that there are
-    Window display;      ///< the picture; only EXR and TIFF tell the two apart
+    Window data;         ///< the stored pixels
+    Window display;      ///< the visible picture; differs from `data` in EXR and TIFF only
     std::vector<Channel> channels;
-    int alpha = -1;  ///< index of the channel that is opacity, or -1
+    int alpha = -1;  ///< index of the opacity channel, or -1
     std::vector<Attribute> attributes;
-    int more = 0;  ///< further pictures in the file, which are not read
-    /// Row by row of `data`, the channels of a pixel beside each other; whole numbers divided by the largest of their depth.
+    int more = 0;  ///< number of further pictures in the file, which are not read
+    /// Values of the data window: `[y][x][channel]`. Integers are divided by the largest value of their depth.
     std::vector<float> pixels;
 };
 
 /// The functions of the module `images`.
 struct ImageModule {
-    /// All but the pixels.
-    /// @throws Failure (input) naming the file and what is wrong
+    /// Reads an image without its pixels. @param format  ImageFormat::name
+    /// @throws Failure (input) naming the file and the fault
     Image (*header)(const std::string& path, const std::string& format);
-    /// The same with pixels. Opacity is not multiplied in or out, colours are not converted.
+    /// Reads an image with its pixels. Colours are neither converted nor multiplied or divided by opacity. @throws Failure as `header`
     Image (*read)(const std::string& path, const std::string& format);
-    /// Writes the pixels as they are, each in its channel's depth; values beyond a whole number's range are cut off.
-    /// @param quality  of JPEG, 1 to 100
-    /// @throws Failure without the path
+    /// Writes the pixels unchanged, each channel in its depth. Values outside the range of an integer depth are clamped.
+    /// @param quality  JPEG quality, 1 to 100
+    /// @throws Failure, without the path in its message
     void (*write)(const std::string& path, const Image& image, int quality);
 };
 
-/// A kind of file that is read and written.
+/// A supported image format.
 struct ImageFormat {
-    std::string name;                  ///< OpenImageIO's
-    std::string shown;                 ///< "PNG"
-    std::vector<std::string> endings;  ///< of files' names
-    std::vector<std::string> starts;   ///< of their bytes
-    std::vector<std::string> depths;   ///< that it holds, from the least
+    std::string name;                  ///< OpenImageIO's name
+    std::string shown;                 ///< name in messages: "PNG"
+    std::vector<std::string> endings;  ///< file extensions
+    std::vector<std::string> starts;   ///< alternatives for the first bytes of a file
+    std::vector<std::string> depths;   ///< supported depths, the smallest first
 };
 
-/// By the ending of a path, whatever its case; null if it is none.
+/// The format of a path's extension, upper or lower case; null if unknown.
 const ImageFormat* format_of_name(const std::string& path);
 
-/// By how the file starts.
-/// @throws Failure (input) if the file is missing, can't be read, or is of no kind that is known
+/// The format of a file, by its first bytes.
+/// @throws Failure (input) if the file is missing, can't be read, or has an unknown format
 const ImageFormat& format_of_file(const std::string& path);
 
-/// ".png, .exr, ...", for messages.
+/// All extensions for messages: ".png, .exr, ...".
 std::string image_endings();
 
-/// Whether a channel of this name is opacity: A or alpha, also of a layer.
+/// Whether a channel is opacity by its name: A or alpha, also with a layer's name before it.
 bool is_opacity(const std::string& channel);
 
-/// Whether every number of depth `from` comes back from depth `to`.
+/// Whether depth `to` holds every number of depth `from` without loss.
 bool depth_holds(const std::string& to, const std::string& from);
 
 }  // namespace fluidcarve

@@ -27,7 +27,7 @@ constexpr auto depth_key = "image_depth", format_key = "image_format", data_key 
                unassociated = "oiio:UnassociatedAlpha", orientation_key = "image:Orientation";
 const std::string attribute_prefix = "image:";
 
-/// The same type, as either calls it. Types that OpenVDB does not know keep their name and their bytes.
+/// Convert a type's name between OpenVDB and OpenImageIO. Types that OpenVDB does not know keep their name and bytes.
 std::string type_in_vdb(const std::string& type) { return type == "int" ? "int32" : type; }
 std::string type_in_image(const std::string& type) { return type == "int32" ? "int" : type; }
 
@@ -70,12 +70,12 @@ int orientation_of(const Image& image) {
     return 1;
 }
 
-/// Where a pixel stands in the row by row order of a window.
+/// Index of a pixel in a window's pixels, row by row. @param pixel  a window of one pixel
 std::size_t place(const Image::Window& window, const Image::Window& pixel) {
     return static_cast<std::size_t>(pixel.y - window.y) * static_cast<std::size_t>(window.width) + static_cast<std::size_t>(pixel.x - window.x);
 }
 
-/// A leaf for each 8 x 8 pixels.
+/// A channel as a grid, with one leaf per 8 x 8 pixels.
 FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
     const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, 0), last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
     const int across = last.x() - first.x() + 1, rows = last.y() - first.y() + 1;
@@ -108,7 +108,7 @@ bool starts_with_any(const std::string& text, std::initializer_list<const char*>
     return std::any_of(starts.begin(), starts.end(), [&](const char* start) { return text.starts_with(start); });
 }
 
-/// Attributes that go with the pixels to a file of a format. Left out: what describes the old pixels or another format.
+/// The attributes to write to a file of a format: without those that describe the old pixels or another format.
 std::vector<Image::Attribute> attributes_for(const Volume& volume, const std::string& format, bool same_depth) {
     const bool same_format = meta(volume.metadata, format_key, std::string()) == format;
     std::vector<Image::Attribute> out;
@@ -122,9 +122,9 @@ std::vector<Image::Attribute> attributes_for(const Volume& volume, const std::st
             continue;
         if (!same_format && starts_with_any(name, {"compression", "planarconfig", "screenWindow", "PixelAspectRatio", "png:", "jpeg:", "tiff:", "openexr:"}))
             continue;
-        // A file that can't say how it is held is written upright.
+        // Formats that do not store the orientation are written upright.
         if (name == "Orientation" && (format == "png" || (format == "openexr" && !same_format))) continue;
-        // Another round would lose more.
+        // A lossy compression would lose more with each round.
         if (name == "compression" && starts_with_any(attribute.value, {"dwa", "b44", "pxr24", "jpeg", "ccitt"})) attribute.value = "zip";
         out.push_back(std::move(attribute));
     }
@@ -139,7 +139,7 @@ std::string names_of(const Channels& channels) {
     return out;
 }
 
-/// Red, green and blue go before all else, as most files want them.
+/// Sorts channels: R, G, B, opacity, others. Most formats need this order.
 void sort_colours(Channels& channels) {
     const auto has = [&](const char* name) { return std::any_of(channels.begin(), channels.end(), [&](const auto& each) { return each->getName() == name; }); };
     const bool colours = has("R") && has("G") && has("B");
@@ -175,7 +175,7 @@ Channels channels_of(const Volume& volume, const ImageWish& wish) {
     return out;
 }
 
-/// What some formats have no place for.
+/// Checks that the format can hold these channels. @throws Failure with the remedy
 void require_layout(const Channels& channels, const ImageFormat& format) {
     const bool png = format.name == "png";
     if (!png && format.name != "jpeg") return;
@@ -224,7 +224,7 @@ float least_of(const std::string& depth) {
     return depth.starts_with("uint") ? 0.0f : -most_of(depth);
 }
 
-/// @param z  of the plane in which the pixels are
+/// Reads the pixels of the data window from the grids. @param z  index coordinate of the plane of pixels
 void read_pixels(const Channels& channels, const Upright& upright, int z, Image& out) {
     const auto count = channels.size();
     out.pixels.resize(static_cast<std::size_t>(out.data.width) * static_cast<std::size_t>(out.data.height) * count);
@@ -239,7 +239,7 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
     });
 }
 
-/// EXR multiplies opacity into the colours, PNG does not, TIFF says which.
+/// Multiplies or divides colours by opacity as the format requires: multiplied in EXR, not in PNG; TIFF states it.
 void follow_convention(Image& image) {
     if (image.alpha < 0) return;
     const auto apart = std::find_if(image.attributes.begin(), image.attributes.end(), [](const auto& each) { return each.name == unassociated; });
@@ -272,7 +272,7 @@ void tell_cut(const Image& image, const std::function<void(const std::string&)>&
         std::size_t cut = 0;
         for (std::size_t n = c; n < image.pixels.size(); n += count) {
             const auto value = image.pixels[n];
-            // Half floats hold what is infinite or no number as well.
+            // Half floats hold infinities and NaN.
             if (depth == "half" && !std::isfinite(value)) continue;
             cut += value >= least && value <= most ? 0 : 1;
         }
@@ -281,7 +281,7 @@ void tell_cut(const Image& image, const std::function<void(const std::string&)>&
     }
 }
 
-/// The least window that holds all of one and every pixel that is not 0.
+/// The smallest window that contains `least` and all pixels that are not 0.
 Image::Window around_content(const Image& image, const Image::Window& least) {
     auto out = least;
     const auto count = image.channels.size();
@@ -293,7 +293,7 @@ Image::Window around_content(const Image& image, const Image::Window& least) {
     return out;
 }
 
-/// Gives an image another data window; what it did not hold is 0.
+/// Changes an image's data window. New pixels are 0.
 void reframe(Image& image, const Image::Window& to) {
     if (image.data == to) return;
     const auto count = image.channels.size();
@@ -310,7 +310,7 @@ void reframe(Image& image, const Image::Window& to) {
 }  // namespace
 
 Volume volume_of(const Image& image) {
-    // Only then are types of metadata known by their names.
+    // Registers the types of metadata.
     openvdb::initialize();
     const Upright upright(orientation_of(image), image.display);
     const auto box = upright.voxels(united(image.data, image.display));
@@ -325,7 +325,7 @@ Volume volume_of(const Image& image) {
 
 std::uint64_t bytes_as_volume(const Image& header) {
     const auto all = united(header.data, header.display);
-    // Leaves are eight voxels deep, of which an image fills one.
+    // A leaf is eight voxels deep, but an image fills only one plane of it.
     constexpr std::uint64_t bytes_of_leaves = 9 * sizeof(float);
     const auto area = [](const Image::Window& window) { return static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height); };
     return header.channels.size() * (area(all) * bytes_of_leaves + area(header.data) * 2 * sizeof(float));
@@ -353,7 +353,7 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
     out.attributes = attributes_for(volume, out.format, same_depth);
     const int held = meta(volume.metadata, orientation_key, 1), orientation = orientation_of(out);
 
-    // Without windows of its own the picture is the box.
+    // Without a stored window the box is the whole picture.
     const auto flat = CoordBBox({box.min().x(), box.min().y(), 0}, {box.max().x(), box.max().y(), 0});
     const auto size = turned_size(held, flat.dim().x(), flat.dim().y());
     auto display = unpacked(meta(volume.metadata, display_key, openvdb::Vec4i(0, 0, size[0], size[1])));
@@ -372,7 +372,7 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
         read_pixels(channels, read, box.min().z(), out);
         if (out.data != data) reframe(out, around_content(out, data));
     } else {
-        // The picture grows and shrinks with its pixels.
+        // The display window grows or shrinks with the box.
         const auto picture = read.voxels(display);
         const CoordBBox now(picture.min() + flat.min() - was.min(), picture.max() + flat.max() - was.max());
         const auto turned = turned_size(orientation, now.dim().x(), now.dim().y());

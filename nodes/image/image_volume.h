@@ -11,25 +11,25 @@
 
 namespace fluidcarve {
 
-/// A picture as a volume: a float grid for each channel, pixel `(x, y)`, y up, at voxel `(x, y, 0)`, voxel size 1. The pixels of
-/// both windows are active, also those that are 0; the picture's lower left corner is voxel `(0, 0, 0)`. Attributes are the
-/// volume's metadata, their names behind `image:`; how deep a channel was is its grid's metadata.
+/// Converts a picture to a volume: one float grid per channel, voxel size 1, the pixel `(x, y)` (y up) at voxel `(x, y, 0)`. The lower
+/// left pixel of the display window is voxel `(0, 0, 0)`. All pixels of both windows are active, also zeros. Attributes become metadata
+/// of the volume, named `image:NAME`; the depth of a channel becomes metadata of its grid.
 Volume volume_of(const Image& image);
 
-/// Bytes of memory that a picture and its volume take.
+/// Bytes of memory of a picture and its volume. @param header  may have no pixels
 std::uint64_t bytes_as_volume(const Image& header);
 
-/// What is to become of a volume.
+/// How to write a volume as an image.
 struct ImageWish {
     const ImageFormat* format = nullptr;
-    std::optional<std::string> depth;                  ///< of all channels; nothing: as they were read
-    std::optional<std::vector<std::string>> channels;  ///< nothing: all grids
+    std::optional<std::string> depth;                  ///< depth of all channels; nothing: as they were read
+    std::optional<std::vector<std::string>> channels;  ///< grids to write, in this order; nothing: all
 };
 
-/// The picture that a volume holds: the box of its active voxels, which lie in one plane z. If that is not the box that was
-/// read, the picture grows and shrinks with it. What is inactive in the box is as its grid says.
-/// @param warn  told what is lost
-/// @throws Failure naming what the format can't hold, and the remedy; if the grids are no channels
+/// Converts a volume to a picture: the box of its active voxels, which must lie in one plane z. If the box differs from the picture that
+/// was read, the display window grows or shrinks with it. Inactive voxels in the box have their stored value.
+/// @param warn  receives messages about values that are lost
+/// @throws Failure naming what the format can't hold, with the remedy; or if a grid is not a float grid
 Image image_of(const Volume& volume, const ImageWish& wish, const std::function<void(const std::string&)>& warn);
 
 }  // namespace fluidcarve

@@ -30,7 +30,7 @@ struct ImageRead {
         check_missing(params.path, params.missing, check);
     }
 
-    /// A file that can't be read, or lacks a channel, is told before the run, not when its turn comes.
+    /// Finds files that can't be read or lack a channel before the run starts.
     static void survey(const Params& params, Survey& survey) {
         survey_files(params.path, params.missing, survey, [&](int, int file) {
             const auto path = params.path.at(file);
@@ -75,16 +75,16 @@ private:
 NodeType image_read() {
     using Params = ImageRead::Params;
     return Declare<ImageRead>("image.read",
-                              "Reads images or videos as sequences of images (PNG, EXR, JPEG, TIFF): a float grid for each channel, a voxel of size 1 for each "
-                              "pixel, the lower left one at [0, 0, 0]. Upright, as the file's orientation says; values as they are, whole numbers divided by "
-                              "the largest.")
+                              "Reads images, or videos as sequences of images (PNG, EXR, JPEG, TIFF): one float grid per channel, one voxel of size 1 per "
+                              "pixel, the lower left pixel at [0, 0, 0]. Pictures are turned upright by the file's orientation. Values are not converted, "
+                              "except that integers are divided by the largest value of their depth.")
         .required("path", &Params::path, "File, or sequence with a frame token such as ####.")
         .param(
             "channels", &Params::channels,
-            "Channels to offer as outputs of their own, for masks and terms of an energy: `{matte: A}` makes `photo.matte` of channel A. Channels are called "
-            "R, G, B, A, Y (grey), or what the file calls them.")
+            "Channels to offer as outputs, for masks and terms of an energy: `{matte: A}` makes `photo.matte` from channel A. Channels are called R, G, B, A, "
+            "Y (grey), or as in the file.")
         .param("missing", &Params::missing, missing_doc)
-        .output("volume", &ImageRead::Ports::volume, "All channels, in the order of the file, with all that it says beside them.")
+        .output("volume", &ImageRead::Ports::volume, "All channels, in the order of the file, with the file's attributes.")
         .outputs_from("channels", &ImageRead::Ports::channels, [](const Params& params) {
             std::vector<std::pair<std::string, std::type_index>> out;
             for (const auto& [name, channel] : params.channels) out.emplace_back(name, typeid(FloatGrid));

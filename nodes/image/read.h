@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `image.read {path, channels, missing}`: a volume with a float grid for each channel of an image (image_volume.h).
+/// `image.read {path, channels, missing}`: reads an image as a volume with one float grid per channel (image_volume.h).
 NodeType image_read();
 
 }  // namespace fluidcarve

@@ -62,7 +62,7 @@ struct ImageWrite {
     }
 
 private:
-    /// Reads the file again: a full disk is not always noticed by who writes, nor what a format has no place for.
+    /// Reads the file back, to find write errors such as a full disk, and attributes that the format does not hold.
     static void verify(const ImageModule& module, const std::string& path, const Image& written, const ImageFormat& format,
                        const std::function<void(const std::string&)>& warn) {
         Image read;
@@ -94,19 +94,18 @@ NodeType image_write() {
     using Params = ImageWrite::Params;
     return Declare<ImageWrite>(
                "image.write",
-               "Writes images: the box of a volume's active voxels, a pixel for each, so that what was carved comes out narrower. Depth, channel "
-               "names and all that the image said when it was read are kept as far as its format holds them; values are written as they are, "
-               "without change of colour space, but for opacity: colours are multiplied by it in EXR, and not in PNG. A file appears whole or not at all.")
+               "Writes images: the box of a volume's active voxels, one pixel per voxel, so that a carved image comes out narrower. Depth, channel names and "
+               "attributes of the image that was read are kept as far as the format holds them. Values are not converted, except for opacity: colours are "
+               "multiplied by it in EXR, and not in PNG. A file appears whole or not at all.")
         .input("source", &ImageWrite::Ports::source, "A volume whose float grids are the channels, in one plane of voxels; or one grid.")
         .required("path", &Params::path,
                   "File that ends in .png, .exr, .jpg, .jpeg, .tif or .tiff; with a frame token such as #### if the source comes per frame.")
         .param("channels", &Params::channels, "Grids to write, in this order. Auto is all of them.")
-        .param(
-            "depth", &Params::depth,
-            "Of each channel's values. Auto: as it was read (in a format that does not hold that, the least that loses nothing: 8 bits become half floats in "
-            "EXR), and of grids that nodes made the deepest. PNG holds uint8 and uint16, JPEG uint8, TIFF all but half, EXR half and float. What a depth "
-            "does not hold is cut off, and a warning says how much.")
-        .param("quality", &Params::quality, Unit::none, between(1, 100), "Of JPEG, which loses something even at 100.");
+        .param("depth", &Params::depth,
+               "Depth of all channels. Auto: as each was read, or, if the format does not hold that, the smallest depth that loses nothing (8 bits become half "
+               "floats in EXR); for grids made by nodes, the largest depth of the format. PNG holds uint8 and uint16, JPEG uint8, TIFF all but half, EXR half "
+               "and float. Values outside the range of a depth are clamped, with a warning that counts them.")
+        .param("quality", &Params::quality, Unit::none, between(1, 100), "JPEG quality. Even 100 is not lossless.");
 }
 
 }  // namespace fluidcarve

@@ -4,8 +4,8 @@
 
 namespace fluidcarve {
 
-/// `image.write {source, path, channels, depth, quality}`: the float grids of a volume to an image, which appears whole or not at
-/// all (image_volume.h).
+/// `image.write {source, path, channels, depth, quality}`: writes the float grids of a volume as an image (image_volume.h). The file
+/// appears whole or not at all.
 NodeType image_write();
 
 }  // namespace fluidcarve

@@ -19,12 +19,12 @@ namespace fluidcarve {
 
 static_assert(std::endian::native == std::endian::little, "files hold numbers in the order of their bytes that this machine has");
 
-/// What goes to a file as the bytes that it has in memory: numbers, enumerations, and structs of such without gaps between them.
+/// Types written as their bytes in memory: numbers, enumerations, and structs of these without padding.
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
 
-/// Values one after the other, numbers little-endian; no names, no tags: a reader asks for the same in the same order.
-/// Whoever owns the stream looks after its faults.
+/// Writes values to a stream, little-endian, without names or tags: a reader must read the same types in the same order.
+/// The owner of the stream must check it for errors.
 class BinaryWriter {
 public:
     explicit BinaryWriter(std::ostream& out) : out_(out) {}
@@ -33,9 +33,9 @@ public:
     void value(const T& value) {
         bytes(&value, sizeof value);
     }
-    /// The number of characters (64 bits) and they.
+    /// Writes the number of characters (64 bits), then the characters.
     void text(std::string_view text) { list(std::span(text)); }
-    /// The number of values (64 bits) and they.
+    /// Writes the number of values (64 bits), then the values.
     template <Plain T>
     void list(std::span<const T> values) {
         value(std::uint64_t{values.size()});
@@ -49,13 +49,13 @@ public:
         value(std::uint64_t{texts.size()});
         for (const auto& each : texts) text(each);
     }
-    /// Whether there is a value, and it.
+    /// Writes whether there is a value, then the value.
     template <Plain T>
     void optional(const std::optional<T>& held) {
         value(held.has_value());
         if (held) value(*held);
     }
-    /// Nothing but these bytes.
+    /// Writes the bytes alone, without their number.
     void bytes(const void* data, std::size_t size) { out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size)); }
     std::ostream& stream() { return out_; }
 
@@ -63,8 +63,8 @@ private:
     std::ostream& out_;
 };
 
-/// Reads what a BinaryWriter wrote. Never takes much more memory than the stream holds bytes, whatever it says of sizes.
-/// All throw Failure where the stream ends too early or holds what can't be.
+/// Reads what a BinaryWriter wrote. It never allocates much more memory than the stream holds bytes, even if stated sizes are wrong.
+/// All functions throw Failure if the stream ends too early or holds invalid data.
 class BinaryReader {
 public:
     explicit BinaryReader(std::istream& in) : in_(in) {}
@@ -81,8 +81,7 @@ public:
             return out;
         }
     }
-    /// An enumeration's value.
-    /// @param last  the greatest there is; they count from 0
+    /// A value of an enumeration that counts from 0. @param last  its greatest value
     template <class E>
     requires std::is_enum_v<E> E value_up_to(E last) {
         using Number = std::make_unsigned_t<std::underlying_type_t<E>>;
@@ -110,14 +109,14 @@ public:
         in_.read(static_cast<char*>(data), static_cast<std::streamsize>(size));
         require(static_cast<std::size_t>(in_.gcount()) == size);
     }
-    /// @throws Failure unless what was read can be
+    /// @throws Failure unless `sound`
     static void require(bool sound) {
         if (!sound) throw Failure("kept data is damaged or cut off");
     }
     std::istream& stream() { return in_; }
 
 private:
-    /// In steps, each at most as large as all before: a size that is wrong ends at the end of the stream.
+    /// Reads in steps, each at most as large as all before, so that a wrong size fails at the end of the stream before it takes memory.
     template <class List>
     List sequence() {
         constexpr std::uint64_t first = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / sizeof(typename List::value_type));

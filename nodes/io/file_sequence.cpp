@@ -18,7 +18,7 @@ bool there(const InputPath& path, int frame) {
     return std::filesystem::exists(path.at(frame), ignored);
 }
 
-/// The frame whose file stands in for a frame's: its own, the nearest before or, failing that, after.
+/// The frame whose file a frame uses: its own, else the nearest before, else the nearest after.
 int held(const InputPath& path, const std::vector<int>& frames, int frame) {
     const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
     const auto is_there = [&](int each) { return there(path, each); };
@@ -54,7 +54,7 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey, const 
             survey.missing(frame, failure.what());
         }
     };
-    std::optional<int> stood_in;  // looked at for the frame before
+    std::optional<int> stood_in;  // the stand-in of the previous frame, already looked at
     for (const int frame : frames) {
         const auto after = std::lower_bound(present.begin(), present.end(), frame);
         const int file = after != present.end() && (*after == frame || after == present.begin()) ? *after : *std::prev(after);

@@ -17,14 +17,14 @@
 namespace fluidcarve {
 namespace {
 
-// Compressing takes longer than writing, and the library's way to expand trusts the bytes. Its saving of inactive values goes by what
-// compares equal, and -0 equals 0.
+// No compression: it takes longer than writing, and OpenVDB's decompression trusts the bytes. COMPRESS_ACTIVE_MASK is not exact either:
+// it compares inactive values, and -0 equals 0.
 constexpr std::uint32_t codec = openvdb::io::COMPRESS_NONE;
 
-/// Components of components of ...: a stream that claims more is damaged.
+/// Maximum nesting of components in origins: a stream with more is damaged.
 constexpr int deepest = 8;
 
-/// What the library keeps beside a stream while a tree passes through it.
+/// Attaches OpenVDB's stream metadata to a stream during its lifetime.
 class Tags {
 public:
     explicit Tags(std::ios_base& stream) : stream_(stream) { openvdb::io::setStreamMetadataPtr(stream, tags_, false); }
@@ -37,7 +37,7 @@ private:
     std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();
 };
 
-/// What the library throws as our own.
+/// Turns exceptions of OpenVDB into Failure.
 template <class Read>
 auto sound(Read read) {
     try {
@@ -49,7 +49,7 @@ auto sound(Read read) {
     }
 }
 
-/// Whether it can be made again from its name and its bytes.
+/// Whether metadata can be written: it can be restored from its type name and bytes.
 bool has_bytes(const openvdb::Metadata& metadata) {
     const auto type = metadata.typeName();
     if (type == openvdb::io::DelayedLoadMetadata::staticTypeName()) return false;  // sizes of leaves in a file
@@ -59,7 +59,7 @@ bool has_bytes(const openvdb::Metadata& metadata) {
 openvdb::Metadata::Ptr metadata_of(const std::string& type, const std::string& bytes) {
     BinaryReader::require(type != openvdb::io::DelayedLoadMetadata::staticTypeName());
     const auto out = openvdb::Metadata::isRegisteredType(type) ? openvdb::Metadata::createMetadata(type) : std::make_shared<openvdb::UnknownMetadata>(type);
-    // The library takes the size on trust, and some of its types don't keep to it.
+    // OpenVDB trusts the stated size, and some of its types read another number of bytes.
     std::uint32_t size = 0;
     BinaryReader::require(bytes.size() >= sizeof size);
     std::memcpy(&size, bytes.data(), sizeof size);
@@ -108,7 +108,7 @@ void GridWriter::write_tree(const openvdb::GridBase& grid) {
         binary_.text(bytes.buffers);
         return;
     }
-    // Without metadata it does not say that its values are half floats.
+    // Without metadata the grid is not marked as half floats.
     const auto plain = grid.copyGridReplacingMetadata({});
     const Tags tags(out_);
     openvdb::io::setDataCompression(out_, codec);
@@ -118,7 +118,7 @@ void GridWriter::write_tree(const openvdb::GridBase& grid) {
 
 GridReader::GridReader(std::istream& from) : in_(from.rdbuf()), binary_(in_) {
     register_openvdb_types();
-    // The library never looks whether a read came up short.
+    // OpenVDB never checks for short reads.
     in_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
     openvdb::io::setCurrentVersion(in_);
 }

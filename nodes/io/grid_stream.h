@@ -12,10 +12,9 @@
 
 namespace fluidcarve {
 
-/// Writes grids as they are in memory, to the last bit, for a program that goes on with them. A .vdb file (vdb_file.h) is for others to
-/// read: it rounds the values of a grid that says that it is kept as half floats, and drops the signs of zeros and where a grid came from
-/// (origin.h); this keeps them. Metadata that lives in memory only is left out but for the origin.
-/// A tree that several grids of one writer share is written once; the grids live as long as their writer.
+/// Writes grids bit for bit as in memory, for the cache. Unlike a .vdb file (vdb_file.h) it does not round grids that are marked as half
+/// floats, and keeps signs of zeros and the origin of grids (origin.h). Other metadata that exists only in memory is left out.
+/// A tree shared by several grids is written once. The grids must outlive the writer.
 class GridWriter {
 public:
     explicit GridWriter(std::ostream& to);
@@ -26,18 +25,18 @@ private:
     void write_tree(const openvdb::GridBase& grid);
 
     std::ostream& to_;
-    std::ostream out_;  ///< to the same place: the library leaves marks on a stream
+    std::ostream out_;  ///< same buffer as `to_`: OpenVDB attaches its own data to this stream
     BinaryWriter binary_;
-    std::map<const openvdb::TreeBase*, std::uint64_t> trees_;  ///< those written, by their number
+    std::map<const openvdb::TreeBase*, std::uint64_t> trees_;  ///< written trees and their numbers
 };
 
 /// Reads what a GridWriter wrote, in the same order. Shared trees are shared again.
 class GridReader {
 public:
     explicit GridReader(std::istream& from);
-    /// @throws Failure where no grid was written, or a part of one
+    /// @throws Failure if the stream holds no whole grid
     openvdb::GridBase::Ptr read();
-    /// The same if it is of this type. @throws Failure also if it is not
+    /// The same for a grid of this type. @throws Failure also if it has another type
     template <class Grid>
     typename Grid::Ptr read() {
         auto out = openvdb::gridPtrCast<Grid>(read());
@@ -55,7 +54,7 @@ private:
     std::vector<openvdb::TreeBase::Ptr> trees_;
 };
 
-/// But for what lives in memory only.
+/// Writes all metadata except what exists only in memory.
 void write_metadata(const openvdb::MetaMap& metadata, BinaryWriter& out);
 openvdb::MetaMap read_metadata(BinaryReader& in);
 

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 using openvdb::GridBase;
 using openvdb::points::PointDataGrid;
 
-/// What the active values of a grid span; of vectors, their lengths.
+/// Range of a grid's active values; for vectors, of their lengths.
 struct Range {
     double low = std::numeric_limits<double>::infinity();
     double high = -std::numeric_limits<double>::infinity();
@@ -57,7 +57,7 @@ Range range_of(const GridBase& grid) {
     return out;
 }
 
-/// Count and attributes, by name and type.
+/// Number of points, and names and types of their attributes.
 Json points_of(const PointDataGrid& grid) {
     Json out{{"count", 0}, {"attributes", Json::object()}};
     std::uint64_t count = 0;
@@ -103,7 +103,7 @@ Json grid_json(const GridBase& grid, const std::string& unique_name) {
     return out;
 }
 
-/// What a pipeline's author should know, each with the grids that it is true of; none: of the file.
+/// Notes for the author of a pipeline, each with the grids that it applies to; without grids it applies to the file.
 class Oddities {
 public:
     void add(const std::string& text, const std::string& grid = {}) {
@@ -200,7 +200,7 @@ Json look(const std::string& path) {
     return out;
 }
 
-/// "voxels of 0.1, 0.1, 0.1 in a domain of [20, 20, 40]": what a sequence's frames must share.
+/// Voxel size and domain, which all frames of a sequence must share: "voxels of 0.1, 0.1, 0.1 in a domain of [20, 20, 40]".
 std::string space_text(const Json& grid) {
     const auto& size = grid["transform"]["voxel_size"];
     const auto domain = grid["metadata"].value("file_base_resolution", std::string());
@@ -208,9 +208,9 @@ std::string space_text(const Json& grid) {
                        domain.empty() ? "" : " in a domain of " + domain);
 }
 
-/// Grids that change their place or voxels from file to file.
+/// Finds grids whose place or voxel size changes between files.
 std::vector<std::string> compare(const std::vector<Json>& files) {
-    std::map<std::string, std::pair<std::string, const Json*>> first;  ///< file and grid, by the grid's name
+    std::map<std::string, std::pair<std::string, const Json*>> first;  ///< grid name to the first file with it, and the grid
     Oddities out;
     std::set<std::string> told;
     for (const auto& file : files)

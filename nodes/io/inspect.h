@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `fluidcarve inspect FILE.vdb...`: grids, types, transforms, ranges, and what surprises in such files. Reads all of a file.
+/// Inspector for `fluidcarve inspect FILE.vdb...`: grids, types, transforms, ranges and oddities. Reads the whole file.
 FileInspector vdb_inspector();
 
 }  // namespace fluidcarve

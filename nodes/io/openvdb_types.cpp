@@ -11,7 +11,7 @@ void register_openvdb_types() {
     static std::once_flag once;
     std::call_once(once, [] {
         openvdb::initialize();
-        // Blender's liquid caches in half precision hold it, and the library leaves it out.
+        // Used by Blender's liquid caches in half precision, but not registered by OpenVDB.
         using HalfInt = openvdb::points::TypedAttributeArray<std::int32_t, openvdb::points::TruncateCodec>;
         if (!HalfInt::isRegistered()) HalfInt::registerType();
     });

@@ -5,6 +5,7 @@ namespace {
 
 constexpr auto key = "fluidcarve_origin";
 
+/// Metadata that holds an Origin. It exists only in memory: it writes and reads nothing.
 class OriginMetadata : public openvdb::Metadata {
 public:
     explicit OriginMetadata(std::shared_ptr<const Origin> origin) : origin(std::move(origin)) {}
@@ -67,9 +68,9 @@ openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, co
     if (!origin && !placement) return grid;
     auto by = placement ? *placement : origin->placement;
     if (origin) by.offset = origin->placement.offset;
-    // A transform turned back by arithmetic would differ in its last bits.
+    // An inverted transform differs from the file's in the last bits: use the stored one if possible.
     const bool as_it_came = origin && by == origin->placement && (!origin->in_file || *placed(*origin->in_file, by) == grid->transform());
-    // Shared, not copied: a copy of a map works its inverse out anew.
+    // Share the transform: a copy of a map computes its inverse again.
     const auto kept = origin && origin->in_file ? origin->in_file : grid->transformPtr();
     const auto transform = as_it_came ? std::const_pointer_cast<openvdb::math::Transform>(kept) : inverse(grid->transform(), by);
     openvdb::MetaMap metadata(*grid);

@@ -13,7 +13,7 @@ std::shared_ptr<Volume> volume_of(openvdb::GridBase::ConstPtr grid) {
     return out;
 }
 
-/// Grids of one file may share a tree.
+/// Bytes of memory of a volume. Trees shared by several grids count once.
 std::uint64_t bytes_of(const Volume& volume) {
     std::set<const openvdb::TreeBase*> trees;
     std::uint64_t out = 0;
@@ -58,11 +58,11 @@ void add_payloads(Registry& registry) {
     registry.add(payload_type<FloatGrid>(
         "float", "A grid of numbers.", [](const FloatGrid& grid) { return grid.memUsage(); }, filed_grid<FloatGrid>()));
     registry.add(payload_type<VectorGrid>(
-        "vector", "A grid of vectors of three.", [](const VectorGrid& grid) { return grid.memUsage(); }, filed_grid<VectorGrid>()));
+        "vector", "A grid of vectors with three components.", [](const VectorGrid& grid) { return grid.memUsage(); }, filed_grid<VectorGrid>()));
     registry.add(payload_type<MaskGrid>(
-        "mask", "A set of voxels: those that are active.", [](const MaskGrid& grid) { return grid.memUsage(); }, filed_grid<MaskGrid>()));
+        "mask", "A set of voxels: the active ones of a grid.", [](const MaskGrid& grid) { return grid.memUsage(); }, filed_grid<MaskGrid>()));
     registry.add(payload_type<AnyGrid>(
-        "grid", "Any one grid, points included.", [](const AnyGrid& any) { return any.grid->memUsage(); }, filed_any()));
+        "grid", "One grid of any type, also of points.", [](const AnyGrid& any) { return any.grid->memUsage(); }, filed_any()));
     registry.add(payload_type<Volume>("volume", "All grids of one frame, in the order of their file.", &bytes_of, {1, &write, &read_volume}));
 
     registry.add(conversion<FloatGrid, AnyGrid>([](const Ref<FloatGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));

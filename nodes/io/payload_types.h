@@ -4,7 +4,8 @@
 
 namespace fluidcarve {
 
-/// Registers `float`, `vector`, `mask`, `grid` and `volume`, and what converts to what: any grid to a volume of one.
+/// Registers the payload types `float`, `vector`, `mask`, `grid` and `volume`, and their conversions: each grid type to `grid` and to a
+/// volume with one grid.
 void add_payloads(Registry& registry);
 
 }  // namespace fluidcarve

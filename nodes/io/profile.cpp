@@ -16,7 +16,7 @@ bool has_or_triplet(const VdbHeader& header, const std::string& name) {
     return has(header, name) || std::all_of(parts.begin(), parts.end(), [&](const auto& part) { return has(header, part); });
 }
 
-/// Names that no other application's files bear.
+/// Whether a file has grid names or metadata that only this application writes.
 bool bears_marks(const VdbHeader& header, std::string_view profile) {
     const auto creator = header.metadata["creator"] ? header.metadata["creator"]->str() : std::string();
     const auto any = [&](std::initializer_list<const char*> names) {

@@ -9,30 +9,30 @@
 
 namespace fluidcarve {
 
-/// How an application names and means the grids of its volumes.
+/// Conventions of an application for the grids in its .vdb files.
 struct Profile {
     std::string_view name;         ///< "houdini"
     std::string_view application;  ///< "Houdini"
     struct Alias {
-        std::string_view common;               ///< the name that pipelines use, whoever made the file: "velocity"
-        std::vector<std::string_view> inside;  ///< its names in files, the usual one first; "vel" may be a triplet
+        std::string_view common;               ///< name in pipelines: "velocity"
+        std::vector<std::string_view> inside;  ///< names in files of the application, the usual one first; "vel" may be a triplet
     };
     std::vector<Alias> grids;
-    bool staggered = false;          ///< velocities stand on the faces, also where the grid's class doesn't say so
-    std::string_view velocity_unit;  ///< for people
-    bool points_off = false;         ///< points stand half a voxel above where they are against the grids, along each axis
+    bool staggered = false;          ///< velocities are on voxel faces even if the grid's class is unknown
+    std::string_view velocity_unit;  ///< in words
+    bool points_off = false;         ///< point positions in files are half a voxel too high along each axis, relative to the grids
 };
 
-/// Blender, Houdini, EmberGen, Bifrost.
+/// The profiles of Blender, Houdini, EmberGen and Bifrost.
 std::span<const Profile> profiles();
-/// Null if there is none of that name.
+/// The profile of this name, or null.
 const Profile* profile(std::string_view name);
 
-/// The profile whose names, and marks in the file's metadata, a file bears; null if none or several fit.
+/// The only profile that fits a file's grid names and metadata; null if none or several fit.
 const Profile* detected_profile(const VdbHeader& header);
 
-/// What the file calls a grid that a pipeline asks for: the name itself if the file has it (a triplet counts), else the
-/// first of the profile's that it has, else the name.
+/// The name in the file of a grid that a pipeline asks for: the name itself if the file has it (a triplet counts), else the profile's
+/// first name that the file has, else the name itself.
 std::string name_in_file(const VdbHeader& header, const Profile* profile, const std::string& name);
 
 }  // namespace fluidcarve

@@ -8,24 +8,25 @@
 
 namespace fluidcarve {
 
-/// A grid of a type that OpenVDB doesn't know: its tree stays the bytes that the file holds, so that a writer can give
-/// them back. Name, metadata and transform are read as any grid's; it has no voxels to look at and can't be carved.
+/// A grid of a type that OpenVDB does not know. It keeps the bytes of its tree, so that a writer can write them back. Name, metadata and
+/// transform are read as usual. It has no accessible voxels and can't be carved.
 class RawGrid : public openvdb::GridBase {
 public:
-    /// What the file holds of the tree; an instance shares it.
+    /// The tree's bytes in the file. Instances share them.
     struct Bytes : openvdb::BoolTree {
         std::string topology, buffers;
-        std::uint32_t compression = 0;  ///< OpenVDB's flags for the grid; whoever writes the bytes must use the same
+        std::uint32_t compression = 0;  ///< OpenVDB's compression flags of the bytes; a file with these bytes must use the same
     };
 
-    /// @param type              OpenVDB's name of the grid type
-    /// @param blocks_at, ends_at  offsets in the file of the buffers and of what follows them
+    /// @param type       OpenVDB's type name
+    /// @param blocks_at  offset of the buffers in the file, bytes
+    /// @param ends_at    offset of the end of the buffers, bytes
     RawGrid(openvdb::Name type, std::int64_t blocks_at, std::int64_t ends_at);
 
-    /// Null for any other grid.
+    /// The grid as a RawGrid; null if it is another grid.
     static const RawGrid* of(const openvdb::GridBase& grid) { return dynamic_cast<const RawGrid*>(&grid); }
     std::uint32_t compression() const { return bytes_->compression; }
-    std::uint64_t size() const { return bytes_->topology.size() + bytes_->buffers.size(); }
+    std::uint64_t size() const { return bytes_->topology.size() + bytes_->buffers.size(); }  ///< bytes
 
     openvdb::Name type() const override { return type_; }
     openvdb::Name valueType() const override { return "unknown"; }
@@ -40,7 +41,7 @@ public:
 
     openvdb::TreeBase::ConstPtr constBaseTreePtr() const override { return bytes_; }
     bool isTreeUnique() const override { return bytes_.use_count() == 1; }
-    /// @param tree  of another RawGrid
+    /// @param tree  must be that of another RawGrid
     void setTree(openvdb::TreeBase::Ptr tree) override { bytes_ = std::static_pointer_cast<Bytes>(tree); }
     void newTree() override { bytes_ = std::make_shared<Bytes>(); }
     bool empty() const override { return size() == 0; }

@@ -14,7 +14,7 @@
 namespace fluidcarve {
 namespace {
 
-/// Looks at the names of maps, whose lengths the library takes on trust.
+/// Checks the lengths of map names, which OpenVDB trusts.
 void require_names_fit(std::string_view bytes) {
     const auto name_at = [&](std::size_t at) {
         std::uint32_t length = 0;
@@ -43,7 +43,7 @@ openvdb::math::Transform::Ptr read_transform(BinaryReader& from) {
     require_names_fit(text);
     std::istringstream bytes(text);
     bytes.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
-    // What is written has no header, in which OpenVDB would look for its version.
+    // The bytes have no header with the version that OpenVDB needs.
     openvdb::io::setCurrentVersion(bytes);
     const auto out = std::make_shared<openvdb::math::Transform>();
     try {

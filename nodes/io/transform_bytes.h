@@ -6,9 +6,9 @@
 
 namespace fluidcarve {
 
-/// A transform of any kind, to the last bit.
+/// Writes a transform of any kind, bit for bit.
 void write_transform(const openvdb::math::Transform& transform, BinaryWriter& to);
-/// @throws Failure where write_transform has not written
+/// Reads what write_transform wrote. @throws Failure on anything else
 openvdb::math::Transform::Ptr read_transform(BinaryReader& from);
 
 }  // namespace fluidcarve

@@ -8,7 +8,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// The transform of the voxels whose lower faces along an axis stand where another's centres do.
+/// The transform of voxels, from that of their lower faces along an axis.
 openvdb::math::Transform::Ptr off_faces(const openvdb::math::Transform& faces, int axis) {
     auto out = faces.copy();
     Vec3d half(0);
@@ -17,7 +17,7 @@ openvdb::math::Transform::Ptr off_faces(const openvdb::math::Transform& faces, i
     return out;
 }
 
-/// Equal but for the rounding of numbers that were stored as text or float.
+/// Whether transforms are equal up to rounding (0.001 voxels over 256 voxels): numbers may have been stored as text or float.
 bool nearly(const openvdb::math::Transform& a, const openvdb::math::Transform& b) {
     if (a == b) return true;
     if (!a.isLinear() || !b.isLinear()) return false;
@@ -36,7 +36,7 @@ std::optional<Triplet> fitting(const std::string& name, const std::array<FloatGr
     return Triplet{name, components, true, cells};
 }
 
-/// The three components side by side.
+/// Reads the three components at a voxel.
 struct Look {
     FloatGrid::ConstAccessor x, y, z;
     explicit Look(const Triplet& triplet)
@@ -82,7 +82,7 @@ VectorGrid::ConstPtr merged(const Triplet& triplet) {
         const Look look(triplet);
         for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) leaf.setValueOnly(n, look(leaf.offsetToGlobalCoord(n)));
     });
-    // Inactive tiles hold their background.
+    // Only active tiles need values: inactive ones have the background.
     const Look look(triplet);
     auto tile = tree->beginValueOn();
     tile.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
@@ -126,7 +126,7 @@ std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr
                 leaf.setValueOnly(n, value);
                 const auto at = leaf.offsetToGlobalCoord(n);
                 const bool was_on = x.isValueOn(at) || y.isValueOn(at) || z.isValueOn(at);
-                // Where nothing changed, the component keeps its own state: it may reach less far than the others.
+                // An unchanged voxel keeps the component's own state: it may be active in fewer voxels than the others.
                 if (values->isValueOn(n) == was_on && value == own.getValue(at)) leaf.setActiveState(n, own.isValueOn(at));
             }
         });

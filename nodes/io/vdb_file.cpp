@@ -30,8 +30,8 @@ using openvdb::io::GridDescriptor;
 
 std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
 
-/// An open file whose header was walked. The walk is our own: the library's allocates what a length in the file
-/// says, stops at a grid type that it doesn't know, and sorts the grids by name.
+/// An open .vdb file with its header. It does not use OpenVDB's header reader, which trusts lengths in the file, stops at unknown grid
+/// types, and sorts the grids by name.
 class OpenVdb : private openvdb::io::Archive {
 public:
     explicit OpenVdb(const std::string& path) : path_(path) {
@@ -53,7 +53,7 @@ public:
     const openvdb::MetaMap& metadata() const { return metadata_; }
     std::uint32_t codecs_seen() const { return codecs_seen_; }
 
-    /// Without the tree of its parent, if it is an instance.
+    /// Reads a grid. An instance does not get the tree of its parent.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
         const bool known = openvdb::GridBase::isRegistered(from.gridType());
         if (!known && fileVersion() != openvdb::OPENVDB_FILE_VERSION)
@@ -71,7 +71,7 @@ public:
             refuse(fmt::format("{}: cannot read grid '{}': {}", path_, shown(from), error.what()));
         }
         codecs_seen_ |= openvdb::io::getDataCompression(stream_);
-        // Metadata that was read may lack what the type's name says.
+        // The half flag may be missing in the metadata, but is part of the type's name.
         if (from.saveFloatAsHalf() && !grid->saveFloatAsHalf()) grid->setSaveFloatAsHalf(true);
         return grid;
     }
@@ -88,7 +88,7 @@ public:
 
     unsigned version() const { return fileVersion(); }
 
-    /// Metadata and transform of a grid, without its tree.
+    /// Reads metadata and transform of a grid, without its tree.
     void describe(const GridDescriptor& grid, VdbHeader::Entry& out) {
         try {
             grid.seekToGrid(stream_);
@@ -119,12 +119,12 @@ private:
         size_ = std::filesystem::file_size(path_, error);
         stream_.open(path_, std::ios_base::binary);
         if (error || !stream_) refuse(fmt::format("cannot open {}: {}", path_, error ? error.message() : std::strerror(errno)));
-        // The library never looks whether a read came up short.
+        // OpenVDB never checks for short reads.
         stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
     }
 
     void walk() {
-        // Both also found by readHeader, which would log to stdout, where results go.
+        // readHeader checks both too, but logs to stdout, which is for results.
         if (number<std::int64_t>() != openvdb::OPENVDB_MAGIC) refuse(fmt::format("{} is not a VDB file", path_));
         if (const auto version = number<std::uint32_t>(); version > openvdb::OPENVDB_FILE_VERSION)
             refuse(fmt::format("{} has file version {}; OpenVDB {} reads up to {}", path_, version, openvdb::getLibraryVersionString(),
@@ -147,12 +147,13 @@ private:
         }
     }
 
-    /// Entry by entry from texts of known length: the library takes lengths on trust, and some of its types don't keep to theirs.
+    /// Reads metadata entry by entry, each from a text of known length: OpenVDB trusts lengths, and some of its types read another number
+    /// of bytes.
     void read_metadata(openvdb::MetaMap& out) {
         const auto count = number<std::uint32_t>();
         for (std::uint32_t n = 0; n < count; ++n) {
             const auto name = text(), type = text(), value = text();
-            // Sizes of compressed leaves, of use only to a reader that puts them off.
+            // Sizes of compressed leaves are only needed for delayed loading.
             if (type == openvdb::io::DelayedLoadMetadata::staticTypeName()) continue;
             const auto metadata =
                 openvdb::Metadata::isRegisteredType(type) ? openvdb::Metadata::createMetadata(type) : std::make_shared<openvdb::UnknownMetadata>(type);
@@ -164,7 +165,7 @@ private:
         }
     }
 
-    /// Whether the names in a transform are as long as they say, before the library makes room for them.
+    /// Checks the lengths of names in a transform before OpenVDB allocates memory for them.
     void check_map() {
         const auto begin = stream_.tellg();
         const auto frustum = openvdb::math::NonlinearFrustumMap::mapType();
@@ -189,7 +190,7 @@ private:
         out.setGridPos(number<std::int64_t>());
         out.setBlockPos(number<std::int64_t>());
         out.setEndPos(number<std::int64_t>());
-        // A writer fills these in when the grid is complete; an instance has no blocks.
+        // Writers set these offsets when the grid is complete. An instance has no blocks.
         if (out.getGridPos() < stream_.tellg() || out.getEndPos() < std::max(out.getGridPos(), out.getBlockPos()))
             refuse(fmt::format("{} is unfinished or damaged: it does not say where grid '{}' ends; wait for its writer, or write it again", path_, shown(out)));
         if (static_cast<std::uint64_t>(out.getEndPos()) > size_)
@@ -214,7 +215,7 @@ private:
 
     std::string path_;
     std::uint64_t size_ = 0;
-    std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream keeps its address
+    std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream refers to it
     std::ifstream stream_;
     std::vector<GridDescriptor> grids_;
     openvdb::MetaMap metadata_;
@@ -240,7 +241,7 @@ std::uint32_t flags(const std::string& codec) {
     return COMPRESS_ACTIVE_MASK | COMPRESS_BLOSC;
 }
 
-/// What the library makes of a file's flags for one grid.
+/// The compression flags that OpenVDB uses for a grid in a file with these flags.
 std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) {
     const bool unzipped = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
     return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;

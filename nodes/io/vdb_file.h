@@ -10,55 +10,54 @@
 
 namespace fluidcarve {
 
-/// What a .vdb file says of its grids before one of them is read.
+/// The header of a .vdb file: all grids without their trees.
 struct VdbHeader {
     struct Entry {
-        std::string unique_name;                       ///< with the number that tells grids of one name apart: "density[1]"
-        std::string name;                              ///< without it
-        std::string type;                              ///< OpenVDB's name of the grid type: "Tree_float_5_4_3"
-        openvdb::math::Transform::ConstPtr transform;  ///< null in files so old that it stands behind the tree
+        std::string unique_name;                       ///< name with an index if several grids have it: "density[1]"
+        std::string name;                              ///< name without the index
+        std::string type;                              ///< OpenVDB's type name: "Tree_float_5_4_3"
+        openvdb::math::Transform::ConstPtr transform;  ///< null in old files, where it comes after the tree
         openvdb::MetaMap metadata;
         std::string codec;  ///< as Volume::codec
     };
     std::string path;
-    unsigned version = 0;       ///< of the file format
-    openvdb::MetaMap metadata;  ///< the file's own
+    unsigned version = 0;       ///< version of the file format
+    openvdb::MetaMap metadata;  ///< metadata of the file
     std::vector<Entry> grids;   ///< in file order
 
-    /// Where in `grids` the first of this name is or, if there is none, that of this unique name.
-    /// @throws Failure (input) listing the grids
+    /// Index in `grids` of the first grid with this name, else of the grid with this unique name.
+    /// @throws Failure (input) listing the grids, if there is none
     std::size_t place(const std::string& name) const;
     /// Unique names, in file order.
     std::vector<std::string> names() const;
 };
 
-/// Walks the header. OpenVDB reads a truncated file without an error, so this is the check that the file is whole.
-/// @throws Failure (input) if the file is missing, unreadable, no VDB, truncated, or too new for the library
+/// Reads the header and checks that the file is complete; OpenVDB reads a truncated file without an error.
+/// @throws Failure (input) if the file is missing, unreadable, not a VDB file, truncated, or too new for the library
 VdbHeader read_vdb_header(const std::string& path);
 
-/// All grids, in the order of VdbHeader::grids, loaded at once (nothing is left to load later, from many threads).
-/// Shared trees stay shared; half floats are widened and the grid's half flag is set. A grid of a type that OpenVDB doesn't
-/// know is a RawGrid.
+/// Reads all grids, in the order of VdbHeader::grids, without delayed loading. Shared trees stay shared. Half floats become floats, and
+/// the grid's half flag is set. A grid of an unknown type becomes a RawGrid.
 /// @throws Failure (input) as read_vdb_header, or naming the grid that can't be read
 Volume read_vdb(const std::string& path);
 
-/// One grid, found as VdbHeader::place does; no other is read.
-/// @throws Failure (input) as those two
+/// Reads one grid only. @param name  as in VdbHeader::place
+/// @throws Failure (input) as VdbHeader::place and read_vdb
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name);
 
-/// How the bytes of a file are compressed. None of these loses anything.
+/// Compression of a file. All are lossless.
 enum class Codec {
-    as_read,  ///< as the volume's file was; blosc if it came from none
+    as_read,  ///< that of the volume's file; blosc if it has none
     blosc,
-    zip,  ///< OpenVDB leaves level sets and fog volumes unzipped
+    zip,  ///< OpenVDB does not compress level sets and fog volumes with zip
     none,
 };
 
-/// Writes aside, reads the header back (OpenVDB does not notice a full disk), then renames: the file appears whole or not at all.
-/// Everything but the writer's own statistics (metadata `file_*`) reads back as it was. Grids go back to where and what
-/// they were in their file (origin.h): placements are undone, triplets are three grids again.
-/// @param placement  what to undo instead, in all grids; null: what the reader of each did
-/// @throws Failure if the file can't be written or did not come out whole, or a RawGrid does not fit the codec
+/// Writes a volume. The file appears whole or not at all; its header is read back before, since OpenVDB does not notice a full disk.
+/// Everything but the writer's own statistics (metadata `file_*`) reads back as it was. Grids are written as they were in their file
+/// (origin.h): placements are undone, merged triplets become three grids.
+/// @param placement  the placement to undo in all grids; null: that of each grid's reader
+/// @throws Failure if the file can't be written or is not complete, or a RawGrid does not fit the codec
 void write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read, const Placement* placement = nullptr);
 
 }  // namespace fluidcarve

@@ -17,8 +17,9 @@ namespace {
 enum class GridKind { scalar, vector };
 enum class Application { detect, none, blender, houdini, embergen, bifrost };
 
+/// An entry of the parameter `grids`.
 struct GridChoice {
-    std::string name;  ///< in the file; empty: the output's
+    std::string name;  ///< name in the file; empty: the name of the output
     GridKind kind = GridKind::scalar;
 };
 
@@ -29,7 +30,7 @@ struct ChoiceNames<GridKind> {
     static constexpr std::array names = {std::pair{"float", GridKind::scalar}, std::pair{"vector", GridKind::vector}};
 };
 
-/// `float`, or `{name: vel, type: vector}`.
+/// Written as `float`, or `{name: vel, type: vector}`.
 template <>
 struct ParamTraits<GridChoice> {
     static Shape shape() {
@@ -90,14 +91,14 @@ struct ChoiceNames<Application> {
 
 namespace {
 
-/// "vec3s" for "Tree_vec3s_5_4_3"; other trees keep their whole name.
+/// Shortens a type name for messages: "Tree_vec3s_5_4_3" to "vec3s". Types with other trees keep their whole name.
 std::string short_type(std::string type) {
     constexpr std::string_view before = "Tree_", after = "_5_4_3";
     if (!type.starts_with(before) || !type.ends_with(after)) return type;
     return type.substr(before.size(), type.size() - before.size() - after.size());
 }
 
-/// One file, and where in it is what the pipeline names.
+/// The header of one file, in which it finds the grids that a pipeline names.
 class Contents {
 public:
     Contents(const std::string& path, Application application)
@@ -106,8 +107,8 @@ public:
 
     const VdbHeader& header() const { return header_; }
 
-    /// Places in the header: one, or three of a triplet.
-    /// @throws Failure (input) if there is no such grid, or one of another type
+    /// Indices in the header of the grids for an output: one, or three for a triplet.
+    /// @throws Failure (input) if there is no such grid, or it has another type
     std::vector<std::size_t> places(const std::string& output, const GridChoice& choice) const {
         const auto name = choice.name.empty() ? name_in_file(header_, profile_, output) : choice.name;
         const auto has = [&](const std::string& each) {
@@ -119,13 +120,13 @@ public:
         return {place(name, choice.kind)};
     }
 
-    /// Points may stand off the other grids.
+    /// The placement of a grid; points may have an offset from the other grids.
     Placement placement_of(const openvdb::GridBase& grid, Placement placement) const {
         if (is_point_grid(grid) && profile_ && profile_->points_off) placement.offset = openvdb::Vec3d(-0.5);
         return placement;
     }
 
-    /// The output that is made of grids at those places.
+    /// Converts the grids at these indices to an output.
     Payload typed(const std::vector<openvdb::GridBase::ConstPtr>& grids, const GridChoice& choice, const Placement& placement) const {
         if (choice.kind == GridKind::scalar) return Payload(openvdb::gridConstPtrCast<FloatGrid>(placed(grids[0], placement)));
         openvdb::GridBase::ConstPtr vectors = grids[0];
@@ -164,11 +165,11 @@ private:
     const Profile* profile_;
 };
 
-/// Whether the grids of a sequence keep their transform and, where Blender states it, the size of their domain.
+/// Checks that grids keep their transform over a sequence and, in Blender's files, the size of their domain.
 class Steadiness {
 public:
-    /// Warns of a grid that does not, once; of many that change together, of the first.
-    /// @param places  of the grids that the run reads
+    /// Warns of the first grid that changes, once per sequence.
+    /// @param places  indices in the header of the grids that the run reads
     void look(const VdbHeader& header, const std::set<std::size_t>& places, int frame, Survey& survey) {
         for (const auto place : places) {
             const auto& grid = header.grids[place];
@@ -195,7 +196,7 @@ private:
     bool told_ = false;
 };
 
-/// What the grids will take in memory: writers say so.
+/// Bytes of memory of the grids, as stated by the file's writer.
 std::uint64_t memory_of(const VdbHeader& header, const std::set<std::size_t>& places) {
     std::uint64_t out = 0;
     for (const auto place : places)
@@ -224,7 +225,7 @@ struct VdbRead {
         check_missing(params.path, params.missing, check);
     }
 
-    /// A file that can't be read, or lacks a grid, is told before the run, not when its turn comes.
+    /// Finds files that can't be read or lack a grid before the run starts.
     static void survey(const Params& params, Survey& survey) {
         Steadiness steadiness;
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
@@ -270,20 +271,20 @@ struct VdbRead {
 }  // namespace
 
 NodeType vdb_read() {
-    return Declare<VdbRead>("vdb.read", "Reads OpenVDB files: all grids of each frame, some of them as outputs of their own.")
+    return Declare<VdbRead>("vdb.read", "Reads OpenVDB files: all grids of each frame, and chosen grids as outputs.")
         .required("path", &VdbRead::Params::path, "File, or sequence with a frame token such as ####.")
         .param("grids", &VdbRead::Params::grids,
-               "Grids to offer as outputs, each by its type: `density: float`; or under another name: `velocity: {name: vel, type: vector}`. "
-               "Of several grids of one name, `name[1]` is the second. "
-               "A vector `vel` is also read from three floats `vel.x`, `vel.y`, `vel.z`, and written back as they came.")
+               "Grids to offer as outputs, with their type: `density: float`, or under another name: `velocity: {name: vel, type: vector}`. "
+               "If several grids have one name, `name[1]` is the second. "
+               "A vector `vel` is also read from three float grids `vel.x`, `vel.y`, `vel.z`, and written back as three.")
         .param("missing", &VdbRead::Params::missing, missing_doc)
         .param("profile", &VdbRead::Params::profile,
-               "Whose files these are: where a file has no grid of a name under `grids`, the application's name for it is tried (`velocity`: Houdini's `vel`, "
-               "Bifrost's `voxel_velocity`), and Blender's velocities are staggered whatever their class, its points half a voxel below where the file has "
-               "them. Auto goes by the grids and marks of each file.")
+               "The application that wrote the files. If a file has no grid of a name under `grids`, the application's name is tried (`velocity`: Houdini's "
+               "`vel`, Bifrost's `voxel_velocity`). Blender's velocities count as staggered whatever their class, and its points are moved down by half a "
+               "voxel. Auto recognises the application by the grids and metadata of each file.")
         .param("translate", &VdbRead::Params::translate, Unit::world, any_number(),
-               "Where the file's origin is in the shot's world; the writer takes it back. Values, velocities too, are not changed.")
-        .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")
+               "Position of the file's origin in the shot's world; the writer undoes it. Values, also velocities, are not changed.")
+        .param("scale", &VdbRead::Params::scale, Unit::none, between(1e-6, 1e6), "World units of the shot per unit of the file, applied before `translate`.")
         .output("volume", &VdbRead::Ports::volume, "All grids of the file, in its order, with all metadata.")
         .outputs_from("grids", &VdbRead::Ports::grids, [](const VdbRead::Params& params) {
             std::vector<std::pair<std::string, std::type_index>> out;

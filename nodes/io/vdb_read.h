@@ -4,8 +4,8 @@
 
 namespace fluidcarve {
 
-/// `vdb.read {path, grids, missing}`: all grids of a .vdb file, and those named in `grids` as typed outputs.
-/// If nothing wants the whole volume, only the named grids are read; if something does, they are the volume's own.
+/// `vdb.read {path, grids, missing}`: reads all grids of a .vdb file, with those named in `grids` as typed outputs.
+/// If no node reads the whole volume, only the named grids are read from the file.
 NodeType vdb_read();
 
 }  // namespace fluidcarve

@@ -34,12 +34,12 @@ struct VdbWrite {
 
 NodeType vdb_write() {
     return Declare<VdbWrite>("vdb.write", "Writes OpenVDB files: all grids of a volume, or one grid. A file appears whole or not at all.")
-        .input("source", &VdbWrite::Ports::source, "What to write; nothing is changed on the way, half floats stay half.")
-        .required("path", &VdbWrite::Params::path, "File; with a frame token such as #### if the source comes per frame. Folders are made.")
-        .param("compression", &VdbWrite::Params::compression, "As the source's file was (blosc if it came from none), or one of OpenVDB's. All keep every bit.")
+        .input("source", &VdbWrite::Ports::source, "The grids to write. Nothing is changed; half floats stay half.")
+        .required("path", &VdbWrite::Params::path, "File; with a frame token such as #### if the source comes per frame. Missing folders are made.")
+        .param("compression", &VdbWrite::Params::compression, "as_read: that of the source's file, or blosc if it has none. All are lossless.")
         .param("translate", &VdbWrite::Params::translate, Unit::world, any_number(),
-               "Undoes this placement of a reader. Auto undoes what the reader of each grid did; grids that nodes made stay in the shot's world.")
-        .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6), "As `translate`.");
+               "The placement of a reader to undo. Auto: that of each grid's reader; grids made by nodes stay in the shot's world.")
+        .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6), "The same for a reader's `scale`.");
 }
 
 }  // namespace fluidcarve

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `vdb.write {source, path, compression}`: a volume or one grid to a .vdb file, which appears whole or not at all.
+/// `vdb.write {source, path, compression}`: writes a volume or one grid to a .vdb file, which appears whole or not at all.
 NodeType vdb_write();
 
 }  // namespace fluidcarve

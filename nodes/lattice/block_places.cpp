@@ -191,7 +191,7 @@ CoordBBox BlockPlaces::reach(const openvdb::Vec2d& least, const openvdb::Vec2d& 
     const auto first = block_.asVec3d();
     BBoxd out;
     if (!by_tables_) {
-        // Beyond the closed form's error, which is less than a vertex, nothing limits what is read.
+        // This ignores the closed form's error, which is less than a vertex.
         auto range = range_;
         for (int n = 0; n < 2; ++n) {
             range.min()[n] += least[n];

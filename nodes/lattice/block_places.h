@@ -11,6 +11,7 @@ namespace fluidcarve {
 /// that meet the block are looked up once, and all products are affine along a row of voxels.
 class BlockPlaces {
 public:
+    /// The place of a voxel in the lattice.
     struct Place {
         openvdb::Vec3d at;    ///< lattice index coordinates
         openvdb::Vec3d u, v;  ///< steps to the next vertex along u and v, voxels; not set in a straight box or with the closed form

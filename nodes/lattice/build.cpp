@@ -43,6 +43,7 @@ double sideways(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, bo
     return out;
 }
 
+/// Builds one lattice along a rig, and smooths until no cell is folded.
 class Builder {
 public:
     Builder(const Rig& rig, const LatticeSpec& spec, std::optional<int> planes) : rig_(rig), spec_(spec), planes_(planes) {}

@@ -204,7 +204,8 @@ NodeType lattice_build() {
                   "so that it fits a whole number of times.")
         .required("extent_u", &Params::extent_u, Unit::world, any_number(),
                   "Where the lattice begins and ends along `u`; 0 is the rig. The first vertex lies at the lower end, the last one at most at the upper end.")
-        .required("extent_v", &Params::extent_v, Unit::world, any_number(), "The same along `v`. On the first plane, `v` is the rig's `up`.")
+        .required("extent_v", &Params::extent_v, Unit::world, any_number(),
+                  "The same along `v`. On the first plane, `v` is the rig's `up`, made orthogonal to the rig.")
         .param("flip_u", &Params::flip_u,
                "Reverses `u`. Otherwise `u` is `v x w` (right-handed): it points outwards on a circle, and inwards on a loop that runs counter-clockwise seen "
                "from `up`.")

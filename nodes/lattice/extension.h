@@ -20,6 +20,7 @@ public:
     std::string fault() const;
 
 private:
+    /// The worst of one kind of fault.
     struct Worst {
         std::size_t count = 0;  ///< folded cells or shared voxels beyond those of the lattice itself
         int plane = 0, frame = 0;

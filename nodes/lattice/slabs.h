@@ -61,6 +61,7 @@ public:
     openvdb::BBoxd world_box(const openvdb::BBoxd& range) const;
 
 private:
+    /// What candidates() needs to know of a slab.
     struct Bounds {
         openvdb::BBoxd box;                     ///< around the slab's vertices, world units
         openvdb::Vec3d gradient_u, gradient_v;  ///< of the coordinates u and v in the lower plane, vertices per world unit

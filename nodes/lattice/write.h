@@ -13,7 +13,7 @@ namespace fluidcarve {
 /// @throws Failure if the file can't be written
 void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every);
 
-/// `lattice.write`
+/// `lattice.write`: the node of write_wireframe().
 NodeType lattice_write();
 
 }  // namespace fluidcarve

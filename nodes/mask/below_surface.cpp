@@ -34,11 +34,11 @@ struct BelowSurface {
     static void run(const Params& params, Ports& io, Context&) { io.mask = below_surface_mask(io.surfaces, Vec3d(params.up.data()), params.depth); }
 };
 
-/// An axis of voxels, and which way along it is up.
+/// The up direction as an axis of the voxels.
 struct Up {
     int axis;
-    int sign;
-    double voxel;  ///< edge along it, world units
+    int sign;      ///< 1 or -1: whether up is along or against the axis
+    double voxel;  ///< edge of a voxel along the axis, world units
 };
 
 Up up_of(const FloatGrid& grid, const Vec3d& direction) {
@@ -55,17 +55,17 @@ Up up_of(const FloatGrid& grid, const Vec3d& direction) {
                               direction.x(), direction.y(), direction.z(), grid.getName()));
 }
 
-/// One line of blocks along `up`, from the top down.
+/// Computes the mask in one line of leaves along `up`, from the top down.
 class Line {
 public:
     Line(const std::vector<Ref<FloatGrid>>& surfaces, const CoordBBox& box, const Up& up, int depth) : surfaces_(surfaces), box_(box), up_(up), depth_(depth) {}
 
-    /// @param block  any of its blocks
-    /// @return the blocks that hold some of the mask
+    /// @param block  origin of any leaf of the line
+    /// @return the leaves that are not empty
     std::vector<std::unique_ptr<Leaf>> operator()(Coord block) const {
         std::vector<std::unique_ptr<Leaf>> out;
         constexpr int none = std::numeric_limits<int>::max();
-        std::array<int, edge * edge> uppermost;  // by height, which rises along up
+        std::array<int, edge * edge> uppermost;  // height of the uppermost inside voxel of each line of voxels, along up
         uppermost.fill(none);
         const int a = up_.axis, first = box_.min()[a] & ~(edge - 1), last = box_.max()[a] & ~(edge - 1);
         for (int n = 0; n <= (last - first) / edge; ++n) {
@@ -146,14 +146,14 @@ MaskGrid::Ptr below_surface_mask(const std::vector<Ref<FloatGrid>>& surfaces, co
 
 NodeType mask_below_surface() {
     using Params = BelowSurface::Params;
-    return Declare<BelowSurface>("mask.below_surface", "The voxels below the surfaces of liquids and their banks, where no energy shall count (paper 6.0.2).")
+    return Declare<BelowSurface>("mask.below_surface", "The voxels below the surfaces of liquids and their banks, where energy should not count (paper 6.0.2).")
         .input("surfaces", &BelowSurface::Ports::surfaces,
-               "Level sets of the same voxels, below 0 inside: the water, the bank (sdf.from_points, sdf.from_mesh with `like`).")
-        .param("up", &Params::up, Unit::none, any_number(), "Where up is: along an axis of the voxels.")
-        .param("depth", &Params::depth, Unit::world, at_least(0), "How far below the uppermost surface the mask begins, to the nearest voxel.")
+               "Level sets with the same voxels, negative inside: the water and the bank (sdf.from_points, sdf.from_mesh with `like`).")
+        .param("up", &Params::up, Unit::none, any_number(), "The up direction, along an axis of the voxels.")
+        .param("depth", &Params::depth, Unit::world, at_least(0), "Distance from the uppermost surface down to the mask, rounded to voxels.")
         .output("mask", &BelowSurface::Ports::mask,
-                "All that lies below the uppermost of them, also beneath overhangs, down to where the lowest is known. Weigh it with 0 in mask.weight, "
-                "`mode: multiply`.")
+                "The voxels below the uppermost surface, also beneath overhangs, down to the lowest active voxel. Give it the weight 0 in mask.weight, `mode: "
+                "multiply`.")
         .kept();
 }
 

@@ -7,13 +7,13 @@
 
 namespace fluidcarve {
 
-/// What lies below the surfaces of several level sets, seen along a direction (paper 6.0.2): in each line of voxels along it all
-/// from `depth` below the uppermost voxel that any of them has inside, down to where the lowest of them is known. What lies beneath
-/// an overhang, or a drop in the air, is below too.
-/// @param surfaces  of one transform, below 0 inside; at least one
-/// @param up        along an axis of their voxels
+/// The voxels below the surfaces of level sets (paper 6.0.2). In each line of voxels along `up`, the mask begins `depth` below the
+/// uppermost voxel that is inside any of them, and ends at the lowest active voxel of all. Voxels beneath an overhang, or beneath a drop
+/// in the air, are below too.
+/// @param surfaces  at least one, all with the same transform, negative inside
+/// @param up        direction along an axis of the voxels, any length
 /// @param depth     world units, rounded to voxels, at least 0
-/// @throws Failure if `up` runs along no axis, transforms differ, or a grid is a density
+/// @throws Failure if `up` is not along an axis, transforms differ, or a grid is a fog volume
 MaskGrid::Ptr below_surface_mask(const std::vector<Ref<FloatGrid>>& surfaces, const openvdb::Vec3d& up, double depth);
 
 NodeType mask_below_surface();

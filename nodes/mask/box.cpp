@@ -34,9 +34,9 @@ MaskGrid::Ptr box_mask(const openvdb::GridBase& like, const openvdb::Vec3d& min,
 
 NodeType mask_box() {
     return Declare<MaskBox>("mask.box", "The voxels in a box: where seams are wanted, or kept out.")
-        .input("like", &MaskBox::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
+        .input("like", &MaskBox::Ports::like, "The mask takes the voxels of this grid, such as the energy. Only its transform counts.")
         .required("min", &MaskBox::Params::min, Unit::world, any_number(), "The low corner.")
-        .required("max", &MaskBox::Params::max, Unit::world, any_number(), "The high corner; `min` and `max` lie in the box.")
+        .required("max", &MaskBox::Params::max, Unit::world, any_number(), "The high corner. Both corners lie in the box.")
         .output("mask", &MaskBox::Ports::mask, "The voxels whose centres lie in the box.")
         .kept();
 }

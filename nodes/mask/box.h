@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// The voxels whose centres lie in a box along the world's axes, its border included.
-/// @param like  gives the transform
+/// The voxels whose centres lie in a box along the world's axes, or on its border.
+/// @param like  the mask takes its transform
 /// @param min, max  corners, world units, min <= max
 /// @return a mask named "box"
 /// @throws Failure as convex_mask

@@ -43,10 +43,11 @@ MaskGrid::Ptr combined_mask(const std::vector<Ref<MaskGrid>>& masks, MaskMode mo
 }
 
 NodeType mask_combine() {
-    return Declare<MaskCombine>("mask.combine", "One mask of several: what any, all or only the first of them holds.")
-        .input("masks", &MaskCombine::Ports::masks, "Masks of one transform.")
-        .param("mode", &MaskCombine::Params::mode, "union: in any of the masks; intersection: in all of them; difference: in the first and in no other.")
-        .output("mask", &MaskCombine::Ports::mask, "Those voxels.")
+    return Declare<MaskCombine>("mask.combine", "Combines masks to one: the voxels in any of them, in all, or only in the first.")
+        .input("masks", &MaskCombine::Ports::masks, "Masks with the same transform.")
+        .param("mode", &MaskCombine::Params::mode,
+               "union: voxels in any of the masks. intersection: voxels in all. difference: voxels in the first and in no other.")
+        .output("mask", &MaskCombine::Ports::mask, "The combined mask.")
         .kept();
 }
 

@@ -7,14 +7,16 @@
 
 namespace fluidcarve {
 
+/// How masks are combined.
 enum class MaskMode {
-    any,    ///< union: what is in any of the masks
-    all,    ///< intersection: what is in all of them
-    first,  ///< difference: what is in the first and in no other
+    any,    ///< union: voxels in any of the masks
+    all,    ///< intersection: voxels in all masks
+    first,  ///< difference: voxels in the first mask and in no other
 };
 
-/// @param masks  at least one, all of one transform
-/// @throws Failure naming two masks whose transforms differ
+/// Combines masks to one.
+/// @param masks  at least one, all with the same transform
+/// @throws Failure naming two masks with different transforms
 MaskGrid::Ptr combined_mask(const std::vector<Ref<MaskGrid>>& masks, MaskMode mode);
 
 NodeType mask_combine();

@@ -18,8 +18,8 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using Tree = openvdb::MaskTree;
 
-constexpr std::array block_edges = {1, 8, 128, 4096};  // of a tile, by level
-constexpr double most_blocks = 1e6;                    // along a border: about 100 MB
+constexpr std::array block_edges = {1, 8, 128, 4096};  // edge of a tile in voxels, by level
+constexpr double most_blocks = 1e6;                    // maximum number of leaves along a border: about 100 MB
 
 std::array<Vec3d, 8> corners(const Vec3d& low, const Vec3d& high) {
     std::array<Vec3d, 8> out;
@@ -27,6 +27,7 @@ std::array<Vec3d, 8> corners(const Vec3d& low, const Vec3d& high) {
     return out;
 }
 
+/// Fills a mask with the voxels of a shape, block by block from large to small.
 class Filler {
 public:
     Filler(Tree& tree, const openvdb::math::Transform& transform, const Convex& shape, const CoordBBox& voxels)

@@ -26,7 +26,7 @@ struct MaskDilate {
 MaskGrid::Ptr dilated_mask(const MaskGrid& mask, int voxels) {
     using namespace openvdb::tools;
     const auto out = mask.deepCopy();
-    // The library would voxelise every tile; with the borders open it need not know what is within.
+    // OpenVDB would voxelise every tile. Once the borders of tiles are leaves, it can ignore their inside.
     open_tile_borders(out->tree(), std::max(std::abs(voxels), 1));
     if (voxels > 0) dilateActiveValues(out->tree(), voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
     if (voxels < 0) erodeActiveValues(out->tree(), -voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
@@ -36,10 +36,10 @@ MaskGrid::Ptr dilated_mask(const MaskGrid& mask, int voxels) {
 }
 
 NodeType mask_dilate() {
-    return Declare<MaskDilate>("mask.dilate", "Grows or shrinks a mask: a margin around what must be spared.")
+    return Declare<MaskDilate>("mask.dilate", "Grows or shrinks a mask: for example a margin around what must be spared.")
         .input("mask", &MaskDilate::Ports::mask, "A mask.")
         .required("voxels", &MaskDilate::Params::voxels, Unit::voxels, between(-256, 256),
-                  "How far along each axis and diagonal; above 0 the mask grows, below 0 it shrinks.")
+                  "Distance along each axis and diagonal. Above 0 the mask grows, below 0 it shrinks.")
         .output("mask", &MaskDilate::Ports::dilated, "The mask, grown or shrunk.")
         .kept();
 }

@@ -47,7 +47,7 @@ struct MaskMesh {
     }
 };
 
-constexpr double least_band = 3;  ///< voxels, which carry the sign all around
+constexpr double least_band = 3;  ///< voxels; wide enough for signs to be right everywhere
 
 }  // namespace
 
@@ -73,11 +73,11 @@ MaskGrid::Ptr near_mask(const Mesh& mesh, const openvdb::math::Transform& transf
 NodeType mask_mesh() {
     using Params = MaskMesh::Params;
     return Declare<MaskMesh>("mask.mesh", "The voxels in a mesh, or near its faces: where seams are wanted, or kept out.")
-        .input("mesh", &MaskMesh::Ports::mesh, "A closed mesh, or for `where: near` any.")
-        .input("like", &MaskMesh::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
-        .param("where", &Params::where, "inside: the voxels whose centres the mesh encloses; near: those at most `distance` from a face, on either side.")
-        .param("distance", &Params::distance, Unit::world, at_least(0), "For `where: near`.")
-        .output("mask", &MaskMesh::Ports::mask, "Those voxels.")
+        .input("mesh", &MaskMesh::Ports::mesh, "A closed mesh; with `where: near`, any mesh.")
+        .input("like", &MaskMesh::Ports::like, "The mask takes the voxels of this grid, such as the energy. Only its transform counts.")
+        .param("where", &Params::where, "inside: voxels whose centres the mesh encloses. near: voxels at most `distance` from a face, on either side.")
+        .param("distance", &Params::distance, Unit::world, at_least(0), "Maximum distance from a face, for `where: near`.")
+        .output("mask", &MaskMesh::Ports::mask, "The voxels in the mesh, or near its faces.")
         .kept();
 }
 

@@ -34,9 +34,9 @@ MaskGrid::Ptr sphere_mask(const openvdb::GridBase& like, const openvdb::Vec3d& c
 
 NodeType mask_sphere() {
     return Declare<MaskSphere>("mask.sphere", "The voxels in a sphere: where seams are wanted, or kept out.")
-        .input("like", &MaskSphere::Ports::like, "A grid whose voxels the mask takes: that of the energy; only its transform counts.")
-        .required("center", &MaskSphere::Params::center, Unit::world, any_number(), "Middle of the sphere.")
-        .required("radius", &MaskSphere::Params::radius, Unit::world, at_least(0), "From the middle to the border, which lies in the sphere.")
+        .input("like", &MaskSphere::Ports::like, "The mask takes the voxels of this grid, such as the energy. Only its transform counts.")
+        .required("center", &MaskSphere::Params::center, Unit::world, any_number(), "Centre of the sphere.")
+        .required("radius", &MaskSphere::Params::radius, Unit::world, at_least(0), "Radius of the sphere; its border lies in it.")
         .output("mask", &MaskSphere::Ports::mask, "The voxels whose centres lie in the sphere.")
         .kept();
 }

@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// The voxels whose centres lie in a ball, its border included.
-/// @param like  gives the transform
+/// The voxels whose centres lie in a ball, or on its border.
+/// @param like  the mask takes its transform
 /// @param center, radius  world units, radius >= 0
 /// @return a mask named "sphere"
 /// @throws Failure as convex_mask

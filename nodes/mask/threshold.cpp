@@ -50,11 +50,11 @@ struct Threshold {
 }  // namespace
 
 NodeType mask_threshold() {
-    return Declare<Threshold>("mask.threshold", "The voxels whose value lies in a range: where the smoke is, where it is hot.")
-        .input("field", &Threshold::Ports::field, "Density, temperature, flame; only its active voxels can be in the mask.")
-        .param("above", &Threshold::Params::above, Unit::none, any_number(), "Least value that counts, in the field's unit; auto is no bound.")
-        .param("below", &Threshold::Params::below, Unit::none, any_number(), "Greatest value that counts, in the field's unit; auto is no bound.")
-        .output("mask", &Threshold::Ports::mask, "Those voxels.")
+    return Declare<Threshold>("mask.threshold", "The voxels with a value in a range: where the smoke is, or where it is hot.")
+        .input("field", &Threshold::Ports::field, "Density, temperature, flame or any other field. Only its active voxels can be in the mask.")
+        .param("above", &Threshold::Params::above, Unit::none, any_number(), "Lowest value, in the field's unit. Auto: no bound.")
+        .param("below", &Threshold::Params::below, Unit::none, any_number(), "Highest value, in the field's unit. Auto: no bound.")
+        .output("mask", &Threshold::Ports::mask, "The voxels with a value in the range.")
         .kept();
 }
 

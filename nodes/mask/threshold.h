@@ -5,8 +5,8 @@
 
 namespace fluidcarve {
 
-/// The active voxels of a field whose value lies in `[low, high]`.
-/// @param field  any unit; a NaN lies nowhere
+/// The active voxels of a field with a value in `[low, high]`.
+/// @param field  any unit; NaN is in no range
 /// @return a mask with the field's transform
 MaskGrid::Ptr threshold_mask(const FloatGrid& field, double low, double high);
 

@@ -7,7 +7,7 @@ namespace fluidcarve {
 FloatGrid::Ptr weighted_energy(const FloatGrid& energy, const std::vector<WeightedRegion>& regions, float outside, WeightMode mode) {
     using Tree = openvdb::FloatTree;
     const auto weigh = [mode](float weight, float value) { return mode == WeightMode::assign ? weight * (1 + value) / 2 : weight * value; };
-    // After the unions a tile is a tile in every one of the grids, so that one look tells of all its voxels.
+    // After the unions, a tile of the result is a tile in all grids: one voxel of it stands for all.
     const auto tree = std::make_shared<Tree>(energy.tree(), weigh(outside, energy.background()), openvdb::TopologyCopy());
     for (std::size_t n = 0; n < regions.size(); ++n) {
         require_same_transform(fmt::format("the energy and mask {}", n + 1), energy, *regions[n].mask);
@@ -77,13 +77,13 @@ struct Weight {
 }  // namespace
 
 NodeType mask_weight() {
-    return Declare<Weight>("mask.weight", "Energy by regions: high weights keep seams away, also from empty space, low ones draw them in.")
-        .input("energy", &Weight::Ports::energy, "From 0 to 1, as energy.combine gives with weights that add up to 1.")
-        .input("masks", &Weight::Ports::masks, "Regions; where they overlap, the later one counts.")
-        .required("weights", &Weight::Params::weights, Unit::none, at_least(0), "One for each mask.")
-        .param("outside", &Weight::Params::outside, Unit::none, at_least(0), "Weight of everything that no mask covers.")
-        .param("mode", &Weight::Params::mode, "assign: weight * (1 + energy) / 2, so that the region decides first; multiply: weight * energy.")
-        .output("energy", &Weight::Ports::weighted, "The energy by regions.");
+    return Declare<Weight>("mask.weight", "Weights an energy by regions: high weights keep seams away, also from empty space; low weights attract them.")
+        .input("energy", &Weight::Ports::energy, "An energy from 0 to 1, such as that of energy.combine with weights that add up to 1.")
+        .input("masks", &Weight::Ports::masks, "The regions. Where they overlap, the later one counts.")
+        .required("weights", &Weight::Params::weights, Unit::none, at_least(0), "One weight per mask.")
+        .param("outside", &Weight::Params::outside, Unit::none, at_least(0), "The weight outside of all masks.")
+        .param("mode", &Weight::Params::mode, "assign: weight * (1 + energy) / 2, so that mainly the region decides. multiply: weight * energy.")
+        .output("energy", &Weight::Ports::weighted, "The weighted energy.");
 }
 
 }  // namespace fluidcarve

@@ -31,7 +31,7 @@ FileText::FileText(std::string path, std::size_t most) : path_(std::move(path)) 
     std::error_code error;
     const auto status = std::filesystem::status(path_, error);
     if (std::filesystem::is_directory(status)) throw Failure(path_ + " is a folder", Failure::Kind::input);
-    // To open a pipe would wait for who writes into it.
+    // Opening a pipe would block until another process writes to it.
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
         throw Failure(path_ + " is a pipe or a device; a mesh is read from a regular file", Failure::Kind::input);
     std::ifstream in(path_, std::ios::binary);

@@ -6,49 +6,49 @@
 
 namespace fluidcarve {
 
-/// A whole file in memory, read by lines, words or bytes. What is wrong is told with the file and, in text, the line.
+/// Reads a file by lines, words or bytes. Faults name the file and, in text, the line.
 class FileText {
 public:
     static constexpr auto all = static_cast<std::size_t>(-1);
 
-    /// @param most  takes no more than so many bytes, from the beginning
-    /// @throws Failure (input) if this is no regular file, can't be read or is empty
+    /// @param most  reads only so many bytes from the beginning
+    /// @throws Failure (input) if it is not a regular file, can't be read or is empty
     explicit FileText(std::string path, std::size_t most = all);
 
     const std::string& path() const { return path_; }
 
-    /// Turns to the next line, without its end; false behind the last, and where not all of it was taken.
+    /// Moves to the next line. False after the last line, or if the next line was not read completely (`most`).
     bool next();
-    /// Whether next() met the end of what was taken, not of the file.
+    /// Whether next() met the end of the bytes read, but not of the file.
     bool ran_out() const { return ran_out_; }
     std::string_view line() const { return line_; }
-    /// The next word of the line, or empty. @param comment  a word that begins with it ends the line; 0: none
+    /// The next word of the line, or empty. @param comment  a word that begins with this character ends the line; 0: none
     std::string_view word(char comment = 0);
     /// The next word of this or a later line. @throws Failure if there is none
     std::string_view any_word();
-    /// What the line holds behind the words taken from it.
+    /// The rest of the line after the words taken from it.
     std::string_view rest_of_line();
 
-    /// Whether words were asked for where a comment stands.
+    /// Whether word() has met a comment.
     bool has_comments() const { return has_comments_; }
 
-    /// All that follows the current line, of what was taken.
+    /// The bytes read after the current line.
     std::string_view rest() const { return std::string_view(text_).substr(next_); }
-    /// How many bytes follow the current line in the file.
+    /// Number of bytes in the file after the current line.
     std::size_t left() const { return size_ - next_; }
-    /// Takes bytes from it. @throws Failure if there are not as many
+    /// Takes the next bytes of rest(). @throws Failure if there are not enough
     std::string_view take(std::size_t bytes);
 
-    /// @throws Failure if the word is no finite number
+    /// @throws Failure if the word is not a finite number
     double number(std::string_view word) const;
-    /// The same for one that may be infinite, or nan. @throws Failure if the word is no number
+    /// The same, but accepts inf and nan. @throws Failure if the word is not a number
     double any_number(std::string_view word) const;
-    /// @throws Failure if the word is no whole number
+    /// @throws Failure if the word is not a whole number
     long whole(std::string_view word) const;
 
-    /// @throws Failure (input) with file and line
+    /// @throws Failure (input) naming file and line
     [[noreturn]] void fault(const std::string& message) const;
-    /// @throws Failure (input) with the file alone
+    /// @throws Failure (input) naming only the file
     [[noreturn]] void fault_in_all(const std::string& message) const;
 
 private:
@@ -59,7 +59,7 @@ private:
     bool ran_out_ = false, has_comments_ = false;
 };
 
-/// A word of a file as it may be shown: quoted, not too long, without what is no plain text.
+/// A word of a file for messages: in quotes, at most 40 characters, others than printable ASCII as `?`.
 std::string quoted(std::string_view word);
 
 }  // namespace fluidcarve

@@ -14,46 +14,46 @@
 
 namespace fluidcarve {
 
-/// Polygons in world space, as their file had them: faces of any number of corners, in its order, and all that it says of
-/// vertices, faces and corners. Nothing is merged, split or turned; an animated mesh is delivered per frame.
+/// A polygon mesh in world space: faces with any number of corners, with attributes of vertices, faces and corners. Order and
+/// orientation of faces and vertices are those of the file. An animated mesh is one Mesh per frame.
 struct Mesh {
-    /// Numbers of vertices, faces or corners.
+    /// Numbers attached to vertices, faces or corners.
     struct Attribute {
         enum class On { vertices, faces, corners };
         enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
         static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-        std::string name;  ///< "uv", "normal", "colour", or the file's own
+        std::string name;  ///< "uv", "normal", "colour", or the name in the file
         On on = On::vertices;
-        std::vector<std::string> parts;  ///< what PLY calls its numbers: "nx", "ny", "nz"
-        Type type = Type::float32;       ///< colours reach to an integer type's maximum, others to 1
-        std::vector<double> values;      ///< parts.size() per entry; an entry per vertex or face, in their order
-        std::vector<std::uint32_t> at;   ///< on corners: each corner's entry, or `none`; entries may be shared
+        std::vector<std::string> parts;  ///< names of its numbers in PLY: "nx", "ny", "nz"
+        Type type = Type::float32;       ///< colours: full intensity is the maximum of an integer type, or 1
+        std::vector<double> values;      ///< `[entry][part]`; on vertices and faces, one entry each, in their order
+        std::vector<std::uint32_t> at;   ///< on corners: the entry of each corner, or `none`; corners may share entries
 
         std::size_t entries() const { return values.size() / parts.size(); }
         std::span<const double> entry(std::size_t n) const { return {values.data() + n * parts.size(), parts.size()}; }
     };
 
-    /// A line of its file that stands before a face: a group, a material, a comment.
+    /// A line of the file between faces: a group, a material, a comment.
     struct Line {
-        std::size_t face;  ///< the number of faces: at the end
+        std::size_t face;  ///< index of the face after it; the number of faces: at the end
         std::string text;
     };
 
-    /// What a writer needs to give back what came in.
+    /// How the mesh was stored in its file, so that a writer can write it back unchanged.
     struct Origin {
         std::string format;  ///< "obj", "ply", "off" or "stl"
         bool binary = false, big_endian = false;
-        Attribute::Type number = Attribute::Type::float32;  ///< of coordinates, in binary files and PLY's header
-        std::vector<Line> lines;                            ///< by face, rising
-        std::size_t head = 0;                               ///< how many of them stand before all vertices
+        Attribute::Type number = Attribute::Type::float32;  ///< type of coordinates, in binary files and PLY's header
+        std::vector<Line> lines;                            ///< sorted by face
+        std::size_t head = 0;                               ///< number of lines before all vertices
         Placement placement;
-        std::vector<openvdb::Vec3d> in_file;  ///< positions before the placement; empty if it moves nothing
+        std::vector<openvdb::Vec3d> in_file;  ///< positions in the file, one per vertex; empty if the placement moves nothing
     };
 
-    std::vector<openvdb::Vec3d> points;
-    std::vector<std::uint32_t> corners;  ///< the vertex of each, one face after the other
-    std::vector<std::size_t> ends;       ///< per face, where its corners end in `corners`
+    std::vector<openvdb::Vec3d> points;  ///< vertex positions, world units
+    std::vector<std::uint32_t> corners;  ///< vertex of each corner, face after face
+    std::vector<std::size_t> ends;       ///< per face: end of its corners in `corners`
     std::vector<Attribute> attributes;
     std::shared_ptr<const Origin> origin;  ///< null: made by a node
 
@@ -66,22 +66,23 @@ struct Mesh {
     }
     /// The first attribute of this name, or null.
     const Attribute* find(const std::string& name) const;
-    /// Which entry of an attribute a corner has, or Attribute::none.
+    /// The entry of an attribute for a corner, or Attribute::none. @param corner  index in `corners` @param vertex  the corner's vertex
     static std::uint32_t entry_of(const Attribute& attribute, std::size_t face, std::size_t corner, std::uint32_t vertex) {
         return attribute.on == Attribute::On::corners ? attribute.at[corner] : attribute.on == Attribute::On::faces ? static_cast<std::uint32_t>(face) : vertex;
     }
 };
 
-/// The mesh in the shot's world, its file's numbers kept.
-/// @param mesh  of a file, with an origin
+/// The mesh in the shot's world. Its origin keeps the positions in the file.
+/// @param mesh  read from a file, with an origin
 Mesh placed(Mesh mesh, const Placement& placement);
-/// Positions in the file's space again: the file's own numbers where a vertex has not moved.
-/// @param placement  to undo instead; null: the origin's
+/// Vertex positions in the file's space; exactly those of the file where a vertex has not moved.
+/// @param placement  the placement to undo; null: that of the origin
+/// @return one per vertex
 std::vector<openvdb::Vec3d> unplaced(const Mesh& mesh, const Placement* placement);
 
-/// The attribute with an entry per vertex, if all corners of each vertex have equal ones; vertices without a corner get 0.
-/// @param attribute  on corners
-/// @param several    becomes the number of vertices with several entries, or corners without one
+/// Converts an attribute on corners to one on vertices, if the corners of each vertex have equal entries. Vertices without corners get 0.
+/// @param several  set to the number of vertices whose corners have different entries, or none
+/// @return nothing if `several` is above 0
 std::optional<Mesh::Attribute> per_vertex(const Mesh& mesh, const Mesh::Attribute& attribute, std::size_t& several);
 
 }  // namespace fluidcarve

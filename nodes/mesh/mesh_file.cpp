@@ -15,6 +15,7 @@
 namespace fluidcarve {
 namespace {
 
+/// A mesh format: its extension and functions.
 struct Format {
     std::string_view ending;
     Mesh (*read)(FileText&, Losses&);
@@ -121,7 +122,7 @@ const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& fo
     if (!mesh.origin) return none;
     const auto& lines = mesh.origin->lines;
     if (mesh.origin->format == format) return lines;
-    // Only OBJ's say something that others may miss.
+    // Only lines of OBJ files hold more than comments.
     const auto says = [](const Mesh::Line& line) {
         const auto begin = line.text.find_first_not_of(" \t");
         return begin != std::string::npos && line.text[begin] != '#';

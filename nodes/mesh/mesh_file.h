@@ -7,29 +7,29 @@
 
 namespace fluidcarve {
 
-/// A mesh as its file has it, and what of the file it does not hold, in words.
+/// A mesh read from a file, and messages about data of the file that it does not hold.
 struct MeshFile {
     Mesh mesh;
     std::vector<std::string> losses;
 };
 
-/// Reads .obj, .ply (text or binary), .off (text) and .stl (text or binary). Numbers of text are kept at double precision, OBJ's
-/// UVs and normals per corner, PLY's properties under their own names. Only vertices of STL that stand at one place become one.
-/// @throws Failure (input) with the file, the place in it and the reason: missing, a pipe, cut off, another format, a number that is
-///   none or not finite, a face with a vertex that there is not
+/// Reads .obj, .ply (text or binary), .off (text) and .stl (text or binary). Numbers in text files are read as doubles, OBJ's UVs and
+/// normals are on corners, PLY's properties keep their names. Vertices are merged in STL only, if their positions are equal.
+/// @throws Failure (input) naming the file, the place in it and the reason: missing, a pipe, truncated, another format, a number that is
+///   invalid or not finite, a face with a vertex that does not exist
 MeshFile read_mesh(const std::string& path);
 
-/// Looks at the head of a file alone, as far as its format has one, and at the file's size. @throws Failure (input) as read_mesh
+/// Checks only the header of a file, if its format has one, and the file's size. @throws Failure (input) as read_mesh
 void probe_mesh(const std::string& path);
 
-/// Writes the format that the path's ending names; a mesh of a file of that format as that file was. The file appears whole or
-/// not at all.
-/// @param placement  of a reader, to undo instead of the mesh's own; null: the mesh's own
-/// @return what the format can't hold, in words
+/// Writes a mesh in the format of the path's extension. A mesh read from a file of that format is written as it was. The file appears
+/// whole or not at all.
+/// @param placement  the placement to undo; null: that of the mesh's origin
+/// @return messages about data that the format can't hold
 /// @throws Failure if the file can't be written
 std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement = nullptr);
 
-/// What keeps an ending from being one of a mesh file, or empty.
+/// Why a path's extension is not that of a mesh file; empty if it is.
 std::string ending_fault(const std::string& path);
 
 }  // namespace fluidcarve

@@ -12,9 +12,10 @@ namespace {
 using Attribute = Mesh::Attribute;
 using openvdb::Vec3d;
 
-/// Statements that change nothing of the geometry: kept as they are, where they stand between the faces.
+/// Statements that do not change the geometry: they are kept as lines, at their place between the faces.
 constexpr std::array kept = {"g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
+/// Reads an OBJ file, statement by statement.
 class Reader {
 public:
     explicit Reader(FileText& file) : file_(file) {}
@@ -43,10 +44,10 @@ public:
     }
 
 private:
-    /// Tuples that faces or vertices share.
+    /// The entries of `vt` or `vn`, which corners refer to by index.
     struct Pool {
         std::vector<double> values;
-        std::vector<std::uint32_t> at;  ///< of corners
+        std::vector<std::uint32_t> at;  ///< entry of each corner
         std::optional<std::size_t> numbers;
         std::size_t width() const { return numbers.value_or(0); }
         std::size_t size() const { return width() == 0 ? 0 : values.size() / width(); }
@@ -95,7 +96,8 @@ private:
         pool.numbers = numbers;
     }
 
-    /// An index as it is written, from 1 on or back from the last, as one from 0 on. What lies behind the last may still come.
+    /// Converts an index of the file to one from 0. In the file it counts from 1, or backwards from the last entry if negative. An index
+    /// beyond the last entry is allowed: the entry may follow later.
     std::uint32_t index(std::string_view word, std::size_t size) const {
         const long stated = file_.whole(word), from = stated > 0 ? stated - 1 : static_cast<long>(size) + stated;
         if (stated == 0 || from < 0 || from >= static_cast<long>(Attribute::none)) file_.fault(fmt::format("{} is none of the {} above", quoted(word), size));
@@ -121,7 +123,7 @@ private:
         mesh_.ends.push_back(mesh_.corners.size());
     }
 
-    /// Lines and points are kept as they are written, so their indices must still be right where all vertices come first.
+    /// Keeps a statement of lines or points as text. Its indices must stay valid in a file where all vertices come first.
     void take_line() {
         for (auto word = file_.word('#'); !word.empty(); word = file_.word('#')) {
             const auto slash = word.find('/');
@@ -172,7 +174,7 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     const bool own = mesh.origin && mesh.origin->format == "obj";
     for (const auto& attribute : mesh.attributes) {
         const auto parts = attribute.parts.size();
-        // Other formats' weights say something else, and their UVs have two parts.
+        // Weights of other formats have another meaning, and UVs of other formats must have two parts.
         const bool is_extra = attribute.name == "colour" ? parts == 3 || parts == 4 : attribute.name == "weight" && parts == 1 && own;
         if (attribute.name == "uv" && (parts == 2 || own) && !uvs) uvs = &attribute;
         else if (attribute.name == "normal" && parts == 3 && !normals) normals = &attribute;
@@ -208,7 +210,7 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
         text.push_back('\n');
     }
     write_before(mesh.faces());
-    // An empty file would look like one that was cut off.
+    // An empty file would look truncated.
     if (text.size() == 0) fmt::format_to(to, "o nothing\n");
     return fmt::to_string(text);
 }

@@ -13,6 +13,7 @@ using Attribute = Mesh::Attribute;
 using Type = Attribute::Type;
 using openvdb::Vec3d;
 
+/// The header of an OFF file: which data vertices have, and the counts.
 struct Head {
     bool uv, colour, normal;
     std::size_t vertices, faces;
@@ -47,7 +48,7 @@ Head read_head(FileText& file) {
     };
     out.vertices = count();
     out.faces = count();
-    count();  // of edges, which nobody states
+    count();  // the number of edges is not used
     const auto left = file.left() + 1;
     if (out.vertices > left / 6 || out.faces > left / 8)
         file.fault_in_all(
@@ -55,10 +56,10 @@ Head read_head(FileText& file) {
     return out;
 }
 
-/// The numbers of the next line that has some.
+/// The numbers of one line.
 struct Numbers {
     std::vector<double> all;
-    std::vector<bool> whole;  ///< written without a point
+    std::vector<bool> whole;  ///< per number: written without a decimal point
 
     void read(FileText& file) {
         all.clear();
@@ -73,7 +74,7 @@ struct Numbers {
     }
 };
 
-/// Takes `count` numbers, from the `first` on. Those of colours are bytes until one has a point.
+/// Adds `count` numbers of a line, from `first` on, to an attribute. Colours are bytes unless a number has a decimal point.
 void take(Attribute& into, const Numbers& numbers, std::size_t first, std::size_t count) {
     for (auto n = first; n < first + count; ++n) {
         into.values.push_back(numbers.all[n]);
@@ -88,7 +89,7 @@ Attribute colour(Attribute::On on, std::size_t parts) {
     return out;
 }
 
-/// Colours as OFF has them: whole numbers to 255, or, with a point even where they are whole, to 1.
+/// Writes a colour as in OFF: integers up to 255, or numbers up to 1, always with a decimal point.
 void put_colours(fmt::memory_buffer& text, const Attribute& attribute, std::size_t n) {
     const auto to = std::back_inserter(text);
     const double light = full_light(attribute.type);
@@ -158,7 +159,7 @@ Mesh read_off(FileText& file, Losses& losses) {
 }
 
 std::string off_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
-    std::vector<Attribute> made;  // per vertex, of those on corners
+    std::vector<Attribute> made;  // attributes on corners, converted to vertices
     made.reserve(mesh.attributes.size());
     const Attribute *uv = nullptr, *normal = nullptr, *colours = nullptr, *painted = nullptr;
     for (const auto& attribute : mesh.attributes) {

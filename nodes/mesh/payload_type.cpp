@@ -77,7 +77,7 @@ Ref<Mesh> read(std::istream& from) {
 }  // namespace
 
 void add_mesh_payload(Registry& registry) {
-    registry.add(payload_type<Mesh>("mesh", "Polygons with what their file says of vertices, faces and corners: UVs, normals, colours.",
+    registry.add(payload_type<Mesh>("mesh", "Polygons with attributes of vertices, faces and corners: UVs, normals, colours.",
                                     [](const Mesh& mesh) {
                                         auto out = mesh.points.size() * sizeof(openvdb::Vec3d) + mesh.corners.size() * sizeof(std::uint32_t) +
                                                    mesh.ends.size() * sizeof(std::size_t);

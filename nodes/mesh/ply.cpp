@@ -20,6 +20,7 @@ using Attribute = Mesh::Attribute;
 using Type = Attribute::Type;
 using openvdb::Vec3d;
 
+/// Names of a PLY type, old and new, and its size in bytes.
 struct TypeName {
     std::string_view name, other;
     Type type;
@@ -32,13 +33,13 @@ constexpr std::array types = {TypeName{"char", "int8", Type::int8, 1},        Ty
 const TypeName& name_of(Type type) { return types[static_cast<std::size_t>(type)]; }
 
 bool is_integer(Type type) { return type != Type::float32 && type != Type::float64; }
-/// Whether a number is one of an integer type.
+/// Whether an integer type holds a number exactly.
 bool is_one_of(Type type, double number) {
     const double most = full_light(type), least = type == Type::int8 || type == Type::int16 || type == Type::int32 ? -most - 1 : 0;
     return number == std::floor(number) && number >= least && number <= most;
 }
 
-/// Properties that belong together.
+/// Properties that form one attribute.
 struct Group {
     const char* name;
     std::vector<std::string> parts;
@@ -53,20 +54,22 @@ const std::vector<Group>& groups() {
     return out;
 }
 
+/// A property declared in a PLY header.
 struct Property {
     std::string name;
     Type type;
-    std::optional<Type> count;  ///< of a list
+    std::optional<Type> count;  ///< for a list: type of its length
 
     bool is_axis() const { return !count && (name == "x" || name == "y" || name == "z"); }
     bool is_corners() const { return count && (name == "vertex_indices" || name == "vertex_index"); }
 };
+/// An element declared in a PLY header.
 struct Element {
     std::string name;
     std::size_t count;
     std::vector<Property> properties;
 
-    /// The least that its entries take in a file.
+    /// Minimum size of an entry in a file, bytes.
     std::size_t bytes(bool binary) const {
         std::size_t out = 0;
         for (const auto& property : properties) out += !binary ? 2 : name_of(property.count.value_or(property.type)).bytes;
@@ -82,6 +85,7 @@ double as(const char* bytes, bool swap) {
     return static_cast<double>(std::bit_cast<T>(copy));
 }
 
+/// Reads a PLY file: header, vertices, faces, other elements.
 class Reader {
 public:
     Reader(FileText& file, Losses& losses) : file_(file), losses_(losses) { read_header(); }
@@ -119,7 +123,7 @@ private:
             else if (!keyword.empty()) file_.fault(fmt::format("{} does not belong into a header", quoted(keyword)));
         }
         if (!stated) file_.fault("the header states no format");
-        std::size_t left = file_.left() + 1;  // the last line of a text may lack its end
+        std::size_t left = file_.left() + 1;  // the last line of a text file may have no line end
         for (const auto& element : elements_) {
             const auto each = element.bytes(origin_->binary);
             if (each > 0 && element.count > left / each)
@@ -188,13 +192,13 @@ private:
         return static_cast<std::size_t>(count);
     }
 
-    /// The attributes of an element, and for each of its properties the attribute and part that take it.
+    /// The attributes of an element, and the attribute and part of each of its properties.
     struct Columns {
         std::vector<Attribute> attributes;
         std::vector<std::pair<std::size_t, std::size_t>> places;
     };
 
-    /// @param taken  whether a property is none of attributes
+    /// Groups the properties of an element into attributes. @param taken  true for properties that are not attributes
     Columns columns(const Element& element, Attribute::On on, bool (Property::*taken)() const) {
         Columns out;
         const auto& all = element.properties;
@@ -239,7 +243,7 @@ private:
                                             [&](const Property& each) { return each.name == std::string(1, "xyz"[c]) && !each.count; });
             if (found == element.properties.end()) file_.fault_in_all(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
             place[c] = static_cast<std::size_t>(found - element.properties.begin());
-            // What types differ in, the widest holds.
+            // Coordinates of different types are written as float64.
             origin_->number = c == 0 || origin_->number == found->type ? found->type : Type::float64;
         }
         mesh_.points.resize(element.count);
@@ -303,6 +307,7 @@ private:
     std::vector<Element> elements_;
 };
 
+/// Writes a mesh as PLY, text or binary.
 class Writer {
 public:
     Writer(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) : mesh_(mesh), points_(points) {
@@ -373,7 +378,7 @@ private:
 
     template <class T>
     void put_bytes(double value) {
-        // Text may hold what its type does not.
+        // Numbers read from text may be outside of the range of their type.
         if constexpr (std::is_integral_v<T>) value = std::clamp<double>(value, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max());
         auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(value));
         if (swap_) std::reverse(bytes.begin(), bytes.end());
@@ -403,8 +408,8 @@ private:
     std::string text_;
     Type number_ = Type::float32;
     bool binary_ = false, swap_ = false;
-    bool many_ = false;   ///< corners in a face, more than a byte counts
-    bool large_ = false;  ///< indices, larger than an int
+    bool many_ = false;   ///< a face has more corners than a byte can count
+    bool large_ = false;  ///< an index is larger than an int
 };
 
 }  // namespace

@@ -41,15 +41,15 @@ struct MeshRead {
 
 NodeType mesh_read() {
     using Params = MeshRead::Params;
-    return Declare<MeshRead>("mesh.read", "Reads polygon meshes: OBJ, PLY, OFF, STL, with UVs, normals, colours, groups and materials as they come.")
+    return Declare<MeshRead>("mesh.read", "Reads polygon meshes: OBJ, PLY, OFF, STL, with UVs, normals, colours, groups and materials.")
         .required("path", &Params::path, "A .obj, .ply, .off or .stl file, or a sequence with a frame token such as ####.")
         .param("missing", &Params::missing, missing_doc)
         .param("translate", &Params::translate, Unit::world, any_number(),
-               "Where the file's origin is in the shot's world; the writer takes it back. Meshes of Blender's liquid caches are in units of the domain's "
-               "longest side, around its middle: `scale` is the most cells along a side times a voxel, `translate` the domain's low corner and half its cells "
-               "times a voxel (`file_base_resolution` and `file_voxel_size` of its grids).")
-        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")
-        .output("mesh", &MeshRead::Ports::mesh, "The mesh; nothing is merged, split or turned.");
+               "Position of the file's origin in the shot's world; the writer undoes it. Meshes of Blender's liquid caches are in units of the domain's "
+               "longest side, around its centre: set `scale` to the cells along the longest side times the voxel size, and `translate` to the domain's low "
+               "corner plus half its cells times the voxel size (`file_base_resolution` and `file_voxel_size` of its grids).")
+        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "World units of the shot per unit of the file, applied before `translate`.")
+        .output("mesh", &MeshRead::Ports::mesh, "The mesh. No faces or vertices are merged, split or turned.");
 }
 
 }  // namespace fluidcarve

@@ -16,7 +16,7 @@ using Attribute = Mesh::Attribute;
 using openvdb::Vec3d;
 
 constexpr std::size_t head_bytes = 80, triangle_bytes = 50;
-constexpr auto extra_type = Attribute::Type::uint16;  ///< of a binary triangle's last bytes
+constexpr auto extra_type = Attribute::Type::uint16;  ///< type of the last two bytes of a binary triangle
 
 template <class T>
 T little_endian(const char* bytes) {
@@ -26,7 +26,7 @@ T little_endian(const char* bytes) {
     return out;
 }
 
-/// The triangles that a binary file promises; nothing if it is text. @throws Failure if it is cut off
+/// The number of triangles that a binary file states; nothing if it is a text file. @throws Failure if it is truncated
 std::optional<std::size_t> triangles_of(const FileText& file) {
     const auto all = file.rest();
     const std::size_t size = file.left(), head = head_bytes + 4;
@@ -39,7 +39,7 @@ std::optional<std::size_t> triangles_of(const FileText& file) {
     return count;
 }
 
-/// Triangles whose corners at the same place become one vertex: STL can't say so, but means it.
+/// Collects triangles, and merges corners with equal positions to one vertex, since STL has no shared vertices.
 class Triangles {
 public:
     void add(const std::array<Vec3d, 3>& corners, const Vec3d& normal) {
@@ -59,7 +59,7 @@ private:
     struct Hash {
         std::size_t operator()(const Vec3d& p) const {
             std::size_t out = 0;
-            // Adding 0 makes -0 and 0 one value, as they are one place.
+            // Adding 0 turns -0 into 0: both are the same position.
             for (int c = 0; c < 3; ++c) out = (out ^ std::bit_cast<std::uint64_t>(p[c] + 0.0)) * 0x9E3779B97F4A7C15u;
             return out ^ out >> 32;
         }
@@ -101,7 +101,7 @@ void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
         for (int c = 0; c < 3; ++c) out[c] = file.number(file.any_word());
         return out;
     };
-    // Triangles without an area have normals of nan.
+    // Normals of triangles without an area may be nan.
     const auto direction = [&] {
         Vec3d out;
         for (int c = 0; c < 3; ++c) out[c] = file.any_number(file.any_word());

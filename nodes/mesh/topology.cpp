@@ -13,7 +13,7 @@ namespace {
 
 using HalfEdges = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-/// What OpenMesh would tell of each face that it refuses is counted here.
+/// Disables OpenMesh's error messages about refused faces: they are counted instead.
 void silence() {
     static std::once_flag once;
     std::call_once(once, [] { omerr().disable(); });

@@ -4,25 +4,25 @@
 
 namespace fluidcarve {
 
-/// How the faces of a mesh hang together.
+/// Counts of topological faults of a mesh.
 struct Topology {
-    std::size_t boundary_edges = 0;      ///< at which an odd number of faces ends
-    std::size_t non_manifold_faces = 0;  ///< at an edge with more than two faces or faces of opposite turns, or at a vertex where fans of faces meet
-    std::size_t degenerate_faces = 0;    ///< that have a vertex twice
-    std::size_t lone_vertices = 0;       ///< without a face
+    std::size_t boundary_edges = 0;      ///< edges with an odd number of faces
+    std::size_t non_manifold_faces = 0;  ///< faces at an edge with more than two or oppositely oriented faces, or at a vertex shared by several fans
+    std::size_t degenerate_faces = 0;    ///< faces that have a vertex twice
+    std::size_t lone_vertices = 0;       ///< vertices without a face
 
-    /// Whether the faces enclose a space, so that there is an inside, however they are turned and wherever they meet.
+    /// Whether the faces enclose a space, so that the mesh has an inside, whatever their orientation.
     bool closed() const { return boundary_edges == 0; }
 };
 
-/// Joins the faces to a half-edge mesh (OpenMesh), in their order; a face that does not fit those before it is non-manifold.
-/// Degenerate faces are left out of it.
+/// Counts the faults of a mesh. Faces are added in order to a half-edge mesh (OpenMesh); a face that does not fit those before it counts
+/// as non-manifold. Degenerate faces are not added.
 Topology topology_of(const Mesh& mesh);
 
-/// Topology::boundary_edges alone.
+/// Only Topology::boundary_edges.
 std::size_t boundary_edges(const Mesh& mesh);
 
-/// What is unusual, in words, or empty. Boundaries and lone vertices are not.
+/// The faults in words, or empty. Boundary edges and lone vertices do not count as faults.
 std::string faults_of(const Topology& topology);
 
 }  // namespace fluidcarve

@@ -9,18 +9,18 @@ namespace {
 using openvdb::Vec2d;
 using openvdb::Vec3d;
 
-/// Twice the area of a triangle, positive if it turns to the left.
+/// Twice the signed area of a triangle, positive if it is counter-clockwise.
 double area(const Vec2d& a, const Vec2d& b, const Vec2d& c) { return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()); }
 
-/// A corner of what is left of a face.
+/// A corner of the remaining polygon.
 struct Corner {
     Vec2d at;
-    std::size_t before, after;
-    bool reflex = false;     ///< or straight: no ear, and the only kind that lies in ears of others
-    std::size_t in_way = 0;  ///< a corner that lay in its triangle; itself: none is known
+    std::size_t before, after;  ///< neighbours
+    bool reflex = false;        ///< reflex or straight: it is no ear, and only such corners can lie in the triangle of another
+    std::size_t in_way = 0;     ///< a corner found in its triangle; its own index: none
 };
 
-/// The face's corners as seen from above, so that it turns to the left: along the axis in which its area (Newell's) is largest.
+/// Projects a face along the axis in which its area (Newell's method) is largest, so that it is counter-clockwise.
 std::vector<Corner> flattened(const std::vector<Vec3d>& points, std::span<const std::uint32_t> face) {
     const auto& first = points[face[0]];
     Vec3d normal(0);
@@ -64,7 +64,7 @@ void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t
         const auto &a = ring[corner.before].at, &b = corner.at, &c = ring[corner.after].at;
         const auto found = std::find_if(reflex.begin(), reflex.end(), [&](std::size_t other) {
             const auto& p = ring[other].at;
-            // Corners at one place, as where a hole is joined to the rim, are in nobody's way.
+            // Ignore corners at the same position as one of the triangle's, as where a hole is joined to the rim.
             return p != a && p != b && p != c && area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0;
         });
         corner.in_way = found == reflex.end() ? n : *found;
@@ -72,7 +72,7 @@ void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t
     };
     std::size_t next = 0;
     for (auto left = face.size(); left > 3; --left) {
-        // Without an ear the face meets itself: any cut is as good.
+        // A face without an ear intersects itself: cut anywhere.
         auto cut = next;
         for (std::size_t tried = 0; tried < left && !is_ear(cut); ++tried) cut = ring[cut].after;
         const auto before = ring[cut].before, after = ring[cut].after;
@@ -83,7 +83,7 @@ void triangulate(const std::vector<Vec3d>& points, std::span<const std::uint32_t
         ring[after].before = before;
         update(before);
         update(after);
-        // The corner after the next: fans are thinner than strips.
+        // Continue two corners further: fans give thinner triangles than strips.
         next = ring[after].after;
     }
     out.push_back({face[ring[next].before], face[next], face[ring[next].after]});

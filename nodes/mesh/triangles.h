@@ -6,10 +6,10 @@
 
 namespace fluidcarve {
 
-/// A face cut into triangles along its own diagonals, by clipping ears: right for concave faces too, as far as they are flat. Each
-/// triangle is turned as the face is.
-/// @param points  of the mesh
-/// @param out     becomes vertices of the mesh, three by three: two fewer triangles than corners
+/// Triangulates a face by ear clipping, also a concave one if it is flat. Triangles have the orientation of the face.
+/// @param points  vertex positions of the mesh
+/// @param face    vertices of the face
+/// @param out     receives the triangles as vertices of the mesh: two fewer than the face has corners
 void triangulate(const std::vector<openvdb::Vec3d>& points, std::span<const std::uint32_t> face, std::vector<std::array<std::uint32_t, 3>>& out);
 
 }  // namespace fluidcarve

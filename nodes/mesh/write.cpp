@@ -32,13 +32,13 @@ NodeType mesh_write() {
     using Params = MeshWrite::Params;
     return Declare<MeshWrite>("mesh.write", "Writes polygon meshes: OBJ, PLY, OFF, STL. A file appears whole or not at all.")
         .input("source", &MeshWrite::Ports::source,
-               "The mesh. Into the format that it was read from it goes back as it came: numbers of vertices that did not move, faces and their order, UVs, "
-               "groups, "
-               "materials. What another format can't hold is told.")
-        .required("path", &Params::path, "A .obj, .ply, .off or .stl file; with a frame token such as #### if the source comes per frame. Folders are made.")
+               "The mesh. In the format of its file it is written as it was read: positions of vertices that did not move, faces and their order, UVs, groups, "
+               "materials. A warning names what another format can't hold.")
+        .required("path", &Params::path,
+                  "A .obj, .ply, .off or .stl file; with a frame token such as #### if the source comes per frame. Missing folders are made.")
         .param("translate", &Params::translate, Unit::world, any_number(),
-               "Undoes this placement of a reader. Auto undoes what the mesh's reader did; meshes that nodes made stay in the shot's world.")
-        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "As `translate`.");
+               "The placement of a reader to undo. Auto: that of the mesh's reader; meshes made by nodes stay in the shot's world.")
+        .param("scale", &Params::scale, Unit::none, between(1e-6, 1e6), "The same for a reader's `scale`.");
 }
 
 }  // namespace fluidcarve

@@ -15,7 +15,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// Where in the header the point grid is.
+/// Index of the point grid in the header.
 std::size_t place_of(const VdbHeader& header, const std::string& name) {
     const auto is_points = [](const VdbHeader::Entry& grid) { return grid.type == point_grid_type; };
     if (!name.empty()) {
@@ -44,7 +44,7 @@ Vec3d offset_of(const openvdb::GridBase& grid) {
     return origin ? origin->placement.offset : Vec3d(0);
 }
 
-/// A file of the points' grid and those beside it.
+/// A volume with the points' grid and those beside it.
 Volume together(const Points& points, const openvdb::GridBase::ConstPtr& grid, const Volume* beside) {
     Volume out;
     out.metadata = points.metadata;

@@ -14,7 +14,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// The way out of a solid, along its distances' gradient.
+/// A solid that points can leave along the gradient of its distances.
 class Solid {
 public:
     explicit Solid(const FloatGrid& distances)
@@ -22,9 +22,9 @@ public:
 
     double operator()(const Vec3d& at) const { return static_cast<double>(sample_.wsSample(at)); }
 
-    /// @return whether the point is outside then
+    /// Moves a point to the surface. @param at  world position @return false if it is still inside
     bool leave(Vec3d& at) const {
-        // Distances are exact only where the surface is flat, so that it may take some steps.
+        // Distances are exact only near flat surfaces, so that several steps may be needed.
         for (int step = 0; step < 20; ++step) {
             const double distance = (*this)(at);
             if (distance >= 0) return true;
@@ -91,12 +91,12 @@ KeptOut kept_out(const Points& points, const FloatGrid& solid) {
 
 NodeType points_keep_out() {
     return Declare<KeepOut>("points.keep_out",
-                            "Moves particles that lie in a solid out to its surface: where a carve moved banks and water by a little less or more.")
-        .input("source", &KeepOut::Ports::source, "The particles. Those outside the solid stay bit for bit.")
-        .input("solid", &KeepOut::Ports::solid, "A level set, below 0 inside: sdf.from_mesh of the carved bank.")
+                            "Moves particles inside a solid out to its surface, for example where a carve moved water and bank by slightly different amounts.")
+        .input("source", &KeepOut::Ports::source, "The particles. Those outside of the solid stay bit for bit.")
+        .input("solid", &KeepOut::Ports::solid, "A level set, negative inside, such as sdf.from_mesh of the carved bank.")
         .output("points", &KeepOut::Ports::points,
-                "The particles, none in the solid but those too deep in it to know the way out. The report's section `points` counts those moved, and those "
-                "stuck.");
+                "The particles. None is in the solid, except those too deep in it for its narrow band to show the way out. The report's section `points` "
+                "counts moved and stuck particles.");
 }
 
 }  // namespace fluidcarve

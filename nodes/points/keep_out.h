@@ -6,14 +6,15 @@
 
 namespace fluidcarve {
 
+/// Result of kept_out.
 struct KeptOut {
     Points points;
-    std::size_t moved = 0;
-    std::size_t stuck = 0;  ///< so deep inside that the band does not say which way is out; they stay
+    std::size_t moved = 0;  ///< number of points moved
+    std::size_t stuck = 0;  ///< number of points too deep inside for the narrow band to show the way out; they stay
 };
 
-/// Moves points that lie inside a solid out to its surface, each the shortest way; all others stay bit for bit.
-/// @param solid  a level set, world units, below 0 inside
+/// Moves points inside a solid to its surface, each the shortest way. All other points stay bit for bit.
+/// @param solid  a level set, world units, negative inside
 KeptOut kept_out(const Points& points, const FloatGrid& solid);
 
 /// `points.keep_out {source, solid}`.

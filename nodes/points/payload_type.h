@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// Registers the payload type `points`; it converts to a volume with their grid.
+/// Registers the payload type `points`, and its conversion to a volume with one point grid.
 void add_points_payload(Registry& registry);
 
 }  // namespace fluidcarve

@@ -65,7 +65,7 @@ bool type_of(std::string_view name, PlyType& out) {
 
 bool is_floating(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
 
-/// Printable ASCII: what other programs take, and terminals show.
+/// Whether a text is printable ASCII without spaces, which all programs read.
 bool is_plain(std::string_view text) {
     return std::all_of(text.begin(), text.end(), [](char c) { return c > 0x20 && c < 0x7f; });
 }
@@ -79,7 +79,7 @@ std::vector<std::string> words_of(const std::string& line) {
     return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// As std::from_chars, but that what is too small for its type is the nearest that it has.
+/// std::from_chars, except that a number too small for its type becomes the nearest value.
 template <class T>
 std::from_chars_result parse(const char* begin, const char* end, T& value) {
     const auto parsed = std::from_chars(begin, end, value);
@@ -92,6 +92,7 @@ std::from_chars_result parse(const char* begin, const char* end, T& value) {
     return parsed;
 }
 
+/// Reads the header and the vertices of a PLY file.
 class Reader {
 public:
     explicit Reader(const std::string& path) : path_(path) {
@@ -115,7 +116,7 @@ public:
     }
 
 private:
-    /// @param message  with a {} for the path
+    /// @param message  a format string with {} for the path
     [[noreturn]] void refuse(const std::string& message) const { throw Failure(fmt::format(fmt::runtime(message), path_), Failure::Kind::input); }
     [[noreturn]] void damaged(const std::string& fault) const { throw Failure(fmt::format("{} is damaged: {}", path_, fault), Failure::Kind::input); }
     [[noreturn]] void cut_off(const std::string& what) const {
@@ -173,7 +174,7 @@ private:
         begins_ = read_;
         std::size_t row = 0;
         for (const auto& column : points_.columns) row += points_.encoding == PlyEncoding::ascii ? 2 : size_of(column.type);
-        // A number and what separates it; the last may end with the file.
+        // In ascii a value takes at least a digit and a separator; the last value of the file needs no separator.
         const std::uint64_t left = size_ - begins_ + (points_.encoding == PlyEncoding::ascii ? 1 : 0);
         if (points_.size > left / row)
             cut_off(fmt::format("it states {} vertices of {} or more bytes, but has {} bytes after its header", points_.size, row, size_ - begins_));
@@ -206,7 +207,7 @@ private:
         points_.columns.push_back(std::move(column));
     }
 
-    /// Fit for a message, short, and without braces, which it would take for its own.
+    /// Shortens a text for a message, and removes braces, which the message's format would interpret.
     static std::string shown(std::string text) {
         text = one_line(std::move(text)).substr(0, 60);
         std::replace_if(

@@ -9,7 +9,7 @@
 
 namespace fluidcarve {
 
-/// Whole numbers with and without a sign, and floats, of the sizes that PLY has.
+/// The number types of PLY.
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 std::size_t size_of(PlyType type);
@@ -20,21 +20,21 @@ enum class PlyEncoding { ascii, little, big };
 struct PlyPoints {
     struct Column {
         std::string name;       ///< "x", "red"
-        std::string type_name;  ///< as the file spells it: "float" or "float32"
+        std::string type_name;  ///< name in the file: "float" or "float32"
         PlyType type = PlyType::float32;
-        std::vector<char> values;  ///< of this machine's byte order
+        std::vector<char> values;  ///< bytes of one value per vertex, in this machine's byte order
     };
     PlyEncoding encoding = PlyEncoding::little;
-    std::vector<std::string> comments;        ///< lines of the header, `comment` or `obj_info` included
-    std::vector<std::string> empty_elements;  ///< lines of the header that declare elements of which the file has none
+    std::vector<std::string> comments;        ///< whole header lines that begin with `comment` or `obj_info`
+    std::vector<std::string> empty_elements;  ///< header lines that declare elements without entries
     std::vector<Column> columns;
-    std::size_t size = 0;  ///< of each column
+    std::size_t size = 0;  ///< number of vertices
 
-    /// Null if there is none of that name.
+    /// The column of this name, or null.
     const Column* column(std::string_view name) const;
-    /// A value as a double; of another type than float64 nothing is lost.
+    /// A value as a double; exact for all types.
     static double number(const Column& column, std::size_t row);
-    /// The value nearest to a number.
+    /// Sets a value to the nearest that its type holds.
     static void set(Column& column, std::size_t row, double value);
 
     openvdb::Vec3d position(std::size_t row) const;
@@ -42,17 +42,18 @@ struct PlyPoints {
     std::size_t bytes() const;
 };
 
-/// Whether a file starts as PLY files do.
+/// Whether a file begins like a PLY file.
 bool is_ply(const std::string& path);
 
-/// @throws Failure (input) naming the file and what is wrong: no PLY, cut off, no x, y and z of floats, a position that is not
-///   finite, lists at vertices, or other elements, such as faces, that would lose their vertices
+/// Reads a PLY file.
+/// @throws Failure (input) naming the file and the fault: not a PLY file, truncated, no x, y and z of floats, a position that is not
+///   finite, lists at vertices, or other elements with entries, such as faces, which refer to vertices
 PlyPoints read_ply(const std::string& path);
 
-/// The same from the header alone; the columns stay empty. That the file holds what it states is checked as far as its length says.
+/// Reads only the header; the columns stay empty. Checks the file's length. @throws Failure as read_ply, for the header
 PlyPoints read_ply_header(const std::string& path);
 
-/// Writes aside and renames: the file appears whole or not at all. Numbers of ascii files are as short as gives them back.
+/// Writes a PLY file. It appears whole or not at all. Numbers in ascii files are the shortest that read back exactly.
 /// @throws Failure if the file can't be written
 void write_ply(const std::string& path, const PlyPoints& points);
 

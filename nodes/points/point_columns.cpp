@@ -24,7 +24,7 @@ using Leaf = PointDataTree::LeafNodeType;
 template <class T>
 constexpr bool is_vector = openvdb::VecTraits<T>::IsVec;
 
-/// Calls `visit(T{})` with the C++ type of values of a named type of OpenVDB's; false if it is not among those that PLY holds.
+/// Calls `visit(T{})` with the C++ type of an OpenVDB attribute type. @return false if PLY can't hold the type
 template <class Visit>
 bool with_value_type(const openvdb::Name& name, const Visit& visit) {
     const auto one = [&](auto value) {
@@ -46,7 +46,7 @@ constexpr std::pair<PlyType, const char*> ply_type() {
     else return {PlyType::uint8, "uchar"};
 }
 
-/// @param suffix  of the name, by component
+/// Adds the columns of an attribute. @param suffix  suffix of a column's name, per component of a vector
 template <class T>
 void add_columns(PlyPoints& out, const std::string& name, const std::array<const char*, 3>& suffix = {"_x", "_y", "_z"}) {
     const auto add = [&](auto value, const std::string& full) {
@@ -65,13 +65,13 @@ void append(PlyPoints::Column& column, T value) {
     column.values.insert(column.values.end(), from, from + sizeof value);
 }
 
-/// One attribute, or three properties that are the components of one.
+/// The columns that form one attribute: one, or three for a vector.
 struct Source {
     std::string name;
     std::vector<std::size_t> columns;
 };
 
-/// All but the position.
+/// Groups all columns but the position into attributes.
 std::vector<Source> sources_of(const PlyPoints& points) {
     std::vector<Source> out;
     const auto place = [&](const std::string& name) {
@@ -93,7 +93,7 @@ std::vector<Source> sources_of(const PlyPoints& points) {
     return out;
 }
 
-/// Calls `visit(T{})` with the type that an attribute has that is made of PLY values.
+/// Calls `visit(T{})` with the C++ type of the attribute for PLY values of this type.
 template <class Visit>
 void with_attribute_type(PlyType type, bool vector, const Visit& visit) {
     switch (type) {
@@ -112,13 +112,13 @@ double voxel_size_of(const Vec3d& size, std::size_t count) {
     constexpr double points_per_voxel = 8;
     const double longest = std::max({size.x(), size.y(), size.z()});
     if (!(longest > 0)) return 1;
-    // A dimension in which the points hardly differ would make the voxels as small as that.
+    // Points that almost lie in a plane or on a line would give very small voxels.
     double volume = 1;
     for (int n = 0; n < 3; ++n) volume *= std::max(size[n], longest / 1000);
     return std::cbrt(volume * points_per_voxel / static_cast<double>(count));
 }
 
-/// Around the points: voxels are counted in whole numbers that do not reach far from the grid's origin.
+/// A transform with its origin near the centre of the points, since index coordinates are limited.
 openvdb::math::Transform::Ptr transform_around(const std::vector<Vec3d>& positions) {
     if (positions.empty()) return openvdb::math::Transform::createLinearTransform(1);
     openvdb::BBoxd box;
@@ -140,7 +140,7 @@ openvdb::GridBase::Ptr grid_of(const PlyPoints& points) {
     grid->setTransform(transform_around(positions));
     grid->setName("points");
 
-    std::map<Coord, std::vector<std::pair<Index, std::size_t>>> leaves;  // by origin: voxel and row
+    std::map<Coord, std::vector<std::pair<Index, std::size_t>>> leaves;  // leaf origin to the voxel and row of each of its points
     for (std::size_t n = 0; n < points.size; ++n) {
         const auto at = grid->worldToIndex(positions[n]);
         if (!(at.length() < 1e9)) throw Failure(fmt::format("vertex {} is too far from the others to share a VDB grid with them", n));

@@ -24,7 +24,7 @@ using Positions = AttributeHandle<Vec3f>;
 
 const PointDataGrid& of(const openvdb::GridBase& grid) { return static_cast<const PointDataGrid&>(grid); }
 
-/// The leaves, and for each how many points stand before it.
+/// The leaves of a grid, and the index of the first point of each.
 struct Leaves {
     std::vector<const Leaf*> all;
     std::vector<std::size_t> first{0};
@@ -37,7 +37,7 @@ struct Leaves {
     }
     std::size_t size() const { return first.back(); }
 
-    /// Calls `visit(leaf, its number)` for all, at once.
+    /// Calls `visit(leaf, index of the leaf)` for all leaves, in parallel.
     template <class Visit>
     void each(const Visit& visit) const {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size()), [&](const tbb::blocked_range<std::size_t>& range) {
@@ -46,7 +46,7 @@ struct Leaves {
     }
 };
 
-/// Calls `visit(point, voxel)` with numbers within the leaf.
+/// Calls `visit(point, voxel)` for all points of a leaf, with indices within the leaf.
 template <class Visit>
 void each_point(const Leaf& leaf, const Visit& visit) {
     Index point = 0;
@@ -60,7 +60,7 @@ std::optional<std::uint64_t> whole_number(const AttributeArray& ids, Index point
     return static_cast<std::uint64_t>(AttributeHandle<T>(ids).get(point));
 }
 
-/// Which points of which leaf an array is copied from.
+/// Index pairs for AttributeArray::copyValuesUnsafe.
 struct CopyRun {
     const std::vector<std::pair<Index, Index>>* pairs;  ///< source, target
     std::size_t at = 0;
@@ -73,14 +73,14 @@ struct CopyRun {
     Index targetIndex() const { return (*pairs)[at].second; }
 };
 
-/// A leaf of the result while it is gathered.
+/// The points of one leaf of the result.
 struct Gathered {
     struct Point {
         Index voxel;
-        Index point;       ///< within its leaf
-        std::size_t leaf;  ///< of the source
+        Index point;       ///< index in its source leaf
+        std::size_t leaf;  ///< index of the source leaf
         bool moved;
-        Vec3f within;  ///< its voxel, if it moved
+        Vec3f within;  ///< position relative to the voxel centre, in voxels, if it moved
     };
     Coord origin;
     std::vector<Point> points;
@@ -137,7 +137,7 @@ std::unique_ptr<Leaf> made(Gathered& gathered, const Leaves& leaves, const Attri
         for (const auto& [leaf, pairs] : runs) {
             const auto& source = *leaves.all[leaf]->attributeSet().getConst(n);
             uniform = uniform && source.isUniform();
-            // Of a uniform array there is one value, where the copy reads as many as the stride.
+            // A uniform array stores one value, but copyValuesUnsafe reads as many as the stride.
             AttributeArray::Ptr whole;
             if (source.isUniform() && source.stride() > 1) {
                 whole = source.copy();
@@ -169,7 +169,7 @@ void require_sound(const openvdb::GridBase& grid, const std::string& path) {
         throw Failure(fmt::format("{} is damaged: grid '{}': {}", path, grid.getName(), fault), Failure::Kind::input);
     };
     const auto place_of = [](const Coord& at) { return fmt::format("[{}, {}, {}]", at.x(), at.y(), at.z()); };
-    // Arrays that say of one value that all points have it state any number of points in no bytes.
+    // A uniform array can state any number of points without using memory.
     constexpr std::uint64_t values_per_byte = 16;
     const AttributeSet* first = nullptr;
     std::uint64_t count = 0;
@@ -253,7 +253,7 @@ openvdb::GridBase::ConstPtr with_images(const openvdb::GridBase& grid, const std
     });
     const auto tree = std::make_shared<PointDataTree>(of(grid).background());
     for (auto& leaf : made_leaves) tree->addLeaf(leaf.release());
-    // The transform is shared: the copy of a map works its inverse out anew.
+    // Share the transform: a copy of a map computes its inverse again.
     const auto out =
         std::const_pointer_cast<openvdb::GridBase>(grid.copyGridReplacingTransform(std::const_pointer_cast<openvdb::math::Transform>(grid.transformPtr())));
     out->setTree(tree);

@@ -11,26 +11,26 @@
 
 namespace fluidcarve {
 
-/// Points with attributes, as their file holds them, so that what nothing changes is given back bit for bit: a point grid of a VDB
-/// file, or the vertices of a PLY file. Points have an order: the grid's, or the file's.
+/// Points with attributes: a point grid of a VDB file, or the vertices of a PLY file. They are kept in the form of their file, so that
+/// unchanged points are written back bit for bit. Points are in the order of the grid, or of the PLY file.
 struct Points {
     openvdb::GridBase::ConstPtr grid;      ///< an openvdb::points::PointDataGrid in the shot's world, or null
-    openvdb::MetaMap metadata;             ///< of the VDB file
+    openvdb::MetaMap metadata;             ///< metadata of the VDB file
     std::string codec;                     ///< as Volume::codec
-    std::shared_ptr<const PlyPoints> ply;  ///< in its file's space, or null
-    Placement placement;                   ///< of `ply`
+    std::shared_ptr<const PlyPoints> ply;  ///< PLY vertices in the file's space, or null
+    Placement placement;                   ///< placement of `ply`
 
     std::size_t size() const;
     std::uint64_t bytes() const;
     /// World positions.
     std::vector<openvdb::Vec3d> positions() const;
-    /// A number per point that depends on nothing else: its attribute `id` if that is a whole number, which follows it through the
-    /// frames, else made of its position.
+    /// A number per point that does not depend on other points: its attribute `id` if that is an integer (the same in all frames), else a
+    /// hash of its position.
     std::vector<std::uint64_t> identities() const;
 };
 
-/// The source with only these of its points. Attributes, groups and text tables stay with their points.
-/// @param images  rising by source; points that are not there are deleted
+/// A point set made of points of the source. Attributes, groups and text tables are kept.
+/// @param images  the points of the result, sorted by source; source points without an image are removed
 Points with_images(const Points& source, const std::vector<PointImage>& images);
 
 }  // namespace fluidcarve

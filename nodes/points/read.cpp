@@ -45,16 +45,16 @@ struct PointsRead {
 
 NodeType points_read() {
     return Declare<PointsRead>("points.read", "Reads points: particles with all their attributes, from VDB files or the vertices of PLY files.")
-        .required("path", &PointsRead::Params::path, "File, or sequence with a frame token such as ####. Other grids of a VDB file are vdb.read's.")
-        .param("grid", &PointsRead::Params::grid, "Which grid of a VDB file; need not be said where it is the only one with points.")
+        .required("path", &PointsRead::Params::path, "File, or sequence with a frame token such as ####. Use vdb.read for other grids of a VDB file.")
+        .param("grid", &PointsRead::Params::grid, "Name of the point grid in a VDB file. Not needed if there is only one.")
         .param("missing", &PointsRead::Params::missing, missing_doc)
         .param("offset", &PointsRead::Params::offset,
-               "Where a VDB file's points are against its other grids: where the file says (none), or half a voxel below along each axis, as in Blender's "
-               "liquids (half_voxel). Auto knows Blender's files by their grids, `particles` or `shadow` beside `velocity` or `density`: of particles alone in "
-               "a file, say half_voxel. Writers of VDB files take it back.")
+               "Offset of a VDB file's points relative to its other grids. none: positions as in the file. half_voxel: half a voxel lower along each axis, as "
+               "in Blender's liquids. Auto recognises Blender's files by their grids: `particles` or `shadow`, together with `velocity` or `density`; state "
+               "half_voxel for Blender files with particles alone. Writers of VDB files undo the offset.")
         .param("translate", &PointsRead::Params::translate, Unit::world, any_number(),
-               "Where the file's origin is in the shot's world, as for vdb.read of the same file; the writer takes it back.")
-        .param("scale", &PointsRead::Params::scale, Unit::none, between(1e-6, 1e6), "The shot's world units per unit of the file, applied before `translate`.")
+               "Position of the file's origin in the shot's world, as for vdb.read of the same file; the writer undoes it.")
+        .param("scale", &PointsRead::Params::scale, Unit::none, between(1e-6, 1e6), "World units of the shot per unit of the file, applied before `translate`.")
         .output("points", &PointsRead::Ports::points, "The points, with all attributes, groups and metadata.");
 }
 

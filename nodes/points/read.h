@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `points.read {path, grid, missing, offset}`: the points of a VDB or PLY file.
+/// `points.read {path, grid, missing, offset}`: reads the points of a VDB or PLY file.
 NodeType points_read();
 
 }  // namespace fluidcarve

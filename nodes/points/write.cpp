@@ -47,19 +47,18 @@ struct PointsWrite {
 
 NodeType points_write() {
     return Declare<PointsWrite>("points.write", "Writes points to VDB files, alone or beside other grids, or to PLY files. A file appears whole or not at all.")
-        .input("source", &PointsWrite::Ports::source, "The points; what nothing changed is written as it was read.")
+        .input("source", &PointsWrite::Ports::source, "The points. Unchanged points are written as they were read.")
         .input("beside", &PointsWrite::Ports::beside,
-               "Other grids to write to the same VDB file. A grid of points of the same name among them gives its place to the source; otherwise the points "
-               "come last. Blender's files are known by their grids: of its particles without `velocity` or `density` points.read must be told `offset: "
-               "half_voxel`.")
+               "Other grids to write to the same VDB file. The source replaces a point grid of the same name, else it comes last. Blender's files are "
+               "recognised by their grids: for particles without `velocity` or `density`, points.read needs `offset: half_voxel`.")
         .required(
             "path", &PointsWrite::Params::path,
-            "File, .vdb or .ply; with a frame token such as #### if the source comes per frame. Folders are made. PLY keeps no grid metadata, and neither "
-            "texts, matrices nor whole numbers of 64 bits; it takes vectors as `name_x`, `name_y`, `name_z` and groups as 0 or 1 in `group_name`, and "
-            "positions where the points are against their grids.")
-        .param("encoding", &PointsWrite::Params::encoding, "Of PLY files. Auto: as they were read, little_endian if they were not PLY.")
-        .param("translate", &PointsWrite::Params::translate, Unit::world, any_number(), "Undoes this placement of a reader. Auto undoes what the reader did.")
-        .param("scale", &PointsWrite::Params::scale, Unit::none, between(1e-6, 1e6), "As `translate`.");
+            "File, .vdb or .ply; with a frame token such as #### if the source comes per frame. Missing folders are made. PLY holds no grid metadata, texts, "
+            "matrices or 64-bit integers. Vectors become `name_x`, `name_y`, `name_z`, groups 0 or 1 in `group_name`. Positions in PLY include the offset of "
+            "the reader.")
+        .param("encoding", &PointsWrite::Params::encoding, "Encoding of PLY files. Auto: as the source's file, or little_endian if that was not PLY.")
+        .param("translate", &PointsWrite::Params::translate, Unit::world, any_number(), "The placement of a reader to undo. Auto: that of the source's reader.")
+        .param("scale", &PointsWrite::Params::scale, Unit::none, between(1e-6, 1e6), "The same for a reader's `scale`.");
 }
 
 }  // namespace fluidcarve

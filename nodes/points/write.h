@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `points.write {source, path, beside}`: points to a VDB or PLY file, in a VDB file with other grids beside them.
+/// `points.write {source, path, beside}`: writes points to a PLY file, or to a VDB file, perhaps with other grids.
 NodeType points_write();
 
 }  // namespace fluidcarve

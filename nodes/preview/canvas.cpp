@@ -113,7 +113,7 @@ void Canvas::picture(const Rect& rect, const Picture& picture, Enlarge enlarge) 
     cairo_set_source_surface(context, image.get(), 0, 0);
     const bool pixels = enlarge == Enlarge::pixels && scale == std::round(scale);
     cairo_pattern_set_filter(cairo_get_source(context), pixels ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
-    // Without it a smooth filter fades into the page at the rim.
+    // Otherwise a smooth filter fades into the page at the border.
     cairo_pattern_set_extend(cairo_get_source(context), CAIRO_EXTEND_PAD);
     cairo_paint(context);
     cairo_restore(context);
@@ -133,7 +133,7 @@ double Canvas::text_width(const std::string& text, const Type& type) {
 }
 
 void Canvas::write_png(const std::string& path) const {
-    // A fault in any drawing call sticks to the context.
+    // The context keeps the first error of all drawing calls.
     auto status = cairo_status(page_->context.get());
     OutputFile file(path);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), file.aside().c_str());

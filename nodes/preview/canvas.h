@@ -8,14 +8,14 @@
 
 namespace fluidcarve {
 
-/// Rows of pixels from the top down.
+/// A picture of coloured pixels.
 struct Picture {
     int width = 0;
     int height = 0;
-    std::vector<Colour> pixels;
+    std::vector<Colour> pixels;  ///< `[y][x]`, y down
 };
 
-/// A page to draw on, kept in memory, written as PNG. Lengths in pixels, y down from the top left.
+/// A page in memory to draw on, which can be written as PNG. Lengths in pixels, y down from the top left.
 class Canvas {
 public:
     struct Rect {
@@ -31,7 +31,7 @@ public:
         Colour colour;
     };
 
-    /// @param width, height  1 to 32767
+    /// @param width, height  pixels, 1 to 32767
     Canvas(int width, int height, Colour background);
     Canvas(Canvas&&) noexcept;
     ~Canvas();
@@ -41,7 +41,7 @@ public:
     Colour at(int x, int y) const;
 
     void fill(const Rect& rect, Colour colour);
-    /// A line one pixel wide just inside the rectangle.
+    /// Draws a border one pixel wide, just inside the rectangle.
     void outline(const Rect& rect, Colour colour, bool dashed);
     struct Line {
         double x0 = 0;
@@ -49,16 +49,16 @@ public:
         double x1 = 0;
         double y1 = 0;
     };
-    /// Straight lines with round ends, cut off at the border of `within`.
+    /// Draws straight lines with round ends, clipped to `within`.
     void lines(const Rect& within, const std::vector<Line>& lines, double width, Colour colour);
     enum class Enlarge { pixels, smoothly };
-    /// @param enlarge  pixels: by whole steps pixel by pixel, otherwise smoothly
+    /// Draws a picture scaled to a rectangle. @param enlarge  `pixels` keeps sharp pixels at integer scales; other scales are smooth
     void picture(const Rect& rect, const Picture& picture, Enlarge enlarge = Enlarge::pixels);
-    /// @param y  of the baseline
+    /// Draws a line of text. @param x  of its left end, centre or right end, as `align` says @param y  of its baseline
     void text(double x, double y, const std::string& text, const Type& type, Align align = Align::left);
     double text_width(const std::string& text, const Type& type);
 
-    /// The file appears whole or not at all. @throws Failure
+    /// The file appears whole or not at all. @throws Failure if it can't be written
     void write_png(const std::string& path) const;
 
 private:

@@ -34,7 +34,7 @@ constexpr std::array<Colour, 11> diverging_steps{{{186, 219, 255},
                                                   {243, 147, 103},
                                                   {254, 202, 179}}};
 
-// As hot iron glows.
+// Colours of glowing iron.
 constexpr std::array<Colour, 7> flame_steps{{{0, 0, 0}, {92, 14, 2}, {176, 38, 6}, {232, 84, 14}, {252, 146, 36}, {255, 206, 96}, {255, 246, 214}}};
 
 template <std::size_t N>

@@ -4,6 +4,7 @@
 
 namespace fluidcarve {
 
+/// An sRGB colour.
 struct Colour {
     std::uint8_t red = 0;
     std::uint8_t green = 0;
@@ -11,15 +12,15 @@ struct Colour {
     bool operator==(const Colour&) const = default;
 };
 
-/// A dark to bright colour for 0 to 1: black, violet, red, orange, pale yellow, lightness rising evenly, so that equal
-/// steps look equal, in grey too. Values outside are clamped.
+/// Colour map for 0 to 1, clamped: black, violet, red, orange, pale yellow. Lightness rises evenly, so that equal steps look equal, also
+/// in greyscale.
 Colour heat(double fraction);
 
-/// The glow of fire for 0 to 1: black, dark red, orange, yellow, nearly white. Values outside are clamped.
+/// Colour map of glowing fire for 0 to 1, clamped: black, dark red, orange, yellow, nearly white.
 Colour flame(double fraction);
 
-/// A colour for -1 to 1: pale blue, blue, dark grey at 0, brown, pale orange. Lightness rises evenly from 0 to both
-/// sides, and opposite values are equally light. Values outside are clamped.
+/// Colour map for -1 to 1, clamped: pale blue, blue, dark grey at 0, brown, pale orange. Lightness rises evenly from 0 to both sides;
+/// opposite values are equally light.
 Colour diverging(double fraction);
 
 }  // namespace fluidcarve

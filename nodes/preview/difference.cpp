@@ -8,7 +8,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// The values of a grid in the place of one leaf, whether it has a leaf there or a tile.
+/// The values of a grid in the block of one leaf, where the grid may have a leaf or a tile.
 template <class Grid>
 class Block {
 public:

@@ -13,12 +13,13 @@
 
 namespace fluidcarve {
 
-/// What a picture shows of a value: itself, or a vector's length.
+/// The number shown for a value: itself, or the length of a vector.
 inline float seen_value(float value) { return value; }
 inline float seen_value(const openvdb::Vec3s& value) { return value.length(); }
 
-/// Calls `body(leaf)` for the leaves that meet an index box, in parallel, but one after the other for leaves that share
-/// cells of `cell` voxels, so that the body may write to a Projection.
+/// Calls `body(leaf)` for all leaves that overlap an index box, in parallel. Leaves that share cells are handled one after the other, so
+/// that the body may write to a Projection.
+/// @param cell  size of a cell, voxels
 template <class Tree, class Body>
 void for_each_leaf_in_sight(const Tree& tree, View view, const openvdb::CoordBBox& box, int cell, const Body& body) {
     using Leaf = typename Tree::LeafNodeType;

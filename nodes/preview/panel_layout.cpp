@@ -7,11 +7,11 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr double page_height = 1500;  // of all panels together, where their count allows
+constexpr double page_height = 1500;  // wanted height of all panels together
 constexpr double shortest = 240;
 constexpr double tallest = 640;
 constexpr double largest_voxel = 24;
-constexpr double clear = 220;  // a panel with a side this long shows enough; frames are not wrapped to make it larger
+constexpr double clear = 220;  // a panel with a side of this length is large enough: do not wrap frames to enlarge it
 
 }  // namespace
 
@@ -29,7 +29,7 @@ PanelLayout::PanelLayout(const Area& area, int cell, std::size_t frames, std::si
     cells_ = in_cells(area, cell_);
     const double widest = room(across_) / cells_.size(0);
     zoom_ = std::min(best * cell_, widest);
-    // Whole steps keep voxels square and sharp, unless they would waste much of the place.
+    // An integer zoom keeps voxels square and sharp.
     if (zoom_ >= 2) zoom_ = std::round(zoom_) <= widest ? std::round(zoom_) : std::floor(zoom_);
 
     const auto inner = picture(0, 0);

@@ -24,37 +24,37 @@ using Renderer = openvdb::tools::VolumeRender<Intersector>;
 using Camera = openvdb::tools::OrthographicCamera;
 using openvdb::tools::BoxSampler;
 
-constexpr int most_pixels = 400;  // of the longer side
-constexpr int finest = 2;         // pixels to a voxel; the page draws them larger, smoothly
+constexpr int most_pixels = 400;  // maximum pixels on the longer side
+constexpr int finest = 2;         // maximum pixels per voxel; the page enlarges them smoothly
 
-// The media are measured against the mean side of the box, so that a simulation looks the same at any resolution.
+// Lengths are relative to the mean side of the box, so that a simulation looks the same at any resolution.
 constexpr double smoke_depth = 50;  // optical depth of the thickest smoke over the mean side
-constexpr double fire_depth = 60;   // the same for the light of the brightest fire
+constexpr double fire_depth = 60;   // emission of the brightest fire over the mean side
 constexpr double albedo = 0.92;
 constexpr double key_light = 0.92;
-constexpr double ambient_light = 0.03;  // what comes from all sides, so that shadows are not black
-constexpr double light_gain = 0.02;     // how fast shadows fade with distance, as scattered light makes them do
-constexpr double by_fire = 0.4;         // part of both that is left where fire is exposed for
-constexpr double fire_light = 7;        // of the fire on the smoke around
-constexpr double fire_reach = 0.06;     // how far it gets, in mean sides
+constexpr double ambient_light = 0.03;  // light from all sides, so that shadows are not black
+constexpr double light_gain = 0.02;     // how fast shadows fade with distance, an approximation of scattered light
+constexpr double by_fire = 0.4;         // factor of both lights if the exposure includes fire
+constexpr double fire_light = 7;        // strength of the fire's light on the smoke around it
+constexpr double fire_reach = 0.06;     // reach of that light, in mean sides
 constexpr std::array<double, 3> fire_colour{1, 0.32, 0.06};
-// Where the light stands.
+// Direction to the light.
 constexpr double light_right = -0.75;
 constexpr double light_up = 0.6;
 constexpr double light_front = 0.32;
-// Steps along a ray in voxels, longer in large boxes, so that time does not grow with the third power of the side.
+// Steps along a ray, in voxels. They are longer in large boxes, so that time does not grow with the third power of the side.
 constexpr double view_step = 1;
-constexpr double most_view_steps = 100;  // to a mean side
+constexpr double most_view_steps = 100;  // per mean side
 constexpr double shadow_step = 3;
 constexpr double most_shadow_steps = 20;
-constexpr double hidden = 0.004;  // what lets less light through lets none through
+constexpr double hidden = 0.004;  // transmittance that counts as opaque
 
-/// Where the camera stands and what it sees.
+/// The camera and the area that it sees.
 struct Window {
     Area area;
     int width = 0, height = 0;
-    double cell = 1;       // voxels that a pixel spans
-    double mean_side = 1;  // of the box, in voxels
+    double cell = 1;       // voxels per pixel
+    double mean_side = 1;  // geometric mean of the box's sides, voxels
     Vec3d right{0.0}, up{0.0}, towards{0.0}, eye{0.0}, centre{0.0};
 
     Window(View view, const openvdb::CoordBBox& box) {
@@ -93,7 +93,7 @@ struct Window {
     }
 };
 
-/// A copy in index space, in parts of the highest value. What is not active, or not a positive number, becomes 0.
+/// A copy in index space, divided by the highest value. Inactive, negative and non-finite values become 0.
 FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
     auto out = FloatGrid::create();
     out->setTree(grid.tree().copy());
@@ -102,12 +102,12 @@ FloatGrid::Ptr medium(const FloatGrid& grid, float highest) {
         value.setValue(value.isValueOn() && std::isfinite(part) && part > 0 ? part : 0);
     });
     out->tree().root().setBackground(0, false);
-    // The intersector dilates voxels only: tiles would lose their rim.
+    // The intersector dilates voxels but not tiles.
     out->tree().voxelizeActiveTiles();
     return out;
 }
 
-/// @return null if there is nothing to see
+/// The same for a grid that may be null. @return null if nothing is visible
 FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
     return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty() ? medium(*grid, highest) : nullptr;
 }
@@ -115,7 +115,7 @@ FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
 Film lit(const FloatGrid& smoke, const Window& window) {
     Film film(window.width, window.height);
     auto camera = window.camera(film);
-    // A voxel more, as the sampler interpolates beyond what is active. The renderer's copies refer to this one.
+    // Dilated by one voxel, since the sampler interpolates beyond active voxels. Must outlive the renderer's copies, which refer to it.
     const Intersector whole(smoke, 1);
     Renderer renderer(whole, camera);
     const auto light = light_right * window.right + light_up * window.up + light_front * window.towards;
@@ -133,7 +133,7 @@ Film lit(const FloatGrid& smoke, const Window& window) {
     return film;
 }
 
-/// The light that the fire throws on the smoke around it: the fire, blurred.
+/// Light of the fire on the smoke around it: the blurred fire.
 FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, double side) {
     auto out = FloatGrid::create();
     out->setTree(fire.tree().copy());
@@ -143,7 +143,7 @@ FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, doub
     return out;
 }
 
-/// The light of the fire that comes through the smoke, and that which the smoke throws back, pixel by pixel.
+/// Light of the fire in one pixel: what comes through the smoke, and what the smoke scatters.
 struct Glow {
     double fire = 0;
     double smoke = 0;
@@ -186,7 +186,7 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Wind
 
 std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
-/// Linear light as a screen takes it.
+/// Convert linear light to a screen value, 0 to 255 (gamma 2.2), and back.
 double on_screen(double light) { return 255 * std::pow(std::max(light, 0.0), 1 / 2.2); }
 double of_screen(double value) { return std::pow(value / 255, 2.2); }
 
@@ -250,7 +250,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
         const auto& [red, green, blue] = fire_colour;
         const auto shade = [&](double warm, std::uint8_t behind, std::uint8_t glow) {
             const double seen = daylight * (light.r + ambient_light * light.a) + warm * scattered + of_screen(behind) * (1 - light.a);
-            // Fire outshines what is behind it.
+            // Fire hides what is behind it.
             return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
         };
         out.picture.pixels.push_back({shade(red, render_background.red, flame.red), shade(green, render_background.green, flame.green),

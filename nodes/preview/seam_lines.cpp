@@ -13,10 +13,10 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// One dimension of the columns with a rim of half a vertex at both ends.
+/// One dimension of the columns, extended by half a vertex at both ends.
 class Rimmed {
 public:
-    /// @param closed  the last is followed by the first: there is no rim
+    /// @param closed  the first column follows the last; no extension
     explicit Rimmed(int size, bool closed = false) : size_(size), closed_(closed) {}
     int size() const { return size_ + (closed_ ? 1 : 2); }
     int column(int n) const { return closed_ ? n % size_ : std::clamp(n - 1, 0, size_ - 1); }
@@ -27,7 +27,7 @@ private:
     bool closed_;
 };
 
-/// The seams of one frame as seen in a picture.
+/// Intersects the seams of one frame with the plane of a picture.
 class Surfaces {
 public:
     Surfaces(const Lattice& lattice, const Seams& seams, std::size_t t, const openvdb::math::Transform& space, View view, int plane)
@@ -69,7 +69,7 @@ private:
     }
     double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
 
-    /// Original coordinates along the carved axis of all seams of a window in one column.
+    /// Coordinates along the carved axis, in the uncarved lattice, of all seams of a window in one column.
     void entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<std::uint16_t>& out) {
         const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
                             static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(slices_.column(k)) + t_ * seams_.columns_per_frame();
@@ -83,7 +83,7 @@ private:
         cross(seams_.pairs, opposite(seams_.kind), lateral, k);
     }
 
-    /// All seams of a window between four neighbouring columns, each as two triangles.
+    /// Intersects all seams of a window between four neighbouring columns, each as two triangles.
     void cross(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k) {
         constexpr std::array<std::array<int, 2>, 4> corners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
         for (std::size_t c = 0; c < 4; ++c) entries(seams, kind, lateral + corners[c][0], k + corners[c][1], entries_[c]);
@@ -104,10 +104,10 @@ private:
             const double below = depth(from), above = depth(to);
             if ((below < 0) == (above < 0)) continue;
             const auto at = from + (to - from) * (below / (below - above));
-            // Index coordinates are those of voxel centres.
+            // Index coordinates refer to voxel centres, picture coordinates to voxel borders.
             ends[found++] = {at[right] + 0.5, at[up] + 0.5};
         }
-        // Where a vertex lies in the plane itself, one of its triangles only touches it.
+        // A triangle that only touches the plane with a vertex gives no line.
         if (found == 2 && std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) > 1e-6) lines_.push_back({ends[0], ends[1]});
     }
 
@@ -133,7 +133,7 @@ bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transfor
 }
 
 std::size_t require_seams(const Lattice& lattice, const Seams& seams, int frame) {
-    // With none of the seams asked for, the map only looks at whether they fit.
+    // A map of 0 seams only checks whether they fit.
     static_cast<void>(CarveMap(lattice, {std::shared_ptr<const Seams>(std::shared_ptr<const Seams>(), &seams)}, frame, 0));
     return static_cast<std::size_t>(std::find(seams.frames.begin(), seams.frames.end(), frame) - seams.frames.begin());
 }

@@ -21,7 +21,8 @@ struct ChoiceNames<SheetWish::Show> {
 
 namespace {
 
-/// Frames that a sheet shows: the first, the last and between them in even steps; one alone is the middle one.
+/// Whether a sheet shows a frame: the first, the last, and others in even steps between; a single one is the middle frame.
+/// @param place  index of the frame in the sequence
 bool shown(std::size_t place, std::size_t total, int wanted) {
     const auto count = std::min(total, static_cast<std::size_t>(wanted));
     if (count <= 1) return place == total / 2;
@@ -120,31 +121,34 @@ private:
 
 NodeType preview_sheet() {
     return Declare<Sheet>("preview.sheet",
-                          "A picture of a grid before and after, of what differs and of the seams, for some frames of the sequence: is the carve where it "
-                          "should be? Frames go across; all rows share one window, and rows of one kind one range of colours, printed beside them.")
-        .input("before", &Sheet::Ports::before, "Usually what was read.")
-        .input("after", &Sheet::Ports::after, "Usually what is written; shown in the same window and colours as `before`. Left out: only `before` is shown.")
-        .input("energy", &Sheet::Ports::energy, "Energy in which the seams were found, shown as a slice.")
+                          "A picture to check a carve: a grid before and after, the difference and the seams, for some frames of the sequence. Frames go "
+                          "across. All pictures show the same area; rows of one kind share a colour scale, which is printed beside them.")
+        .input("before", &Sheet::Ports::before, "The grids before the carve, usually as read.")
+        .input("after", &Sheet::Ports::after,
+               "The grids after the carve, usually as written. Shown with the area and colours of `before`. Left out: only `before` is shown.")
+        .input("energy", &Sheet::Ports::energy, "The energy in which the seams were found, shown as a slice.")
         .input("lattice", &Sheet::Ports::lattice, "The lattice in which the seams were found.")
         .input("seams", &Sheet::Ports::seams,
-               "Drawn as lines over `energy`, where they cross the slice, at their places in `before`; needs `energy` and `lattice`. Choose an `axis` "
-               "other than the carved one: along that, seams face the view and are not drawn.")
-        .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes; of vectors, their length is shown. A render needs floats.")
-        .param("axis", &Sheet::Params::axis, "Direction of view, an index axis of the grid. Up is z, or y where the view is along z.")
+               "The seams, drawn as lines where they cross the slice of `energy`, at their places in `before`. Needs `energy` and `lattice`. Choose an `axis` "
+               "other than the carved one: seams that face the viewer are not drawn.")
+        .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes. Vectors are shown by their length. A render needs floats.")
+        .param("axis", &Sheet::Params::axis, "Direction of view, an index axis of the grid. Up is z, or y if the view is along z.")
         .param("show", &Sheet::Params::show,
-               "Of `before`, `after` and their difference: the `maximum` along the axis, a `slice` across it, or `both`. `render` shows `before` and `after` "
-               "as smoke, lit from the upper left with its own shadows, and as glowing fire. A grid named `flame`, `temperature` or `heat` is fire, any other "
-               "is smoke; the volume's `flame` comes with the smoke, its `density` with the fire. All renders share one exposure: the highest values of "
-               "`before` in the frames shown are the thickest smoke and the brightest fire. The grids of these frames are kept until the last one has come. "
-               "Energy and seams are always a slice.")
+               "How to show `before`, `after` and their difference: `maximum` along the axis, `slice` across it, or `both`. `render` shows `before` and "
+               "`after` as smoke, lit from the upper left with shadows, and as glowing fire. A grid named `flame`, `temperature` or `heat` is fire, any other "
+               "is smoke; smoke is shown with the volume's `flame`, fire with its `density`. All renders share one exposure: the highest values of `before` in "
+               "the frames shown are the thickest smoke and the brightest fire; so the grids of these frames stay in memory until the last one. Energy and "
+               "seams are always a slice.")
         .param("slice", &Sheet::Params::slice, Unit::voxels, any_number(),
-               "Where slices are: the index coordinate along the axis. Auto is the middle of the active voxels of `before` in the frames shown; their grids "
-               "are then kept until the last one has come, if they are to be sliced.")
+               "Position of slices: the index coordinate along the axis. Auto: the middle of the active voxels of `before` in the frames shown; grids to slice "
+               "then stay in memory until the last of these frames.")
         .param("difference", &Sheet::Params::difference,
-               "Whether to show `after` minus `before`, voxel by voxel in index space; as a maximum, the largest difference along the axis with its sign, so "
-               "that it is 0 only where nothing changes all along. Beyond a removed seam all content has moved and so differs. Renders have no difference.")
-        .param("frames", &Sheet::Params::frames, Unit::frames, between(1, 12), "How many to show, evenly from the first to the last; 1 shows the middle one.")
-        .required("path", &Sheet::Params::path, "PNG file, one for the whole sequence. Folders are made.");
+               "Whether to show `after` minus `before`, voxel by voxel in index space. In a `maximum` it is the difference of largest magnitude along the "
+               "axis, with its sign: 0 only if nothing changes along the line. Beyond a removed seam all content has moved, and so differs. Renders have no "
+               "difference.")
+        .param("frames", &Sheet::Params::frames, Unit::frames, between(1, 12),
+               "Number of frames to show, in even steps from the first to the last. 1: the middle one.")
+        .required("path", &Sheet::Params::path, "PNG file, one for the whole sequence. Missing folders are made.");
 }
 
 }  // namespace fluidcarve

@@ -12,7 +12,7 @@ namespace fluidcarve {
 namespace {
 
 constexpr Colour paper{30, 31, 35};
-constexpr Colour nothing{16, 16, 20};  // not a colour of a scale: no active voxel
+constexpr Colour nothing{16, 16, 20};  // no active voxel; not a colour of a scale
 constexpr Colour bright{238, 238, 238};
 constexpr Colour dim{166, 170, 178};
 constexpr Colour active_line{84, 112, 132};
@@ -22,17 +22,18 @@ constexpr Canvas::Type heading{14, true, bright};
 constexpr Canvas::Type plain{12, false, dim};
 
 constexpr double margin = 20;
-constexpr double label = 128;  // names of rows
+constexpr double label = 128;  // width of the names of rows
 constexpr double numbers = 62;
 constexpr double bar = 12;
 constexpr double panels_left = margin + label + 8 + numbers + 6 + bar + 10;
 constexpr double header = 68;
-constexpr double band_head = 24;  // names of frames
+constexpr double band_head = 24;  // height of the names of frames
 constexpr double caption = 22;
 constexpr double row_gap = 8;
 constexpr double band_gap = 22;
 constexpr double line_height = 16;
 
+/// Draws a SheetPage onto a canvas.
 class Drawing {
 public:
     Drawing(const SheetPage& page, const PanelLayout& layout)
@@ -131,7 +132,7 @@ private:
         for (const auto& [from, to] : panel.seams)
             lines.push_back({layout_.right(picture, from[0]), layout_.up(picture, from[1]), layout_.right(picture, to[0]), layout_.up(picture, to[1])});
         const double width = std::clamp(std::floor(layout_.zoom()) / 2 - 0.5, 1.0, 2.0);
-        // A dark rim keeps them apart from bright energy.
+        // A dark outline separates the seams from bright energy.
         canvas_.lines(whole, lines, width + 1.5, nothing);
         canvas_.lines(whole, lines, width, seam_colour);
         if (!panel.note.empty()) canvas_.text(x + layout_.column() / 2, y + layout_.row() / 2 + 4, panel.note, plain, Canvas::Align::centre);
@@ -180,7 +181,7 @@ private:
     std::vector<ScaleRange> ranges_;
 };
 
-/// The cells in which lines run.
+/// The area in voxels that contains all lines.
 Area around(const std::vector<PictureLine>& lines) {
     Area out;
     for (const auto& line : lines)

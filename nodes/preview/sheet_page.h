@@ -12,31 +12,32 @@ namespace fluidcarve {
 
 /// One picture of a sheet.
 struct SheetPanel {
-    std::string caption;             ///< above it
-    Area active;                     ///< in voxels, drawn as a solid line; may be empty
-    Area before;                     ///< the same, dashed
-    Projection projection;           ///< empty: nothing to show
-    Render render;                   ///< the same; a panel has one of both
-    std::vector<PictureLine> seams;  ///< drawn over it
-    std::string note;                ///< in its middle
+    std::string caption;    ///< text above the picture
+    Area active;            ///< box of active voxels, drawn as a solid line; may be empty
+    Area before;            ///< box of active voxels before the carve, drawn dashed; may be empty
+    Projection projection;  ///< a panel has either a projection or a render; the other is empty
+    Render render;
+    std::vector<PictureLine> seams;  ///< lines drawn over the picture
+    std::string note;                ///< text in the middle of the picture
 };
 
-/// All pictures of one kind, a panel per frame.
+/// A row of pictures of one kind, with one panel per frame.
 struct SheetRow {
-    /// Rows of one scale share its range and colours: `value` and `energy` from 0, or the least value if that is below,
-    /// to the greatest; `change` to both sides of 0 alike. `none` is for renders, which have colours of their own.
+    /// The colour scale. All rows with the same scale share its range: `value` and `energy` from 0, or from the smallest value if that is
+    /// negative, to the greatest; `change` symmetric around 0. Renders have no scale (`none`).
     enum class Scale { value, change, energy, none };
     std::string name;
-    std::string what;  ///< "slice at y = 22"
+    std::string what;  ///< what the row shows: "slice at y = 22"
     Scale scale = Scale::value;
     std::vector<SheetPanel> panels;
 };
 
+/// The content of a sheet.
 struct SheetPage {
     std::string title;
     std::string summary;
     View view = View::y;
-    std::vector<std::string> frames;  ///< heads of the columns, at least one
+    std::vector<std::string> frames;  ///< titles of the columns, at least one
     std::vector<SheetRow> rows;       ///< at least one
 };
 
@@ -46,14 +47,14 @@ struct ScaleRange {
     double high = 1;
 };
 ScaleRange range_of(const std::vector<SheetRow>& rows, SheetRow::Scale scale);
-/// The colour of a value; NaN: that of no active voxel.
+/// The colour of a value; NaN has the colour for "no active voxel".
 Colour colour_of(float value, SheetRow::Scale scale, const ScaleRange& range);
 
-/// The colour of seams, which no scale holds.
+/// The colour of seams; no colour scale contains it.
 constexpr Colour seam_colour{64, 255, 208};
 
-/// Draws a sheet, 560 to 2000 pixels wide: a column per frame, and one window for all panels, so that what differs on the
-/// sheet differs in the data. Beside each run of rows of one scale stand its colours with numbers.
+/// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same area, so that pictures can be compared.
+/// Beside each group of rows with the same scale is its colour bar with numbers.
 Canvas draw_sheet(const SheetPage& page);
 
 }  // namespace fluidcarve

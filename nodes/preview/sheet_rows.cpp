@@ -12,7 +12,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Calls `body` with a grid, or two of one type, as what they are.
+/// Calls `body` with one or two grids cast to their type, FloatGrid or VectorGrid.
 template <class Body, class... Grids>
 Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&... others) {
     if (first.isType<FloatGrid>()) return body(static_cast<const FloatGrid&>(first), static_cast<const FloatGrid&>(others)...);
@@ -100,7 +100,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
     const auto part = [&](const openvdb::CoordBBox& box) { return plane ? slice_of(box, view, *plane) : box; };
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
-        // Where the same row stands above as a maximum, that one says the size.
+        // If the grid is also shown as a maximum, that row states the size.
         if (kind.how != Kind::How::slice || wish_.show == SheetWish::Show::slice) out.caption = size_text(active);
         if (!active.empty()) out.active = face_of(active, view);
         if (kind.how == Kind::How::render) return;

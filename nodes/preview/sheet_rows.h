@@ -10,40 +10,39 @@
 
 namespace fluidcarve {
 
-/// What a sheet is to show.
+/// What a sheet shows.
 struct SheetWish {
     enum class Show { maximum, slice, both, render };
     std::string grid;
     View view = View::y;
     Show show = Show::maximum;
-    std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before` over all frames shown
+    std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before` in all frames shown
     bool difference = true;
 };
 
-/// One frame's data; all but `before` may be null, in all frames alike.
+/// The data of one frame. All grids but `before` may be null, but then in all frames.
 struct SheetFrame {
-    std::string name;  ///< "frame 1001"
-    int number = 0;
-    openvdb::GridBase::ConstPtr before, after;  ///< FloatGrid or VectorGrid, both the same
-    Scene before_scene, after_scene;            ///< of them, where they are to be rendered
+    std::string name;                           ///< "frame 1001"
+    int number = 0;                             ///< frame number
+    openvdb::GridBase::ConstPtr before, after;  ///< both FloatGrid or both VectorGrid
+    Scene before_scene, after_scene;            ///< scenes of `before` and `after`, if they are rendered
     std::shared_ptr<const FloatGrid> energy;
-    std::shared_ptr<const Lattice> lattice;  ///< where there are seams
+    std::shared_ptr<const Lattice> lattice;  ///< set if there are seams
     std::shared_ptr<const Seams> seams;
 };
 
-/// Makes the rows of a sheet, frame by frame: before, after and difference as maximum projections, then as slices, or
-/// before and after as renders; then the seams over the energy, in the slice, since a seam is a surface. Frames are let
-/// go as soon as the place of the slice is known; where that is the middle, the grids to be sliced stay until the page is
-/// made. So do those to be rendered, as all frames share one window and one exposure.
+/// Makes the rows of a sheet, frame by frame: `before`, `after` and their difference as maximum projections, then as slices; or `before`
+/// and `after` as renders; then the seams over a slice of the energy. Grids are freed as soon as they are drawn. If the slice is in the
+/// middle, grids to slice are held until all frames are known. Grids to render are held too, since all frames share area and exposure.
 class SheetRows {
 public:
     explicit SheetRows(SheetWish wish) : wish_(std::move(wish)) {}
 
     /// @throws Failure if seams belong to another lattice or do not hold the frame
     void add(SheetFrame frame);
-    /// The page of all frames added, at least one; to be called once.
-    /// @param total     frames of the whole sequence
-    /// @param progress  is told before each render how far the renders have come, 0 to 1; may throw to stop them
+    /// The page of all added frames. To be called once, after at least one `add`.
+    /// @param total     number of frames in the whole sequence
+    /// @param progress  called before each render with the finished part of all renders, 0 to 1; may throw to stop
     SheetPage page(std::size_t total, const std::function<void(double)>& progress = {});
 
 private:
@@ -53,11 +52,11 @@ private:
         What what;
         How how;
     };
-    /// A frame, its grids only as long as they are to be sliced.
+    /// An added frame. It holds its grids until they are drawn.
     struct Shown {
         SheetFrame data;
-        openvdb::math::Transform::ConstPtr space;  ///< of `before`
-        openvdb::CoordBBox before, after;          ///< active voxels
+        openvdb::math::Transform::ConstPtr space;  ///< transform of `before`
+        openvdb::CoordBBox before, after;          ///< boxes of active voxels
     };
     void plan(const Shown& frame);
     void slice(std::size_t place, int plane);
@@ -70,10 +69,10 @@ private:
     std::vector<Kind> kinds_;
     std::vector<Shown> frames_;
     std::vector<std::vector<SheetPanel>> panels_;  ///< `[row][frame]`
-    openvdb::CoordBBox active_;                    ///< of `before` in all frames
-    openvdb::CoordBBox scenes_;                    ///< all that is rendered in all frames
-    Exposure exposure_;                            ///< for the scenes of `before`
-    bool face_ = false;                            ///< seams face the view
+    openvdb::CoordBBox active_;                    ///< box of the active voxels of `before` in all frames
+    openvdb::CoordBBox scenes_;                    ///< box of all scenes in all frames
+    Exposure exposure_;                            ///< metered on the scenes of `before`
+    bool face_ = false;                            ///< whether seams face the viewer
 };
 
 }  // namespace fluidcarve

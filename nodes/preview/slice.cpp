@@ -4,7 +4,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// The index box in one space of all that lies in a grid's index box.
+/// The index box in space `to` that contains an index box of space `from`.
 openvdb::CoordBBox box_in(const openvdb::CoordBBox& box, const openvdb::math::Transform& from, const openvdb::math::Transform& to) {
     const auto half = openvdb::Vec3d(0.5);
     const auto world = from.indexToWorld(openvdb::BBoxd(box.min().asVec3d() - half, box.max().asVec3d() + half));

@@ -6,17 +6,17 @@
 
 namespace fluidcarve {
 
-/// The axis along which one looks. The picture's right and up are, for x: y and z (seen from +x), for y: x and z
-/// (seen from -y), for z: x and y (seen from +z).
+/// The axis of view. Right and up in the picture are: for x (seen from +x) y and z, for y (seen from -y) x and z, for z (seen from +z)
+/// x and y.
 enum class View { x, y, z };
 
-/// Index axes of a picture's right and up.
+/// Index axes of right and up in a picture.
 std::array<int, 2> picture_axes(View view);
 
-/// A rectangle of a picture's plane in whole voxels, both ends inside.
+/// A rectangle in a picture, in whole voxels.
 struct Area {
-    std::array<int, 2> first{0, 0};  ///< right, up
-    std::array<int, 2> last{-1, -1};
+    std::array<int, 2> first{0, 0};   ///< lowest voxel: right, up
+    std::array<int, 2> last{-1, -1};  ///< highest voxel, inclusive
     bool empty() const { return last[0] < first[0] || last[1] < first[1]; }
     int size(int side) const { return last[side] - first[side] + 1; }
     void include(const Area& other);
@@ -24,9 +24,9 @@ struct Area {
 
 /// `a / b`, rounded down. @param b  above 0
 inline int floor_div(int a, int b) { return a / b - (a % b < 0 ? 1 : 0); }
-/// The face of an index box that the view shows.
+/// The area of an index box in a picture.
 Area face_of(const openvdb::CoordBBox& box, View view);
-/// The cells of `cell` x `cell` voxels that an area touches.
+/// An area in voxels, converted to the cells of `cell` x `cell` voxels that it overlaps.
 Area in_cells(const Area& area, int cell);
 
 }  // namespace fluidcarve

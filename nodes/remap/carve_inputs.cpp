@@ -18,7 +18,7 @@ std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last)
     return static_cast<std::size_t>(std::abs(count));
 }
 
-/// A source that is the same in all frames is carved once; seams that move would each want another result.
+/// Requires seams that are the same in all frames, for a source that is the same in all frames: it is carved only once.
 void require_still(const Seams& seams) {
     const auto columns = static_cast<std::ptrdiff_t>(seams.columns_per_frame());
     for (const auto* const window : {&seams.seams, &seams.pairs})
@@ -29,7 +29,7 @@ void require_still(const Seams& seams) {
 
 void require_reach(const Softness& softness, const Seams& seams, const Lattice& lattice) {
     const int size = lattice.shape[static_cast<std::size_t>(seams.axis)];
-    // What is left out is no fault of a small lattice.
+    // The default softness is no fault, even in a small lattice.
     if (softness.vertices > std::max<double>(size, default_soft))
         throw Failure(
             fmt::format("soft {:g} is wider than the lattice, which has {} vertices along {}; lower it", softness.vertices, size, to_text(seams.axis)));

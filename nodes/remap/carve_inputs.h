@@ -6,13 +6,13 @@
 
 namespace fluidcarve {
 
-/// The map of a node that carves by the inputs `lattice` and `seams` and the parameter `count`, in the context's frame.
-/// @param count  seams of the last set, its sign may be left out; auto is all
-/// @throws Failure as CarveMap; if the softness is wider than the lattice; if `count` removes and the seams insert; if the
-///   node runs once for all frames, but the seams change from frame to frame
+/// The carve map of a node with inputs `lattice` and `seams` and parameter `count`, in the context's frame.
+/// @param count  number of seams of the last set; its sign may be left out; auto: all
+/// @throws Failure as CarveMap; if the softness is wider than the lattice; if `count` removes and the seams insert; if the node runs once
+///   for all frames, but the seams change from frame to frame
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context,
                    const Softness& softness = {});
-/// The same in any frame, whatever the others are like.
+/// The same in any given frame, for nodes that may carve a static source per frame: seams may change from frame to frame.
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame,
                    const Softness& softness = {});
 

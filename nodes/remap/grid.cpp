@@ -17,14 +17,14 @@ namespace fluidcarve {
 
 namespace {
 
-/// The lattice's vertices as voxels, where each is one and neighbours are neighbours.
+/// The alignment of lattice and grid, if each vertex is a voxel and neighbours are neighbours.
 std::optional<Alignment> one_to_one(const Lattice& lattice, const openvdb::math::Transform& transform) {
     auto out = align(lattice, transform);
     if (out && !out->one_to_one()) out.reset();
     return out;
 }
 
-/// The lattice with its vertices right on the voxels that they are taken for.
+/// The lattice with its vertices moved exactly onto their voxels.
 Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform) {
     const auto first = transform.indexToWorld(alignment.origin);
     std::array<openvdb::Vec3d, 3> step;
@@ -44,13 +44,14 @@ template <class GridT>
 openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
-    // Smoothed, components on faces go by where they stand, and chains by several interpolations.
+    // If displacements are smoothed, staggered components must be sampled at their faces, and chains of steps would interpolate several
+    // times.
     const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear && !is_staggered(*grid));
     const auto aligned = alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
     return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }
 
-/// @param cells  the transform of the voxels that the grid's values belong to
+/// @param cells  transform of the voxels that the grid's values belong to
 openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, const openvdb::math::Transform& cells, const Lattice& whole, const CarveMap& map,
                                       Interpolation interpolation) {
     const auto given = map.extended(whole);
@@ -80,7 +81,7 @@ Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap
     if (map.empty()) return volume;
     Volume out = volume;
     for (auto& grid : out.grids) {
-        // The faces of a staggered triplet stand between the voxels, and travel with theirs where whole vertices move.
+        // The components of a staggered triplet stand on faces, between the voxels. If whole vertices move, they travel with their voxels.
         const auto triplet = triplet_of(volume, *grid);
         grid = carve_any(grid, triplet && !map.soft() ? *triplet->cells : grid->transform(), lattice, map, interpolation);
     }

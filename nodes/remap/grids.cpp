@@ -66,35 +66,35 @@ struct RemapGrids {
 }  // namespace
 
 NodeType remap_grids() {
-    return Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them, in one go from the untouched input.")
-        .input("source", &RemapGrids::Ports::source, "The volume, or one grid, to carve.")
+    return Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
+        .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
         .input("lattice", &RemapGrids::Ports::lattice, "The lattice in which the seams were found.")
         .input("seams", &RemapGrids::Ports::seams, "Seams, or a list of seam sets in the order of carving.")
         .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
-               "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
-        .param("interpolation", &RemapGrids::Params::interpolation, "Between voxels, where the lattice's vertices are not voxels.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+        .param("interpolation", &RemapGrids::Params::interpolation, "How values are read between voxels, if the lattice's vertices are not voxels.")
         .param("renormalize", &RemapGrids::Params::renormalize,
-               "Whether level sets (float or double, class level set) are made distances again where they moved, and their narrow band with them. Auto: where "
-               "the lattice's vertices are not the grid's voxels.")
+               "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if the "
+               "lattice's vertices are not the grid's voxels.")
         .param(
             "conserve", &RemapGrids::Params::conserve,
-            "mass: the grids named in `densities` become denser where space is pressed together and thinner where it is drawn out, so that their sum stays. A "
-            "seam's share is spread over as many voxels to both sides as there are seams.")
+            "mass: the grids named in `densities` become denser where space is compressed and thinner where it is stretched, so that their sum stays. A seam's "
+            "share is spread over as many voxels on both sides as there are seams.")
         .param("densities", &RemapGrids::Params::densities,
-               "For `conserve`: float or double grids that hold amounts per volume, as density and fuel do and temperature does not.")
+               "For `conserve`: float or double grids that hold amounts per volume, such as density and fuel, but not temperature.")
         .param(
             "transform_vectors", &RemapGrids::Params::transform_vectors,
-            "Whether vectors turn and stretch with the space around them, as velocities of a flow that itself is carved do: all grids of float vectors (also "
-            "in three parts). Carve colours by a node of their own.")
-        .param("rim", &RemapGrids::Params::rim,
-               "What the carve does at the rims of the lattice beside the carved axis (the rims along v where u is carved), and at open ends: it ends there "
-               "(cut), or "
-               "its displacements go evenly to 0 towards them (fade), and what a seam takes or adds with them. Where content crosses a cut rim it may tear; a "
-               "warning says so.")
+            "Whether vectors turn and stretch with the space around them, as the velocities of a carved flow do. This applies to all grids of float vectors, "
+            "also those in three parts: carve colours by a node of their own.")
+        .param(
+            "rim", &RemapGrids::Params::rim,
+            "How the carve ends at the lattice's rims beside the carved axis (the rims along v if u is carved) and at open ends. cut: it stops there; content "
+            "that crosses the rim may tear, and a warning says so. fade: displacements go linearly to 0 towards the rim, and so does what a seam takes or "
+            "adds.")
         .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &RemapGrids::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
-        .output("volume", &RemapGrids::Ports::volume, "The source carved: same grids, transforms and metadata.");
+        .output("volume", &RemapGrids::Ports::volume, "The carved source: same grids, transforms and metadata.");
 }
 
 }  // namespace fluidcarve

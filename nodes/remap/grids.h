@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// `remap.grids {source, lattice, seams, count, interpolation}`: carves seams from, or inserts them into, a volume.
+/// `remap.grids {source, lattice, seams, count, interpolation}`: carves seams from the grids of a volume, or inserts them.
 NodeType remap_grids();
 
 }  // namespace fluidcarve

@@ -65,23 +65,24 @@ NodeType remap_mesh() {
     using Params = RemapMesh::Params;
     using Ports = RemapMesh::Ports;
     return Declare<RemapMesh>("remap.mesh",
-                              "Carves a mesh as remap.grids carves volumes: its vertices move with the space around them; faces, UVs and all else stay.")
-        .input("source", &Ports::source,
-               "The mesh. One that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, what it took is "
-               "pressed together; where one is inserted, its neighbours are drawn apart. Normals of its file stay as they are.")
+                              "Carves a mesh as remap.grids carves volumes. Its vertices move with the space around them; faces, UVs and everything else stay.")
+        .input(
+            "source", &Ports::source,
+            "The mesh. A mesh that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, what it takes is "
+            "pressed together; where one is inserted, its neighbours are drawn apart. Normals of the file stay as they are.")
         .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
         .input("seams", &Ports::seams, "Seams, or a list of seam sets in the order of carving.")
         .param("count", &Params::count, Unit::seams, any_number(),
-               "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
-        .param("rim", &Params::rim, "As in remap.grids: state the same for both.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+        .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
         .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
-        .param("static", &Params::still,
-               "For a mesh of one file that is to stay one: seams must move it alike in all frames, or it is an error. They do if they are the same in all "
-               "frames, "
-               "as in windows with `static: true`, or if they nowhere pass through it: give them the mesh's voxels to `protect` (mask.mesh).")
-        .output("mesh", &Ports::mesh, "The source carved. Vertices beside the lattice, or where nothing moves, are the same to the last bit.");
+        .param(
+            "static", &Params::still,
+            "For a mesh of one file that must stay one file. Seams must then move it the same way in all frames; otherwise the node fails. They do so if they "
+            "are the same in all frames, as in windows with `static: true`, or if they never pass through the mesh: `protect` its voxels (mask.mesh).")
+        .output("mesh", &Ports::mesh, "The carved source. Vertices outside the lattice, or where nothing moves, are the same to the last bit.");
 }
 
 }  // namespace fluidcarve

@@ -4,6 +4,7 @@
 
 namespace fluidcarve {
 
+/// `remap.mesh {source, lattice, seams, count, rim, static}`: carves a mesh.
 NodeType remap_mesh();
 
 }  // namespace fluidcarve

@@ -42,22 +42,24 @@ struct RemapPoints {
 
 NodeType remap_points() {
     return Declare<RemapPoints>("remap.points",
-                                "Carves seams from points, or inserts them: moves particles, takes those away that a seam removes, and doubles "
-                                "those where one is inserted.")
+                                "Carves seams from points, or inserts them. Particles move; those that a removed seam takes are deleted, and those "
+                                "where a seam is inserted are doubled.")
         .input("source", &RemapPoints::Ports::source, "The points to carve.")
         .input("lattice", &RemapPoints::Ports::lattice, "The lattice in which the seams were found. Points outside it stay bit for bit.")
         .input("seams", &RemapPoints::Ports::seams, "Seams, or a list of seam sets in the order of carving.")
         .param("count", &RemapPoints::Params::count, Unit::seams, any_number(),
-               "Only the first so many seams, of the last set if there are several; the sign may be left out. Auto is all.")
-        .param("rim", &RemapPoints::Params::rim, "What the carve does at the rims of the lattice, as for remap.grids: use the same for both.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+        .param("rim", &RemapPoints::Params::rim, "How the carve ends at the lattice's rims, as in remap.grids; use the same value for both.")
         .param("fade", &RemapPoints::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &RemapPoints::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &RemapPoints::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
-               "How far a copy, where seams are inserted, may stand off the place that is one vertex from its original: at random, but always the same for "
-               "the same point. Points that have a whole number `id` keep theirs from frame to frame; without one set 0 where copies must not tremble.")
-        .output("points", &RemapPoints::Ports::points,
-                "The source carved: all attributes and groups. The report's section `points` says how many were moved, deleted and copied in each frame.");
+               "Where seams are inserted, a copy stands one vertex from its original, plus a random offset of up to this size along each axis. The offset is "
+               "always the same for the same point. It stays the same from frame to frame if points have a whole number `id`; without one, set 0 if copies "
+               "must not tremble.")
+        .output(
+            "points", &RemapPoints::Ports::points,
+            "The carved source, with all attributes and groups. The report's section `points` tells how many were moved, deleted and copied in each frame.");
 }
 
 }  // namespace fluidcarve

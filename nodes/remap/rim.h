@@ -6,7 +6,8 @@ namespace fluidcarve {
 
 class NodeCheck;
 
-/// The parameter `rim` of nodes that carve: displacements end with a jump at the lattice's rims, or go to 0 (CarveMap::fade).
+/// The parameter `rim` of nodes that carve: how displacements end at the lattice's rims. cut: with a jump; fade: they go linearly to 0
+/// (CarveMap::fade).
 enum class Rim { cut, fade };
 
 template <>
@@ -14,18 +15,18 @@ struct ChoiceNames<Rim> {
     static constexpr std::array names = {std::pair{"cut", Rim::cut}, std::pair{"fade", Rim::fade}};
 };
 
-inline constexpr auto fade_doc = "For `rim: fade`: from how far on displacements fade. What is further inside is carved as with `rim: cut`.";
+inline constexpr auto fade_doc =
+    "For `rim: fade`: the distance from the rim at which displacements begin to fade. Further inside, the carve is as with `rim: cut`.";
 
-/// The parameters `soft` and `soft_time` (Softness).
+/// Defaults of the parameters `soft` (vertices) and `soft_time` (frames); see Softness.
 inline constexpr double default_soft = 3, default_soft_time = 0;
 inline constexpr auto soft_doc =
-    "How softly seams are carved: each squeezes or draws out the space within about so many vertices along u, v and w, in place of cutting one vertex out or "
-    "adding one. So nothing is lost, and no step is left. Whatever lies further from all seams is moved by whole vertices. 0: vertices are taken and added "
-    "whole, "
-    "as in classical seam carving.";
-inline constexpr auto soft_time_doc = "The same from frame to frame: how many frames before and after take part in how far each vertex moves.";
+    "How softly seams are carved. Each seam squeezes or stretches the space within about this distance along u, v and w, instead of cutting one vertex out or "
+    "adding one. So nothing is lost, and no step remains. Everything further from all seams moves by whole vertices. 0: vertices are taken and added whole, as "
+    "in classical seam carving.";
+inline constexpr auto soft_time_doc = "The same in time: the number of frames before and after that influence how far each vertex moves.";
 
-/// Finds fault with a `fade` that nothing uses.
+/// Reports a fault if `fade` is stated, but `rim` does not use it.
 void check_fade(Rim rim, NodeCheck& check);
 
 }  // namespace fluidcarve

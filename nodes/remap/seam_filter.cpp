@@ -23,7 +23,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// Weights along one axis, from the farthest voxel below to the farthest above: a mean, or four of them in a row.
+/// Filter weights along one axis, from the farthest voxel below to the farthest above: one mean, or four means in a row.
 std::vector<double> weights(FilterMode mode, int width) {
     const auto size = 2 * static_cast<std::size_t>(width) + 1;
     const std::vector<double> mean(size, 1.0 / static_cast<double>(size));
@@ -37,12 +37,12 @@ std::vector<double> weights(FilterMode mode, int width) {
     return out;
 }
 
-/// The 8^3 voxels of a block filtered from the cube around them, one axis after the other.
-/// @param values  `[x][y][z]`, 8 + weights.size() - 1 each way
+/// Filters the 8^3 voxels of a block from the cube around them, one axis after the other.
+/// @param values  `[x][y][z]`, 8 + weights.size() - 1 along each axis; becomes the filtered values, 8 along each axis
 void filter_axes(std::vector<double>& values, std::vector<double>& scratch, const std::vector<double>& weights) {
     const auto wide = 7 + weights.size();
     std::size_t rows = wide * wide;
-    // Each pass filters along the last axis and brings it to the front; after three they stand as before.
+    // Each pass filters along the last axis and brings it to the front. After three passes, the axes are in their old order.
     for (int pass = 0; pass < 3; ++pass, rows = rows / wide * 8) {
         scratch.assign(8 * rows, 0.0);
         for (std::size_t row = 0; row < rows; ++row)
@@ -55,7 +55,7 @@ void filter_axes(std::vector<double>& values, std::vector<double>& scratch, cons
     }
 }
 
-/// The lowest voxel at which something was found, by many threads.
+/// The lowest voxel at which something was found; used by many threads.
 class Lowest {
 public:
     void add(const Coord& at) {
@@ -76,6 +76,7 @@ struct Filter {
     int reach() const { return mode == FilterMode::median ? width : static_cast<int>(weights.size() / 2); }
 };
 
+/// Filters the voxels along seams, block by block.
 template <class GridT>
 class Worker {
     using TreeT = typename GridT::TreeType;
@@ -117,7 +118,8 @@ public:
     }
 
 private:
-    /// @param face  the component whose faces are looked up; -1: the voxels' centres
+    /// The active voxels that lie along a seam.
+    /// @param face  component at whose faces to look; -1: at the voxels' centres
     Marks seam_voxels(const Leaf& leaf, int face) {
         Vec3d offset(0);
         if (face >= 0) offset[face] = -0.5;
@@ -160,7 +162,7 @@ private:
             const CoordBBox cube(at.offsetBy(-filter_.width), at.offsetBy(filter_.width));
             values_.clear();
             for (auto near = cube.begin(); near; ++near) values_.push_back(static_cast<double>(component(*near, c)));
-            // What is not finite has no place in an order.
+            // Values that are not finite can't be ordered.
             if (!std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); })) {
                 not_finite_.add(at);
                 continue;
@@ -237,15 +239,17 @@ Volume seam_filtered(const Volume& volume, const Lattice& given, const CarveMap&
 
 NodeType filter_seam() {
     return Declare<FilterSeam>("filter.seam", "Smooths a carved volume along the seams that were carved from it, and nowhere else.")
-        .input("source", &FilterSeam::Ports::source, "The carved volume, or one grid of it. Grids of whole numbers, booleans and masks pass as they are.")
+        .input("source", &FilterSeam::Ports::source, "The carved volume, or one grid of it. Grids of whole numbers, booleans and masks stay as they are.")
         .input("lattice", &FilterSeam::Ports::lattice, "The lattice in which it was carved.")
         .input("seams", &FilterSeam::Ports::seams, "The seams that were carved, or the list of seam sets in the order of carving.")
-        .param("count", &FilterSeam::Params::count, Unit::seams, any_number(), "As it was carved: only the first so many seams, of the last set. Auto is all.")
+        .param("count", &FilterSeam::Params::count, Unit::seams, any_number(), "The `count` with which the volume was carved. auto is all seams.")
         .param("filter", &FilterSeam::Params::filter,
-               "mean of a cube of voxels; median of it, which removes specks and keeps edges; gaussian, as four means in a row, within 5 % of the true one.")
-        .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8), "From the middle of the cube to its sides: 1 is 3 x 3 x 3 voxels.")
+               "mean: of a cube of voxels. median: of the same cube; removes specks and keeps edges. gaussian: four means in a row, within 5 % of a true "
+               "Gaussian.")
+        .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8),
+               "Voxels from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
         .output("volume", &FilterSeam::Ports::volume,
-                "The source with other values at the active voxels of cells that a seam divides; all other voxels are bit for bit the same.");
+                "The source, with filtered values at the active voxels of cells that a seam divides. All other voxels are bit for bit the same.");
 }
 
 }  // namespace fluidcarve

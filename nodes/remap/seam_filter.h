@@ -6,17 +6,17 @@
 
 namespace fluidcarve {
 
-/// Smooths what stands along the seams of a carved volume (paper 5.1.2; METHOD 5): active voxels in, or on the border of,
-/// cells whose corners are displaced differently take the value that the filter gives there, all others keep theirs bit
-/// for bit. States stay. Each component of a staggered grid is looked up at its face; in aligned boxes, at its voxel.
-/// Grids of whole numbers, booleans and masks, and those that can't be carved, pass as they are.
+/// Smooths a carved volume along its seams (paper 5.1.2; METHOD 5). Active voxels in, or on the border of, cells whose corners are
+/// displaced differently take the filtered value. All other voxels stay bit for bit. Active states stay. Each component of a staggered grid
+/// is looked up at its face; in aligned boxes, at its voxel. Grids of integers, booleans and masks, and grids that can't be carved, pass as
+/// they are.
 /// @param volume  carved by `map`
-/// @param mode    as field.filter. Inactive voxels count with the value that they hold
-/// @param width   voxels from the middle of the cube to its sides, >= 1
+/// @param mode    as in field.filter; inactive voxels count with the values that they hold
+/// @param width   voxels from the middle of the filter's cube to its sides, at least 1
 /// @throws Failure naming the grid and voxel if a value that is not finite lies within the filter's reach of a seam
 Volume seam_filtered(const Volume& volume, const Lattice& lattice, const CarveMap& map, FilterMode mode, int width);
 
-/// `filter.seam {source, lattice, seams, count, filter, width}`.
+/// `filter.seam {source, lattice, seams, count, filter, width}`: the node of seam_filtered().
 NodeType filter_seam();
 
 }  // namespace fluidcarve

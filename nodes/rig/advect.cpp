@@ -20,6 +20,7 @@ namespace {
 
 constexpr double fewest_steps_per_call = 1e-4;  // smallest step, as a share of the duration: a very high velocity must not take forever
 
+/// A velocity field in which points move.
 class Flow {
 public:
     explicit Flow(const VectorGrid& velocity)

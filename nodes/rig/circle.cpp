@@ -14,7 +14,7 @@ struct Radii {
 };
 }  // namespace
 
-/// `r`, or `[r1, r2]`.
+/// The radii are stated as `r` or `[r1, r2]`.
 template <>
 struct ParamTraits<Radii> {
     static Shape shape() { return {Shape::Kind::any_of, {}, {ParamTraits<double>::shape(), ParamTraits<std::vector<double>>::shape()}}; }

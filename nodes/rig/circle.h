@@ -14,7 +14,7 @@ namespace fluidcarve {
 /// @param start   angle of the first plane, radians, from the direction of the first radius in running direction
 Rig circle_rig(const openvdb::Vec3d& center, const openvdb::Vec3d& normal, const std::array<double, 2>& radii, double start);
 
-/// `rig.circle`
+/// `rig.circle`: the node of circle_rig().
 NodeType rig_circle();
 
 }  // namespace fluidcarve

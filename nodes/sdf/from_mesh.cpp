@@ -19,19 +19,19 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 
 constexpr double most_voxels = 1e9;
-constexpr double farthest = 1 << 22;  ///< voxels from the origin, where floats still tell halves apart
+constexpr double farthest = 1 << 22;  ///< maximum distance from the origin, voxels: floats still resolve half a voxel there
 
-/// How many voxels lie in a band around triangles, at most.
+/// Upper bound on the number of voxels in a band around triangles. All lengths in voxels.
 class BandSize {
 public:
-    /// @param band  its half width, voxels, as all lengths here
+    /// @param band  half width of the band
     explicit BandSize(double band) : band_(band), edge_(8 * band) {}
 
     void add(const Vec3s& a, const Vec3s& b, const Vec3s& c) {
         openvdb::BBoxd box;
         for (const auto& corner : {a, b, c}) box.expand(openvdb::Vec3d(corner));
         all_.expand(box);
-        // Slabs on both sides, half cylinders around edges, parts of balls around corners (Steiner).
+        // Volume around a triangle (Steiner's formula): slabs on both sides, half cylinders around edges, parts of balls around corners.
         const double perimeter = (b - a).length() + (c - b).length() + (a - c).length(), area = 0.5 * (b - a).cross(c - a).length();
         const double sum = 2 * band_ * area + 0.5 * pi * band_ * band_ * perimeter + 4.0 / 3 * pi * std::pow(band_, 3);
         if (box.extents()[box.maxExtent()] > edge_) {
@@ -43,7 +43,7 @@ public:
         cell.sum += sum;
     }
 
-    /// Small triangles' bands overlap: those of a cell take no more than their box.
+    /// The bound. Bands of small triangles overlap: those of a cell together count at most as their bounding box.
     double voxels() const {
         double out = large_;
         for (const auto& [at, cell] : cells_) out += std::min(cell.sum, grown(cell.box));
@@ -175,13 +175,14 @@ NodeType sdf_from_mesh() {
     using Params = SdfFromMesh::Params;
     using Ports = SdfFromMesh::Ports;
     return Declare<SdfFromMesh>("sdf.from_mesh", "Distances to the faces of a mesh, in a narrow band: a level set if the mesh is closed.")
-        .input("mesh", &Ports::mesh, "Any mesh. A closed one has an inside, where distances are below 0; another has none (see `thickness`).")
-        .input("like", &Ports::like, "A grid whose voxels the result takes, instead of `voxel_size`; only its transform counts.")
-        .param("voxel_size", &Params::voxel_size, Unit::world, at_least(1e-6), "Edge of a voxel; the centre of one is at the world's origin.")
-        .param("band", &Params::band, Unit::voxels, between(2, 1000), "How far from the faces distances are known, on each side.")
+        .input("mesh", &Ports::mesh, "Any mesh. Distances are negative inside a closed mesh; any other mesh has no inside (see `thickness`).")
+        .input("like", &Ports::like, "The result takes the voxels of this grid, instead of `voxel_size`. Only its transform counts.")
+        .param("voxel_size", &Params::voxel_size, Unit::world, at_least(1e-6), "Edge of a voxel. A voxel centre is at the world's origin.")
+        .param("band", &Params::band, Unit::voxels, between(2, 1000),
+               "Half width of the narrow band: distances are known this far from the faces, on each side.")
         .param("thickness", &Params::thickness, Unit::world, at_least(1e-6),
-               "Makes a shell of this thickness around the faces, which is closed whatever the mesh. Auto: none.")
-        .output("surface", &Ports::surface, "Distances, world units, named `surface`.")
+               "Makes a closed shell of this thickness around the faces of any mesh. Auto: no shell.")
+        .output("surface", &Ports::surface, "The distances, world units, as a grid named `surface`.")
         .kept();
 }
 

@@ -9,10 +9,12 @@
 namespace fluidcarve {
 namespace {
 
-/// Points are told apart by voxels up to here.
+/// Maximum distance of a point from the grid's origin, voxels.
 constexpr double farthest = 1e9;
 
-/// Positions that no voxel's centre is, by a hair: in a ball smaller than the band, ParticlesToLevelSet would make a hole of its middle.
+/// Moves positions that are exactly at a voxel centre by a tiny amount: in a ball smaller than the band, ParticlesToLevelSet would make a
+/// hole there.
+/// @throws Failure if a position is too far from the grid's origin
 std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, const openvdb::math::Transform& transform) {
     const double voxel = transform.voxelSize().x();
     for (auto& at : positions) {
@@ -24,7 +26,7 @@ std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, c
     return positions;
 }
 
-/// As ParticlesToLevelSet wants to see points.
+/// The interface to points that ParticlesToLevelSet needs.
 struct Balls {
     using PosType = openvdb::Vec3R;
     const std::vector<openvdb::Vec3d>& positions;
@@ -69,7 +71,7 @@ FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transfor
     const auto positions = off_centres(points.positions(), transform);
     if (positions.empty()) return out;
     openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*out);
-    // Balls of less than a voxel are seen only where they hold a voxel's centre; that is the caller's choice.
+    // Accept balls smaller than a voxel, though they only show if they contain a voxel centre.
     raster.setRmin(0);
     raster.setRmax(2 * splat.radius);
     raster.rasterizeSpheres(Balls{positions}, splat.radius * voxel);
@@ -83,15 +85,16 @@ FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transfor
 
 NodeType sdf_from_points() {
     return Declare<FromPoints>("sdf.from_points", "The surface of particles: the distance to balls around them, as a level set.")
-        .input("points", &FromPoints::Ports::points, "The particles; a frame without any has no surface.")
-        .input("like", &FromPoints::Ports::like, "A grid on whose voxels the surface is made, such as the particles' velocity.")
+        .input("points", &FromPoints::Ports::points, "The particles. A frame without particles has no surface.")
+        .input("like", &FromPoints::Ports::like, "The surface takes the voxels of this grid, such as the particles' velocity. Only its transform counts.")
         .param("voxel_size", &FromPoints::Params::voxel_size, Unit::world, between(1e-9, 1e9),
-               "Without `like`: edge of the voxels, one of them at the world's origin.")
+               "Edge of a voxel, instead of `like`. A voxel centre is at the world's origin.")
         .param("radius", &FromPoints::Params::radius, Unit::voxels, between(0.5, 100),
-               "Of the balls. Where particles stand about half a voxel apart, as in most liquids, 1 to 2 make a closed surface.")
-        .param("smoothing", &FromPoints::Params::smoothing, Unit::none, between(0, 100), "How often the surface is averaged over 3 x 3 x 3 voxels.")
-        .param("half_width", &FromPoints::Params::half_width, Unit::voxels, between(2, 100), "Distances are known this far from the surface, to both sides.")
-        .output("surface", &FromPoints::Ports::surface, "Distance to the surface, world units, negative inside.")
+               "Radius of the balls. If particles are about half a voxel apart, as in most liquids, 1 to 2 gives a closed surface.")
+        .param("smoothing", &FromPoints::Params::smoothing, Unit::none, between(0, 100), "Number of times that the surface is averaged over 3 x 3 x 3 voxels.")
+        .param("half_width", &FromPoints::Params::half_width, Unit::voxels, between(2, 100),
+               "Half width of the narrow band: distances are known this far from the surface, on each side.")
+        .output("surface", &FromPoints::Ports::surface, "The distance to the surface, world units, negative inside.")
         .kept();
 }
 

@@ -6,19 +6,20 @@
 
 namespace fluidcarve {
 
-/// How points become a surface.
+/// How points are converted to a surface.
 struct Splat {
-    double radius = 1.5;    ///< of the ball around each point, voxels
-    int smoothing = 0;      ///< passes of a 3^3 mean filter over the surface
-    double half_width = 3;  ///< of the narrow band, voxels
+    double radius = 1.5;    ///< radius of the ball around each point, voxels
+    int smoothing = 0;      ///< number of passes of a 3 x 3 x 3 mean filter over the surface
+    double half_width = 3;  ///< half width of the narrow band, voxels
 };
 
-/// The signed distance to the union of balls around points, negative inside, in a narrow band: a level set, in world units. Without points
-/// it is outside everywhere.
-/// @param transform  of the grid to make; its voxels are cubes
+/// Signed distances to the union of balls around points, negative inside, in a narrow band: a level set "surface", world units. Without
+/// points it is outside everywhere.
+/// @param transform  of the grid; must have cubic voxels
+/// @throws Failure if a point is too far from the grid's origin
 FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transform& transform, const Splat& splat);
 
-/// `sdf.from_points {points, like | voxel_size, radius}`: the surface of particles.
+/// `sdf.from_points {points, like | voxel_size, radius}`: makes the surface of particles.
 NodeType sdf_from_points();
 
 }  // namespace fluidcarve

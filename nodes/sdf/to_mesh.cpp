@@ -21,7 +21,7 @@ struct SdfToMesh {
     }
 };
 
-/// OpenVDB turns faces to the inside.
+/// Adds faces with reversed orientation: OpenVDB orients them inwards.
 template <class Faces>
 void add_turned(const Faces& faces, Mesh& out) {
     for (const auto& face : faces) {
@@ -37,7 +37,7 @@ Mesh surface_mesh(const FloatGrid& grid, double isovalue, double adaptivity) {
     std::vector<openvdb::Vec3s> points;
     std::vector<openvdb::Vec3I> triangles;
     std::vector<openvdb::Vec4I> quads;
-    // OpenVDB takes what lies below the value for the inside in grids of this class alone, and else what lies above.
+    // For OpenVDB the inside is below the value in level sets, and above it in all other classes.
     openvdb::MetaMap meta(grid);
     const bool rises = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.background() > isovalue;
     const auto grid_class = openvdb::GridBase::gridClassToString(rises ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
@@ -53,12 +53,12 @@ Mesh surface_mesh(const FloatGrid& grid, double isovalue, double adaptivity) {
 
 NodeType sdf_to_mesh() {
     using Params = SdfToMesh::Params;
-    return Declare<SdfToMesh>("sdf.to_mesh", "The surface of a level set, or of any grid where it has a value, as a mesh.")
+    return Declare<SdfToMesh>("sdf.to_mesh", "Makes a mesh of the surface on which a grid has a given value: that of a level set, or of a density.")
         .input("surface", &SdfToMesh::Ports::surface, "A level set; or a density, with an `isovalue`.")
-        .param("isovalue", &Params::isovalue, Unit::none, any_number(), "Where the surface lies, in the grid's unit: 0 in level sets.")
+        .param("isovalue", &Params::isovalue, Unit::none, any_number(), "The value on the surface, in the grid's unit. 0 for level sets.")
         .param("adaptivity", &Params::adaptivity, Unit::none, between(0, 1),
-               "0: a quad per voxel, evenly; up to 1: fewer and larger faces, triangles among them, where the surface is flat.")
-        .output("mesh", &SdfToMesh::Ports::mesh, "Faces turned outwards, without UVs.")
+               "0: one quad per voxel. Up to 1: fewer and larger faces, also triangles, where the surface is flat.")
+        .output("mesh", &SdfToMesh::Ports::mesh, "The surface. Faces are oriented outwards, without UVs.")
         .kept();
 }
 

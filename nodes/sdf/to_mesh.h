@@ -6,10 +6,10 @@
 
 namespace fluidcarve {
 
-/// The surface on which a grid has a value: quads, and where flat parts are coarsened triangles too. Faces are turned outwards: to
-/// where values rise in level sets and grids whose background is larger than the value, to where they fall in others.
-/// @param isovalue    in the grid's unit
-/// @param adaptivity  0: a quad per voxel; to 1: ever fewer, where the surface is flat
+/// The surface on which a grid has a given value, as quads, and as triangles where flat parts are coarsened. Faces are oriented outwards:
+/// to rising values in level sets and in grids whose background is above the value, else to falling values.
+/// @param isovalue    the value, in the grid's unit
+/// @param adaptivity  0: one quad per voxel; up to 1: fewer and larger faces where the surface is flat
 Mesh surface_mesh(const FloatGrid& grid, double isovalue, double adaptivity);
 
 NodeType sdf_to_mesh();

@@ -18,7 +18,7 @@ struct Effort {
     std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
     std::size_t many_columns;   ///< energies of more columns are not cut: the seam of the coarser energy is close enough
-    int sweeps;                 ///< of lines, in place of those cuts
+    int sweeps;                 ///< of lines, instead of those cuts
 };
 constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
 /// With a field, each cut takes several times as long, and seams of less energy look no better.

@@ -120,7 +120,7 @@ protected:
     std::chrono::milliseconds hold_after_ = std::chrono::seconds(5);  ///< shortest time between two calls of Context::hold
 
 private:
-    /// What is known before the energy is.
+    /// The task of a solver, as far as it is known before the energy is.
     struct Task {
         std::array<int, 3> shape{};  ///< I, J, K that the seams of `after` leave
         Seams::Kind kind = Seams::Kind::remove;

@@ -8,7 +8,7 @@ struct Anchor {
         low,     ///< the lattice's first vertex
         middle,  ///< the lattice's middle
         high,    ///< the lattice's last vertex
-        vertex,  ///< the content of one vertex, to the nearest whole vertex: by its mean move over all columns and frames
+        vertex,  ///< the content of one vertex: by its mean displacement over all columns and frames, rounded to whole vertices
     };
     At at = At::low;
     int vertex = 0;  ///< index along the carved axis, for At::vertex

@@ -50,6 +50,7 @@ public:
     int first() const { return first_; }  ///< entries below it move as it does
     int last() const { return last_; }    ///< entries above it move as it does
 
+    /// A displacement and its gradient.
     struct Value {
         double d;                 ///< vertices
         openvdb::Vec3d gradient;  ///< of d along u, v and w: central differences, one-sided at rims and open ends

@@ -53,6 +53,7 @@ protected:
     }
 };
 
+/// An input buffer over bytes in memory, without a copy.
 class View : public std::streambuf {
 public:
     View(char* data, std::size_t size) { setg(data, data, data + size); }
@@ -80,6 +81,7 @@ T number_at(const char* data) {
     return out;
 }
 
+/// A file descriptor that closes itself.
 struct Descriptor {
     int number;
     ~Descriptor() {

@@ -15,7 +15,7 @@ struct Key {
 
     explicit operator bool() const { return high != 0 || low != 0; }
     auto operator<=>(const Key&) const = default;
-    /// 32 hex digits.
+    /// The key as 32 hex digits.
     std::string text() const;
     /// Reads the result of `text`. Any other text gives the zero key.
     static Key parse(std::string_view text);

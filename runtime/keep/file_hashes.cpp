@@ -38,6 +38,7 @@ bool settled(const struct stat& file) {
     return std::abs(now - seconds(file.st_mtim)) > settled_seconds && std::abs(now - seconds(file.st_ctim)) > settled_seconds;
 }
 
+/// A file descriptor that closes itself.
 struct Descriptor {
     int number;
     ~Descriptor() {

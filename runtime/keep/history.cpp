@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr std::size_t most_named = 3;
 
-/// "a, b and 2 others"
+/// Names in a row: "a, b and 2 others".
 std::string listed(const std::vector<std::string>& names) {
     if (names.size() <= most_named) return fmt::format("{}", fmt::join(names, ", "));
     return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), names.size() - most_named);

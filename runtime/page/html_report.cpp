@@ -55,7 +55,7 @@ std::string size(std::uint64_t bytes) {
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }
 
-/// "1 seam", "6 seams"
+/// A count with its noun: "1 seam", "6 seams".
 std::string counted(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 /// A value of the report as short text; lists are joined by commas.
@@ -70,7 +70,7 @@ std::string plain(const Json& value) {
     return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// "lower_bound" to "lower bound"
+/// A field name as words: "lower_bound" to "lower bound".
 std::string words(std::string name) {
     std::replace(name.begin(), name.end(), '_', ' ');
     return name;
@@ -343,7 +343,7 @@ private:
         all_numbers(entry, energy.size());
     }
 
-    /// ", in a lattice of 28 × 26 × 130 vertices and 6 frames"
+    /// The lattice of a report entry in words: ", in a lattice of 28 × 26 × 130 vertices and 6 frames".
     static std::string where(const Json& entry) {
         const auto shape = numbers(entry, "shape");
         if (shape.size() != 4 || !std::all_of(shape.begin(), shape.end(), [](double each) { return each >= 0 && each < 1e9; })) return {};

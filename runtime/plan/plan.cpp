@@ -56,6 +56,7 @@ std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline,
     return std::nullopt;
 }
 
+/// Makes a Schedule: starts at the targets and follows inputs that are not cached.
 class Scheduler {
 public:
     using Action = Schedule::Action;

@@ -58,7 +58,7 @@ struct Schedule {
     enum class Action : char {
         none,
         run,
-        load,  ///< load the cached result of a former run or an earlier pass
+        load,  ///< use the cached result of a former run or an earlier pass
     };
     /// `[pass][place][node]`. For a gatherer in its pass: how it takes the frame, from its inputs (run) or from a cached digest (load).
     std::vector<std::vector<std::vector<Action>>> frames;

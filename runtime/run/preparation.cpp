@@ -47,6 +47,7 @@ std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, cons
     return out;
 }
 
+/// What all readers say of their files.
 struct Inputs {
     std::vector<int> frames;  ///< the sequence without the frames that readers leave out
     std::vector<Fault> missing;

@@ -32,7 +32,7 @@ std::string host() {
     return name.data();
 }
 
-/// "running", "done", "failed", "interrupted" or "killed".
+/// State of a run: "running", "done", "failed", "interrupted" or "killed".
 std::string state_of(const Json& run) {
     if (run.contains("exit")) return run["exit"] == 0 ? "done" : run["exit"] == 130 ? "interrupted" : "failed";
     if (run.value("host", "") == host()) return kill(run.value("pid", 0), 0) == 0 || errno == EPERM ? "running" : "killed";

@@ -9,6 +9,7 @@
 
 namespace fluidcarve {
 
+/// How progress is printed.
 enum class ProgressStyle {
     none,
     bar,   ///< one line on a terminal, redrawn

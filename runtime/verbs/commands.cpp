@@ -79,6 +79,7 @@ struct PipelineArguments {
     }
 };
 
+/// Arguments of the verbs `run` and `plan`.
 struct RunArguments {
     std::string frames;
     std::string only;
@@ -93,9 +94,9 @@ struct RunArguments {
 
     void declare(CLI::App& verb) {
         frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
-        auto* const to =
-            verb.add_option("--to", request.wish.to, "Run only this node and the nodes that it needs; NODE.INPUT of a solver: only extract its data from each frame")
-                ->type_name("NODE");
+        auto* const to = verb.add_option("--to", request.wish.to,
+                                         "Run only this node and the nodes that it needs; NODE.INPUT of a solver: only extract its data from each frame")
+                             ->type_name("NODE");
         auto* const from = verb.add_option("--from", request.wish.from, "Deliver only results that depend on this node")->type_name("NODE");
         verb.add_option("--only", only, "Run this node alone; the cached results that it needs must already be in the work folder")
             ->type_name("NODE")
@@ -330,7 +331,9 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
             ->take_all();
     NewNode new_node;
     auto* const new_node_verb = app.add_subcommand("new-node", "Write a plugin with a node type of your own: source, test, build files, a pipeline");
-    new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")->required()->type_name("NAME");
+    new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")
+        ->required()
+        ->type_name("NAME");
     new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
     new_node_verb->add_option("--folder", new_node.folder, "The folder to write (default: ./FAMILY_NAME)")->type_name("DIR");
     auto* const graph_verb = app.add_subcommand("graph", "Draw a pipeline");

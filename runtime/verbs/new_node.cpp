@@ -43,7 +43,7 @@ std::string fault_of(const std::string& name, const Registry& registry) {
     return {};
 }
 
-/// "two_words" as "TwoWords".
+/// A name as a C++ type name: "two_words" to "TwoWords".
 std::string as_type(const std::string& name) {
     std::string out;
     bool start = true;

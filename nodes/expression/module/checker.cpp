@@ -15,18 +15,18 @@ namespace ast = openvdb::ax::ast;
 namespace tokens = openvdb::ax::ast::tokens;
 using tokens::CoreType;
 
-constexpr int deepest = 100;            ///< levels of a syntax tree, which AX walks by recursion
-constexpr double most_rounds = 10'000;  ///< of a program's loops, per voxel
-constexpr double furthest = 1e9;        ///< a counter, so that it never overflows
+constexpr int deepest = 100;            ///< maximum depth of a syntax tree: AX walks it by recursion
+constexpr double most_rounds = 10'000;  ///< maximum rounds of all loops, per voxel
+constexpr double furthest = 1e9;        ///< maximum absolute value of a counter, so that it never overflows
 
-/// What a function gives.
+/// Type of a function's result.
 enum class Gives {
     fraction,
-    as_given,  ///< a fraction if any argument is
+    as_given,  ///< a fraction if any argument is one
     whole,
 };
 
-/// The functions that neither look outside nor keep anything from call to call.
+/// The allowed functions: they read nothing but their arguments and the voxel's position, and have no state.
 const std::map<std::string, Gives>& functions() {
     static const std::map<std::string, Gives> all{
         {"abs", Gives::as_given},         {"acos", Gives::fraction},      {"asin", Gives::fraction},         {"atan", Gives::fraction},
@@ -77,6 +77,7 @@ bool is_local(const ast::Node* node, const std::string& name) {
     return node && node->nodetype() == ast::Node::LocalNode && as<ast::Local>(*node).name() == name;
 }
 
+/// Thrown to stop the check of a tree that is too deep.
 struct TooDeep {};
 
 }  // namespace
@@ -95,7 +96,7 @@ void ExpressionChecker::fault(const Node& node, const std::string& message) {
     faults_.push_back({"code", line, column, message});
 }
 
-/// What is stated and not used is a slip too.
+/// Reports faults of names: an output that is never written, inputs and constants that are never read.
 void ExpressionChecker::check_names() {
     const auto whole = [&](const char* field, const std::string& message) { faults_.push_back({field, 0, 0, message}); };
     if (!writes_) whole("code", fmt::format("never writes @{}", expression_.output));
@@ -110,7 +111,7 @@ void ExpressionChecker::check_names() {
 
 ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
 
-/// Of an operation on two values.
+/// The result of an operation on two values.
 ExpressionChecker::Known ExpressionChecker::joined(const Known& a, const Known& b) {
     const bool scalars = a.type <= tokens::DOUBLE && b.type <= tokens::DOUBLE && a.type >= tokens::INT32 && b.type >= tokens::INT32;
     if (scalars || (a.type == b.type && component_of(a.type) != tokens::UNKNOWN)) return known(std::max(a.type, b.type));
@@ -180,7 +181,7 @@ ExpressionChecker::Known ExpressionChecker::visit(const Node* node) {
     return out;
 }
 
-/// @return what is known of the last
+/// @return what is known of the last child
 ExpressionChecker::Known ExpressionChecker::visit_children(const Node& node) {
     Known out;
     for (std::size_t n = 0; n < node.children(); ++n) out = visit(node.child(n));
@@ -230,7 +231,7 @@ ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable
 ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) const {
     for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
         if (const auto found = scope->find(node.name()); found != scope->end()) return known(found->second);
-    return {Type::UNKNOWN, true};  // the compiler says that it is none
+    return {Type::UNKNOWN, true};  // the compiler reports an unknown variable
 }
 
 ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
@@ -243,7 +244,7 @@ ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
 ExpressionChecker::Known ExpressionChecker::unary(const ast::UnaryOperator& node) {
     const auto value = visit(node.expression());
     if (node.operation() == tokens::NOT) return known(tokens::BOOL);
-    // Of a bool it is none.
+    // The operand is not a fraction if it is a bool.
     return value.type == tokens::BOOL ? Known{} : value;
 }
 
@@ -260,7 +261,7 @@ ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& no
 ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& node) {
     const auto right = visit(node.rhs());
     require_writable(*node.lhs());
-    // The place that is written to is none that is read; what is wrong with an attribute there has been said.
+    // The target of an assignment does not count as read. require_writable has reported its faults.
     const auto* const target = node.lhs();
     const auto left = target->nodetype() == Node::AttributeNode ? known(as<ast::Attribute>(*target).type())
                       : target->nodetype() == Node::ArrayUnpackNode && as<ast::ArrayUnpack>(*target).expression()->nodetype() == Node::AttributeNode
@@ -268,7 +269,7 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
                           : visit(target);
     if (target->nodetype() == Node::AttributeNode && as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
         fault(node, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
-    // Of `a /= b` the parser keeps the division.
+    // The parser keeps `a /= b` as an assignment with a division.
     const auto operation = node.operation();
     if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not offered");
     if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);

@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// Finds on the syntax tree what AX lets pass and then crashes on, never ends with, or takes for zero (ExpressionModule).
+/// Checks a syntax tree for code that AX accepts, but that crashes, never ends, or silently reads as zero (ExpressionModule).
 class ExpressionChecker {
 public:
     ExpressionChecker(const Expression& expression, const ExpressionSource& source, std::vector<ExpressionFault>& faults)
@@ -21,17 +21,17 @@ public:
 
     void check();
 
-    /// Of a program without faults.
+    /// As CompiledExpression::reads. Valid if there are no faults.
     const std::vector<CompiledExpression::Read>& reads() const { return reads_; }
     bool asks_where() const { return asks_where_; }
 
 private:
     using Node = openvdb::ax::ast::Node;
     using Type = openvdb::ax::ast::tokens::CoreType;
-    /// What is known of a value before it is compiled.
+    /// What is known of a value before compilation.
     struct Known {
         Type type = Type::UNKNOWN;
-        bool fraction = false;  ///< surely no whole number
+        bool fraction = false;  ///< certainly of a floating-point type
     };
 
     void fault(const Node& node, const std::string& message);
@@ -58,11 +58,11 @@ private:
     static Known joined(const Known& a, const Known& b);
     void require_offered(const Node& node, Type type);
     void require_divisor(const Node& divisor, const Known& divided, const Known& by);
-    /// A variable that is about to be written: an input or a loop's counter can't be.
+    /// Reports a fault if the target of an assignment is an input or a loop counter.
     void require_writable(const Node& target);
-    /// A whole literal, or a number among the constants.
+    /// The value of an integer literal or a constant; nothing for other expressions.
     std::optional<double> stated_number(const Node* node) const;
-    /// How often a loop runs; nothing if that is not stated.
+    /// Number of rounds of a loop; nothing if it does not count to a stated end.
     std::optional<double> rounds(const openvdb::ax::ast::Loop& node) const;
 
     const Expression& expression_;
@@ -71,9 +71,9 @@ private:
     std::vector<CompiledExpression::Read> reads_;
     std::set<std::string> constants_read_;
     std::vector<std::map<std::string, Type>> scopes_{{}};
-    std::set<std::string> counters_;  ///< of the loops around
-    double around_ = 1;               ///< rounds of the loops around, multiplied
-    double rounds_ = 0;               ///< of all loops so far
+    std::set<std::string> counters_;  ///< counters of the enclosing loops
+    double around_ = 1;               ///< product of the rounds of the enclosing loops
+    double rounds_ = 0;               ///< rounds of all loops so far
     int depth_ = 0;
     bool writes_ = false;
     bool asks_where_ = false;

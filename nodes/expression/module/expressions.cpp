@@ -17,15 +17,16 @@ namespace {
 
 namespace ax = openvdb::ax;
 
-/// Parser and compiler walk a program by recursion.
+/// Maximum size of a program: parser and compiler are recursive.
 constexpr std::size_t most_bytes = 16 << 10;
 
+/// A compiled program as an AX executable.
 struct Executable : CompiledExpression {
     ax::VolumeExecutable::Ptr program;
 };
 
 std::shared_ptr<const CompiledExpression> compile(const Expression& expression, std::vector<ExpressionFault>& faults) {
-    // The parser is not made for several threads, and starting LLVM neither.
+    // Neither the parser nor the start of LLVM is thread-safe.
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
     if (!ax::isInitialized()) ax::initialize();
@@ -54,7 +55,7 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression, 
     if (faults.size() > before || !out->program) return nullptr;
     out->reads = checker.reads();
     out->asks_where = checker.asks_where();
-    // A name that no grid bears would become a grid of zeros.
+    // By default AX creates a grid of zeros for an unknown name.
     out->program->setCreateMissing(false);
     using Streaming = ax::VolumeExecutable::Streaming;
     out->program->setActiveTileStreaming(out->asks_where ? Streaming::ON : Streaming::OFF);
@@ -64,11 +65,11 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression, 
 void run(const CompiledExpression& program, const std::vector<NamedGrid>& inputs, FloatGrid& out) {
     openvdb::GridPtrVec grids;
     for (const auto& [name, grid] : inputs) {
-        // Another grid of the same tree, which is only read.
+        // A second grid with the same tree. AX only reads the tree.
         grids.push_back(openvdb::ConstPtrCast<openvdb::GridBase>(grid)->copyGrid());
         grids.back()->setName(name);
     }
-    // The grid is the caller's before and after.
+    // The caller owns the grid.
     grids.emplace_back(&out, [](openvdb::GridBase*) {});
     try {
         static_cast<const Executable&>(program).program->execute(grids);

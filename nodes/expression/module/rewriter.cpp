@@ -9,10 +9,11 @@ namespace {
 namespace ast = openvdb::ax::ast;
 namespace tokens = openvdb::ax::ast::tokens;
 
-// No program can name these: a space is in no name.
+// The names contain a space, so that no program can use them.
 std::string input_variable(const std::string& name) { return "input " + name; }
 std::string constant_variable(const std::string& name) { return "constant " + name; }
 
+/// Makes the rewritten tree of a program, see `rewritten`.
 class Rewriter {
 public:
     Rewriter(const Expression& expression, const ExpressionSource& source, openvdb::ax::Logger& logger)
@@ -21,7 +22,7 @@ public:
     ast::Tree::ConstPtr tree(const std::vector<CompiledExpression::Read>& reads) {
         std::vector<ast::Statement*> statements;
         const auto& block = *source_.tree().child(0);
-        // In a scope of its own, where it may call its variables as it likes.
+        // The program's variables live in their own scope and may have any name.
         auto body = std::make_unique<ast::Block>(block);
         for (std::size_t n = 0; n < block.children(); ++n) rewrite(*block.child(n), *const_cast<ast::Statement*>(body->child(n)));
 
@@ -57,7 +58,9 @@ private:
         logger_.addNodeLocation(&to, {line, column});
     }
 
-    /// @param to  stands in the new tree where `from` stands in the old; it and what it holds are replaced
+    /// Rewrites a node and its children.
+    /// @param from  the node in the old tree
+    /// @param to    its copy in the new tree, which is changed
     void rewrite(const ast::Node& from, ast::Node& to) {
         switch (from.nodetype()) {
             case ast::Node::AttributeNode:
@@ -85,7 +88,7 @@ private:
             if (const auto* const child = from.child(n)) rewrite(*child, *const_cast<ast::Node*>(to.child(n)));
     }
 
-    /// Puts an assignment of `value` to a variable of the type in place of `to`.
+    /// Replaces `to` by an assignment of `value` to a variable of the type.
     void convert(const ast::Node& from, ast::Node& to, const ast::Expression& value, tokens::CoreType type) {
         casts_.push_back(type);
         auto* const copy = value.copy();

@@ -10,13 +10,13 @@
 
 namespace fluidcarve {
 
-/// A checked program as AX is to have it:
-/// - inputs and constants are copied to variables at its start. An attribute that is an argument counts as written, and the
-///   whole program would run over that grid as well; constants are then seen by the optimiser;
-/// - a cast is an assignment to a variable of its type, which converts alike: of a value that has the type, a cast crashes;
-/// - so is the exponent of pow, to a double: a whole one makes it call what is not there;
-/// - a variable without a value is 0.
-/// @param logger  told the tree and the places of its nodes, for the compiler's messages
+/// Rewrites a checked program to avoid faults of AX:
+/// - Inputs are copied to variables at the start: AX takes an attribute that is a function's argument for written, and would run the
+///   program over that grid too. Constants are also copied, so that the optimiser sees their values.
+/// - A cast becomes an assignment to a variable of its type: a cast of a value to its own type crashes.
+/// - The exponent of pow is converted to double: with an integer exponent AX calls a function that does not exist.
+/// - A variable without a value becomes 0.
+/// @param logger  receives the tree and the places of its nodes, for the compiler's messages
 openvdb::ax::ast::Tree::ConstPtr rewritten(const Expression& expression, const ExpressionSource& source, const std::vector<CompiledExpression::Read>& reads,
                                            openvdb::ax::Logger& logger);
 

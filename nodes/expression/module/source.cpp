@@ -10,7 +10,7 @@ namespace {
 
 namespace ax = openvdb::ax;
 
-/// Lets messages be the bare text and its place.
+/// Reduces messages to their text and place.
 void plain(ax::Logger& logger) {
     logger.setNumberedOutput(false);
     logger.setErrorPrefix("");
@@ -20,7 +20,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
 }
 
-/// The parser's names of what stands in a text, as people write it.
+/// Names of tokens in the parser's messages, and the text for people.
 constexpr std::array<std::pair<const char*, const char*>, 24> tokens{{
     {"SEMICOLON", "';'"}, {"LPARENS", "'('"}, {"RPARENS", "')'"},  {"LCURLY", "'{'"},        {"RCURLY", "'}'"}, {"LSQUARE", "'['"},
     {"RSQUARE", "']'"},   {"COMMA", "','"},   {"QUESTION", "'?'"}, {"COLON", "':'"},         {"DOLLAR", "'$'"}, {"V_DOLLAR", "'v$'"},
@@ -61,7 +61,7 @@ ExpressionSource::ExpressionSource(const std::string& code, std::vector<Expressi
     : logger_([this](const std::string& message) { messages_.push_back(message); }) {
     plain(logger_);
     tree_ = ax::ast::parse(code.c_str(), logger_);
-    // What follows the first is mostly its echo.
+    // Report the first message only: the others mostly follow from it.
     if (!messages_.empty()) faults.push_back(fault_of(messages_.front()));
     if (!messages_.empty()) tree_ = nullptr;
 }

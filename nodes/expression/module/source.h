@@ -11,13 +11,13 @@
 
 namespace fluidcarve {
 
-/// A fault from a message of AX, which ends in its place: "unexpected SEMICOLON 1:15".
+/// Converts a message of AX to a fault. The message ends with its place: "unexpected SEMICOLON 1:15".
 ExpressionFault fault_of(const std::string& message);
 
-/// A program's text as a syntax tree whose nodes know their places.
+/// The syntax tree of a program, with the places of its nodes.
 class ExpressionSource {
 public:
-    /// Without a tree, and a fault more, if the text is no AX.
+    /// Parses a program. If the text is not valid AX, adds a fault and has no tree.
     ExpressionSource(const std::string& code, std::vector<ExpressionFault>& faults);
 
     explicit operator bool() const { return tree_ != nullptr; }
@@ -27,7 +27,7 @@ public:
 
 private:
     mutable std::vector<std::string> messages_;
-    mutable openvdb::ax::Logger logger_;  ///< alone knows the places, and tells them only as a message's end
+    mutable openvdb::ax::Logger logger_;  ///< the only source of places: it prints them at the end of a message
     openvdb::ax::ast::Tree::ConstPtr tree_;
 };
 

@@ -1,4 +1,4 @@
-// The module `images`: all that knows OpenImageIO, whose hundreds of libraries take half a second to open.
+// The module `images`: all code that uses OpenImageIO. Loading OpenImageIO, with hundreds of libraries, takes half a second.
 
 #include "graph/text/problem.h"
 #include "graph/types/module.h"
@@ -32,12 +32,12 @@ using OIIO::TypeDesc;
     throw Failure(fmt::format("cannot read {}: {}", path, text), Failure::Kind::input);
 }
 
-/// What a library says of a file that it can't read.
+/// Throws the Failure of a file that OpenImageIO can't read. @param reason  OpenImageIO's message
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& reason) {
     refuse(path, (reason.empty() ? "it is damaged" : reason) + "; copy or write it again");
 }
 
-/// A PNG is a row of chunks that say how long they are. Its library finds a missing end late, and tells the terminal.
+/// Checks that a PNG is complete, by the lengths of its chunks. The PNG library finds a missing end late, and prints to the terminal.
 void require_whole_png(const std::string& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
@@ -52,7 +52,7 @@ void require_whole_png(const std::string& path) {
     refuse_damaged(path, fmt::format("it is cut off at byte {}", size));
 }
 
-/// Calls back with a value of a depth's type. @return whether it is one of numbers
+/// Calls `call` with a value of a depth's C++ type. @return false if the depth is not a numeric type
 template <class Call>
 bool with_depth(TypeDesc type, const Call& call) {
     switch (type.basetype) {
@@ -80,10 +80,10 @@ T from_float(float value) {
     if constexpr (std::is_integral_v<T>) {
         constexpr auto least = static_cast<double>(std::numeric_limits<T>::min()), most = static_cast<double>(std::numeric_limits<T>::max());
         const double scaled = std::round(static_cast<double>(value) * most);
-        // What is not a number is the least too.
+        // NaN becomes 0.
         return static_cast<T>(scaled > least ? std::min(scaled, most) : std::isnan(value) ? 0.0 : least);
     } else {
-        // Infinities stay, what is only too large becomes the largest.
+        // Infinities stay; finite values are clamped to the range of half.
         if constexpr (std::is_same_v<T, half>)
             if (std::isfinite(value)) value = std::clamp(value, -65504.0f, 65504.0f);
         return static_cast<T>(value);
@@ -106,7 +106,7 @@ std::vector<Image::Attribute> attributes_of(const ImageSpec& spec) {
 
 void set_attributes(ImageSpec& spec, const std::vector<Image::Attribute>& attributes) {
     for (const auto& each : attributes) {
-        // The one name that it writes but does not read.
+        // OpenImageIO writes this type name but can't parse it.
         const auto type = each.type == OIIO::TypeRational.c_str() ? OIIO::TypeRational : TypeDesc(each.type);
         if (type == TypeDesc::STRING) {
             spec.attribute(each.name, each.value);
@@ -119,7 +119,7 @@ void set_attributes(ImageSpec& spec, const std::vector<Image::Attribute>& attrib
     }
 }
 
-/// An open file; what goes wrong names it.
+/// An open image file. All errors name the file.
 class Input {
 public:
     Input(const std::string& path, const std::string& format) : path_(path), file_(ImageInput::create(format)) {
@@ -149,7 +149,7 @@ public:
         out.alpha = spec_.alpha_channel;
         out.attributes = attributes_of(spec_);
         while (file_->seek_subimage(out.more + 1, 0) && out.more < most_pictures) ++out.more;
-        // Looking for more leaves an error behind.
+        // The search for a further picture ends with an error: clear it.
         file_->geterror();
         return out;
     }
@@ -178,13 +178,13 @@ public:
 
 private:
     static constexpr int most_pictures = 1000;
-    static constexpr int furthest = 1 << 24;  ///< so that sums of places are whole numbers of 32 bits
+    static constexpr int furthest = 1 << 24;  ///< maximum coordinate of a pixel, so that sums of coordinates fit 32-bit integers
     std::string path_;
     std::unique_ptr<ImageInput> file_;
     ImageSpec spec_;
 };
 
-/// What a library throws, in place of saying it, is the file's fault as well.
+/// Turns exceptions of the library into a Failure that names the file.
 template <class Call>
 auto guarded(const std::string& path, const Call& call) {
     try {
@@ -230,10 +230,10 @@ void write(const std::string& path, const Image& image, int quality) {
     if (!mixed) spec.channelformats.clear();
     spec.alpha_channel = image.alpha;
     set_attributes(spec, image.attributes);
-    // Else it is that of writing, and no two files are the same.
+    // OpenImageIO would set the time of writing; equal images would then give different files.
     if (!spec.find_attribute("DateTime")) spec.attribute("DateTime", "");
     if (image.format == "jpeg") spec.attribute("CompressionQuality", quality);
-    // It fails to, and says so of a file that is whole.
+    // Writing EXIF to TIFF fails, with an error for a valid file.
     if (image.format == "tiff") spec.attribute("tiff:write_exif", 0);
 
     const auto pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height), stride = spec.pixel_bytes(true),
@@ -255,10 +255,10 @@ void write(const std::string& path, const Image& image, int quality) {
 }
 
 const ImageModule* images() {
-    // Frames are read side by side already, by as many threads as the run has.
+    // The run already reads frames in parallel on all its threads.
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
-    // What a format has no place for is found by reading the file again, and told in our words.
+    // No debug messages: image.write finds attributes that a format does not hold by reading the file back.
     OIIO::attribute("debug", 0);
     static const ImageModule functions{header, read, write};
     return &functions;

@@ -16,7 +16,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// Bit z: voxel z of a row moved.
+/// Bit z is set if voxel z of a row moved.
 unsigned moved_voxels(CarvedPlaces& places, CarvedPlaces::Row& row, const CarveMap& map, const Coord& first) {
     places.locate(first, Vec3d(0), row);
     unsigned out = 0;
@@ -25,8 +25,8 @@ unsigned moved_voxels(CarvedPlaces& places, CarvedPlaces::Row& row, const CarveM
     return out;
 }
 
-/// The grid with every moved voxel active that has a face neighbour of the other sign: where a carve removed all of the
-/// narrow band, nothing else shows where the surface is.
+/// Makes every moved voxel active that has a face neighbour of the other sign. Where a carve removed the whole narrow band, nothing else
+/// shows where the surface is.
 template <class GridT>
 typename GridT::ConstPtr with_surface(const typename GridT::ConstPtr& grid, const CarvedPlaces& places, const CarveMap& map, const CoordBBox& box) {
     struct Worker {
@@ -93,7 +93,7 @@ openvdb::GridBase::ConstPtr renormalize(const openvdb::GridBase::ConstPtr& base,
                 if ((voxels >> z & 1) == 0) leaf.setValueOff(n + z);
         }
     });
-    // An iteration carries distances 0.3 voxels on; these carry them across the band.
+    // One iteration carries distances 0.3 voxels further. This number carries them across the band.
     tracker.setTemporalScheme(openvdb::math::TVD_RK1);
     tracker.setNormCount(static_cast<int>(std::ceil(2 * half_width / 0.3)));
     tracker.normalize(&moved);

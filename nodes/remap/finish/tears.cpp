@@ -13,7 +13,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Vertices of a rim that are looked at, about.
+/// About how many vertices of a rim are checked.
 constexpr double most_vertices_of_rim = 4096;
 
 /// A face of the carved box of vertices.
@@ -33,7 +33,7 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
     return vertex;
 }
 
-/// Whether a displacement ends at a rim with a jump. Towards the end of its own axis at which the lattice is anchored it has none.
+/// Whether a displacement ends at a rim with a jump. At the end of its own axis where the lattice is anchored, it does not.
 bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
     const auto moves_end = [&](int axis) {
         return std::ranges::any_of(map.steps(), [&](const CarveStep& step) {
@@ -56,7 +56,7 @@ double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map, 
         typename GridT::ValueType value;
         return values.probeValue(Coord::round(grid.worldToIndex(lattice.position(at))), value) && value != grid.background();
     };
-    // A vertex away, but at least a voxel.
+    // How far beyond the rim to look: a vertex, but at least a voxel.
     const double beyond = std::max(1.0, grid.voxelSize().x() / lattice.spacing);
     int all = 0, torn = 0;
     Coord vertex;
@@ -93,7 +93,7 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
         const auto look = [&](const auto& values) {
             for (int axis = 0; axis < (lattice.closed ? 2 : 3); ++axis)
                 for (const bool high : {false, true}) {
-                    // A dimension of one vertex has no rims: its neighbours are as far away as can be.
+                    // A dimension of one vertex has no rims: everything beside it is out of reach.
                     if (carved.dim()[axis] == 1) continue;
                     const double share = share_of(values, lattice, map, before, carved, {axis, high});
                     const bool own_end = axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });

@@ -8,24 +8,23 @@
 
 namespace fluidcarve {
 
-/// A rim of a lattice that content crosses: what the carve moves on one side stays on the other (METHOD 4 "Tears").
+/// A rim of a lattice that content crosses: the carve moves the content on one side only (METHOD 4 "Tears").
 struct Tear {
     std::string grid;
-    std::string rim;   ///< "v = 0"
-    bool faded_away;   ///< whether CarveMap::fade would cure it: not at the far end of a carved axis
+    std::string rim;   ///< for example "v = 0"
+    bool faded_away;   ///< whether CarveMap::fade would prevent it: not at the ends of a carved axis
     double share = 0;  ///< of the rim's vertices, 0 to 1
 };
 
-/// Finds them for the density of a volume; if it has no grid of that name, for all its float and double grids. (Shadow or
-/// temperature often fill the whole domain, and cross every rim.) Content crosses a rim at one of its vertices if what the carve
-/// brings there comes from elsewhere and is active in the input, and so is the voxel that in the input lay beyond the rim
-/// from it, a vertex away; both with values other than the background. Rims: both lateral ones, the ends of an open
-/// lattice, and the far end of the carved axis, where content beyond stays while what was inside is moved, freed or added.
-/// Of large rims a grid of some thousand vertices is looked at.
+/// Finds the tears of a volume's density; if no grid has that name, of all its float and double grids. (Shadow or temperature often fill
+/// the whole domain and cross every rim.) Content crosses a rim at a vertex if the vertex's content comes from elsewhere and is active in
+/// the input, and so is the input's voxel one vertex beyond the rim from there. Both values must differ from the background. Rims are both
+/// lateral ones, the ends of an open lattice, and the far end of the carved axis, where content beyond stays while content inside is moved,
+/// freed or added. Of a large rim, some thousand vertices at regular distances are checked.
 /// @param volume  before the carve
 std::vector<Tear> find_tears(const Volume& volume, const Lattice& lattice, const CarveMap& map);
 
-/// What to tell of a tear. Shares are told in steps of ten, so that frames that are much alike say the same.
+/// A warning about a tear. Shares are told in powers of ten, so that similar frames give the same warning.
 std::string to_text(const Tear& tear);
 
 }  // namespace fluidcarve

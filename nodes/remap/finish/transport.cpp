@@ -17,11 +17,12 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// For each voxel more that is pressed into one, so many places are looked at, but no more than so many in all.
+/// Number of positions that are sampled for each further voxel pressed into one, and the largest number in all.
 constexpr int places_per_voxel = 2, most_places = 32;
-/// What is pressed by less than this share is not.
+/// Compression by less than this share does not count.
 constexpr double hardly = 1e-3;
 
+/// Scales a density, or turns vectors, block by block.
 template <class GridT>
 class Worker {
     using TreeT = typename GridT::TreeType;
@@ -29,7 +30,7 @@ class Worker {
     using Value = typename TreeT::ValueType;
 
 public:
-    /// @param source  for densities
+    /// @param source  the grid before the carve, for densities; else null
     Worker(const GridT* source, const GridT& grid, CarvedPlaces places, const CarveDerivative& derivative)
         : derivative_(derivative),
           source_(source ? source : &grid),
@@ -55,7 +56,8 @@ public:
     }
 
 private:
-    /// Calls `visit(z, image)` for the voxels of a row that have one.
+    /// Calls `visit(z, image)` for the voxels of a row that have an image.
+    /// @param inactive  whether to visit inactive voxels too
     template <class Visit>
     void each(const Coord& first, const Vec3d& offset, bool inactive, Visit&& visit) {
         places_.locate(first, offset, places_row_);
@@ -78,7 +80,7 @@ private:
         });
     }
 
-    /// What a voxel gets of all that is pressed into it, along the axis along which it is pressed most; nothing if it is not pressed.
+    /// Mean of all content that is pressed into a voxel, along the axis of the strongest compression; nothing if it is not compressed.
     std::optional<double> pressed_mean(const Vec3d& at, const CarveDerivative::Image& image) {
         if (!exact_) return std::nullopt;
         const int axis = image.slope(0, 0) > image.slope(1, 1) ? 0 : 1;

@@ -14,12 +14,13 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// A way that shows, vertices.
+/// Shortest displacement that is visible, vertices.
 constexpr double least_way = 0.5;
 
+/// How a mesh vertex moves.
 struct Way {
     bool inside = false;
-    Vec3d by{0};  ///< vertices along u and v
+    Vec3d by{0};  ///< displacement along u and v, vertices
     double length() const { return std::max(std::abs(by.x()), std::abs(by.y())); }
 };
 

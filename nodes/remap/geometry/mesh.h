@@ -6,27 +6,28 @@
 
 namespace fluidcarve {
 
-/// A part of a mesh to which a carve does more than to move it.
+/// The part of a mesh that a carve distorts.
 struct MeshStrain {
-    double share = 0;  ///< of all edges, or faces, 0 to 1
-    double worst = 0;  ///< vertices of the lattice
+    double share = 0;  ///< of all edges or faces, 0 to 1
+    double worst = 0;  ///< in vertices of the lattice
 };
 
+/// A carved mesh, and where the carve distorts it.
 struct CarvedMesh {
     Mesh mesh;
-    /// Edges longer than two vertices' distance whose ends move by amounts that differ by half a vertex or more: a seam runs
-    /// through them, but they stay straight. Worst: the longest.
+    /// Edges longer than two vertices' distance whose ends are displaced differently, by half a vertex or more. A seam runs through such an
+    /// edge, but the edge stays straight. Worst: the longest edge.
     MeshStrain stretched;
-    /// Faces across a rim: some of their vertices move by half a vertex or more, others lie beyond the lattice and stay.
-    /// Worst: the longest way that one moves.
+    /// Faces across a rim: some of their vertices move by half a vertex or more, others lie outside the lattice and stay. Worst: the
+    /// longest displacement.
     MeshStrain torn;
 };
 
-/// Moves vertices as a carve moves space (METHOD 6): from `p` to `p + g(l*) - g(l)`, `l = f(p)` and `l*` its carved_coordinates. Vertices
-/// beside the lattice, or where nothing moves, stay to the last bit; faces and attributes stay.
+/// Moves the vertices of a mesh as a carve moves space (METHOD 6): from `p` to `p + g(l*) - g(l)`, where `l = f(p)`, and `l*` are its
+/// carved_coordinates(). Vertices outside the lattice, or where nothing moves, stay to the last bit. Faces and attributes stay.
 CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& map);
 
-/// What to tell of it, in steps so coarse that frames that are much alike say the same; empty if there is nothing.
+/// Warnings about distortions; empty if there are none. Numbers are coarse, so that similar frames give the same warnings.
 std::vector<std::string> warnings_of(const CarvedMesh& carved);
 
 }  // namespace fluidcarve

@@ -15,7 +15,7 @@ namespace {
 using openvdb::Vec2d;
 using openvdb::Vec3d;
 
-/// Well mixed 64 bits of a number (Steele, Lea and Flood 2014).
+/// Hashes a number to 64 well-mixed bits (Steele, Lea and Flood 2014).
 std::uint64_t mixed(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15u;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -23,14 +23,14 @@ std::uint64_t mixed(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// Folds what lies beyond an interval back into it.
+/// Reflects a coordinate that lies beyond an interval back into it.
 double reflected(double x, const Vec2d& room) {
     if (x < room[0]) x = 2 * room[0] - x;
     if (x > room[1]) x = 2 * room[1] - x;
     return std::clamp(x, room[0], room[1]);
 }
 
-/// BBoxd::isInside leaves out the border.
+/// Whether a box holds a point, border included; BBoxd::isInside leaves out the border.
 bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
     for (int n = 0; n < 3; ++n)
         if (at[n] < box.min()[n] || at[n] > box.max()[n]) return false;
@@ -40,14 +40,15 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
 /// A point on its way through the steps.
 struct Way {
     Vec3d at;
-    std::uint64_t copy;  ///< 0: the point itself; else tells its copies apart
+    std::uint64_t copy;  ///< 0: the point itself; else it tells the copies apart
 };
 
+/// Displaces copies at random.
 class Jitter {
 public:
     explicit Jitter(double amount) : amount_(amount) {}
 
-    /// @param room  along the carved axis
+    /// @param room  interval along the carved axis in which the copy must stay
     Vec3d operator()(const Vec3d& at, const CarveStep& step, const Vec2d& room, std::uint64_t seed) const {
         if (amount_ == 0) return at;
         auto out = at;
@@ -66,20 +67,21 @@ private:
     double amount_;
 };
 
-/// What a smoothed map makes of points: each goes where its place goes. Where space is pressed together by a factor, one in so many
-/// stays; where it is drawn out, so many more come to be. Which ones, their identities decide.
+/// Carves points under a smoothed map. Each point moves with its place. Where space is compressed by a factor, only one point in so many
+/// stays; where it is stretched, so many more are made. The points' identities decide which.
 class SoftCarve {
 public:
     SoftCarve(const Mapping& mapping, const CarveMap& map, const Jitter& jitter) : mapping_(mapping), map_(map), jitter_(jitter) {}
 
-    /// The ways of a point and its copies; none if it goes. @param from  lattice index coordinates, that something moves
+    /// Finds the ways of a point and its copies; none if the point is deleted.
+    /// @param from  lattice index coordinates, where something moves
     void operator()(const Vec3d& from, std::uint64_t identity, std::vector<Way>& ways) const {
         ways.clear();
         auto to = from;
         double pressed = 1;
         for (const auto& step : map_.steps()) {
             const double u = to[step.axis()];
-            // An insertion writes over what is beyond the lattice's ends.
+            // An insertion writes over what lies beyond the lattice's ends.
             if (step.holds(to) && (u < step.origin() || u > step.last_before()) && step.carves(u, step.scale(to))) return;
             to[step.axis()] = carved_coordinate(step, to);
             if (step.holds(to) && to[step.axis()] != u) pressed *= slope(step, to);
@@ -88,9 +90,9 @@ public:
             ways.push_back({to, 0});
             return;
         }
-        // Cells of bent lattices are larger or smaller elsewhere.
+        // In bent lattices, cells differ in size.
         pressed *= std::abs(position_slope(mapping_, from).det() / position_slope(mapping_, to).det());
-        // How many there are in place of one, on average: the density stays what it was.
+        // Mean number of points in place of one, so that the density stays the same.
         const double wanted = 1 / std::max(pressed, 1e-3);
         const auto whole = static_cast<std::uint64_t>(wanted);
         const auto count = whole + (share(identity) < wanted - static_cast<double>(whole) ? 1 : 0);
@@ -108,9 +110,9 @@ public:
     }
 
 private:
-    /// Evenly from 0 to 1.
+    /// A number from 0 to 1, evenly distributed.
     static double share(std::uint64_t identity) { return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53; }
-    /// Of the map along a step's axis, which is linear between entries.
+    /// Slope of the map along a step's axis. The map is linear between entries.
     static double slope(const CarveStep& step, const Vec3d& at) {
         const StepColumns columns(step, at[step.lateral_axis()], at.z());
         const int entry = std::clamp(static_cast<int>(std::floor(at[step.axis()])), step.start(), std::max(step.start(), step.last() - 1));
@@ -136,8 +138,8 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
     if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) || u > std::max<double>(last, step.last_before())) return stay();
     if (u < step.origin() || u > step.last_before()) return;  // an insertion writes over it
 
-    // What stands at `u*` comes from `u* + scale d`, `d` whole between the bounds of seams: the places of a point are those that
-    // come from it. They are sought from bound to bound; where those come from never falls.
+    // The content at `u*` comes from `u* + scale d`, where `d` is a whole number between the bounds of seams. The places of a point are all
+    // `u*` whose content comes from it. They are searched from bound to bound; their sources never fall.
     const StepColumns bounds(step, at[step.lateral_axis()], at.z());
     const auto inserts = [&](std::size_t n) { return step.inserts() == (n < static_cast<std::size_t>(step.count())); };
     const auto bound = [&](std::size_t n) { return bounds.bound(n) - (inserts(n) ? 0 : 0.5); };
@@ -145,7 +147,8 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         const int ahead = static_cast<int>(passed), back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
         return (step.inserts() ? -1 : 1) * (ahead - 2 * back) + step.origin() - step.start();
     };
-    // Points half a vertex from a removed seam, or on a doubled entry, stay whole. Near a rim seams are narrower than what snaps elsewhere.
+    // Points half a vertex from a removed seam, or on a doubled entry, are neither taken nor doubled. Near a rim, seams may be narrower
+    // than snap_width.
     const double near = std::min(snap_width, scale / 4);
     const auto beyond = [&](double place, std::size_t n) { return inserts(n) ? place > bound(n) + near : place >= bound(n) - near; };
     const auto before = [&](double place, std::size_t n) { return inserts(n) ? place < bound(n) - near : place <= bound(n) + near; };
@@ -197,7 +200,7 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
             }
             ways.swap(next);
         }
-        // The point itself comes first; a later step may take it and leave its copies.
+        // The point itself comes first. A later step may take it and leave its copies.
         part.deleted += ways.empty() || ways.front().copy != 0;
         for (const auto& way : ways) {
             const bool moved = way.at != *from;

@@ -22,6 +22,7 @@ CoordBBox voxels(const Alignment& alignment, const BBoxd& range) {
     return {Coord::minComponent(a, b), Coord::maxComponent(a, b)};
 }
 
+/// Carves an aligned grid block by block.
 template <class GridT>
 class Worker {
     using TreeT = typename GridT::TreeType;
@@ -58,7 +59,7 @@ public:
     }
 
 private:
-    /// Eight voxels in the direction of rising entries, under a step that is smoothed: each comes from between two on the line.
+    /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
     void carve_line_softly(Coord voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto& soft = *step.soft();
@@ -84,7 +85,8 @@ private:
         }
     }
 
-    /// What stands between an entry and the next. @param part  of the way
+    /// The voxel between an entry and the next.
+    /// @param part  of the way from the entry to the next, 0 to 1
     template <class At>
     static Voxel between(float part, int entry, At&& at) {
         if (part == 0) return at(entry);
@@ -97,7 +99,7 @@ private:
         }
     }
 
-    /// Eight voxels in the direction of rising entries, under the last step: the bounds of their column are passed but once.
+    /// Carves eight voxels in the direction of rising entries, under the last step. So the bounds of their column are passed only once.
     void carve_line(Coord voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto rest = steps_.size() - 1;
@@ -120,7 +122,7 @@ private:
         }
     }
 
-    /// What stands at a vertex after the first `count` steps.
+    /// The voxel at a vertex after the first `count` steps.
     Voxel resolve(std::size_t count, Coord vertex) const {
         for (; count > 0; --count) {
             const auto& step = steps_[count - 1];

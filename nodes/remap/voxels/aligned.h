@@ -7,10 +7,11 @@
 
 namespace fluidcarve {
 
-/// Carves a grid whose voxels are the lattice's vertices one to one: classical seam carving, in whole numbers only.
-/// Values and states are copied, never computed, but for inserted entries: the mean of their neighbours (of whole
-/// numbers, booleans and masks the lower neighbour), active if either is. Components of a staggered grid travel with
-/// their voxel.
+/// Carves a grid whose voxels are the lattice's vertices one to one: classical seam carving, by voxel indices. Values and states are
+/// copied, but for inserted entries: these get the mean of their neighbours (in grids of integers, booleans and masks the lower neighbour's
+/// value) and are active if either neighbour is. Under a smoothed step, values are interpolated between two voxels. Components of a
+/// staggered grid travel with their voxel.
+/// @param alignment  one_to_one()
 /// @return the grid itself if nothing changes
 template <class GridT>
 typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid, const Alignment& alignment, const CarveMap& map);

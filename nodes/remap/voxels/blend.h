@@ -7,19 +7,18 @@
 
 namespace fluidcarve {
 
-/// Whether values of a grid can be averaged. Whole numbers, booleans and masks are carved, never interpolated.
+/// Whether values of a grid can be averaged. Integers, booleans and masks can't: they are carved, never interpolated.
 template <class Value>
 inline constexpr bool can_blend = std::is_floating_point_v<typename openvdb::VecTraits<Value>::ElementType>;
 
-/// What an inserted entry between two others holds: their mean, or the lower one's value.
+/// The value of an inserted entry between two others: their mean, or the lower one's value if they can't be averaged.
 template <class Value>
 Value inserted_value(const Value& low, const Value& high) {
     if constexpr (can_blend<Value>) return Value((low + high) * typename openvdb::VecTraits<Value>::ElementType(0.5));
     else return static_cast<void>(high), low;
 }
 
-/// A weighted sum of values; of values that can't be averaged, the heaviest. Active if the heaviest value is, or one
-/// as heavy.
+/// A weighted sum of values; of values that can't be averaged, the one of the highest weight. Active if a value of the highest weight is.
 template <class Value>
 class Blend {
     using Element = typename openvdb::VecTraits<Value>::ElementType;
@@ -28,7 +27,7 @@ class Blend {
 public:
     void add(const Value& value, bool on, double weight) {
         if constexpr (can_blend<Value>) {
-            // Assigned first, not added to 0: that would lose the sign of -0.
+            // The first value is assigned, not added to 0: that would lose the sign of -0.
             if (heaviest_ == 0) sum_ = Sum(value) * weight;
             else sum_ += Sum(value) * weight;
         } else if (weight > heaviest_) {

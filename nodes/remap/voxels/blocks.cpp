@@ -69,7 +69,7 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
             }
     });
 
-    // Copied through the base: named by its type, the copy and all that a grid can do would be compiled here once more.
+    // Copies by the base class: a copy by the grid's own type would compile the whole grid class here once more.
     const openvdb::GridBase& base = *grid;
     typename GridT::Ptr out;
     for (auto& row : rows)

@@ -17,7 +17,7 @@ bool same_bits(const T& a, const T& b) {
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// The leaves and tiles of a tree that meet an index box, looked up once so that voxels are read without a search.
+/// The leaves and tiles of a tree that meet an index box. They are looked up once, so that voxels are read without a search.
 template <class TreeT>
 class BlockWindow {
 public:
@@ -44,7 +44,7 @@ public:
                     cells_.push_back(cell);
                 }
     }
-    /// Whether the window holds tiles only, all of one value and state: that of tile().
+    /// Whether the window holds only tiles of one value and state: those of tile().
     bool uniform() const {
         for (const auto& cell : cells_)
             if (cell.leaf || cell.tile.on != tile().on || !same_bits(cell.tile.value, tile().value)) return false;
@@ -58,14 +58,15 @@ public:
         const auto offset = Leaf::coordToOffset(at);
         return {cell.leaf->getValue(offset), cell.leaf->isValueOn(offset)};
     }
-    /// Eight voxels along z, the first at a multiple of 8. All inside the window.
+    /// Reads eight voxels along z, all inside the window.
+    /// @param first  its z is a multiple of 8
     void read(const openvdb::Coord& first, std::array<Voxel, 8>& out) const {
         const auto& cell = cell_of(first);
         if (!cell.leaf) return out.fill(cell.tile);
         const auto offset = Leaf::coordToOffset(first);
         for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
     }
-    /// All voxels of a leaf's place. It lies inside the window.
+    /// Reads all voxels at a leaf's place, which lies inside the window.
     void read(Leaf& out) const {
         std::array<Voxel, 8> row;
         for (openvdb::Index n = 0; n < Leaf::SIZE; n += 8) {
@@ -73,7 +74,8 @@ public:
             write(out, n, row);
         }
     }
-    /// Sets eight voxels of a leaf. @param n  the first one's offset
+    /// Sets eight voxels of a leaf.
+    /// @param n  offset of the first one
     static void write(Leaf& out, openvdb::Index n, const std::array<Voxel, 8>& row) {
         for (openvdb::Index z = 0; z < 8; ++z) {
             out.setValueOnly(n + z, row[z].value);
@@ -85,7 +87,7 @@ public:
         const auto within = [](int n, int size) { return static_cast<unsigned>(n) < static_cast<unsigned>(size); };
         return within(from.x(), size_.x()) && within(from.y(), size_.y()) && within(from.z(), size_.z());
     }
-    /// The leaf or tile of a voxel, inside the window.
+    /// A leaf or tile of the tree.
     struct Cell {
         const Leaf* leaf;
         Voxel tile;  ///< if there is no leaf
@@ -103,13 +105,13 @@ private:
 template <class GridT>
 using LeafOf = typename GridT::TreeType::LeafNodeType;
 
-/// Fills all voxels of a block from the untouched grid, or returns false where the block stays as it is.
+/// Fills all voxels of a block from the untouched grid. Returns false if the block stays as it is.
 template <class GridT>
 using BlockWorker = std::function<bool(const openvdb::Coord& block, LeafOf<GridT>& out)>;
 
-/// Rewrites the 8^3 blocks of a grid that meet an index box, in parallel. Blocks that come out constant become tiles;
-/// tiles that do not change stay whole. For the types of grid_types.h.
-/// @param make_worker  called once per thread or oftener
+/// Rewrites the 8^3 blocks of a grid that meet an index box, in parallel. Constant blocks become tiles; tiles that do not change stay
+/// whole. For the types of nodes/grid_types.h.
+/// @param make_worker  called at least once per thread
 /// @return the grid itself if no voxel changes, else a copy
 template <class GridT>
 typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, const openvdb::CoordBBox& box,

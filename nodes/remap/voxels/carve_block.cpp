@@ -82,7 +82,7 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         if (table.low == 0 && table.high == 0 && !frees) continue;
         moved = true;
         frees_ = frees_ || frees;
-        // Scales are concave: the least is at a corner.
+        // The scale is concave: its minimum is at a corner.
         bool fades = false;
         for (int corner = 0; step.fades() && corner < 4; ++corner) {
             openvdb::Vec3d at(0, 0, corner & 1 ? range.min().z() : range.max().z());
@@ -95,10 +95,10 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
             if (rigid_) (*rigid_)[axis] += low;
         } else {
             rigid_.reset();
-            // Values are blended at the entries beside a point, and an inserted one is read at both neighbours.
+            // Values are blended from the entries beside a point, and an inserted entry is read at both neighbours.
             low = std::floor(low) - 1;
             high = std::ceil(high) + 1;
-            // What this step does not hold stays, and what fades is drawn towards where it goes.
+            // Points that the step does not hold stay, and fading points are read nearer to where they go.
             if (!within || fades) {
                 low = std::min(0.0, low);
                 high = std::max(0.0, high);

@@ -7,11 +7,11 @@
 
 namespace fluidcarve {
 
-/// A carve map in a box of lattice coordinates, as a block of voxels has: which entries are displaced there, and by how
-/// much, looked up once.
+/// A carve map in a box of lattice coordinates, such as that of a block of voxels. It looks up once which entries are displaced there, and
+/// by how much.
 class CarveBlock {
 public:
-    /// The cell of a step's carved space that holds a point: which columns weigh in, and how their entries are displaced.
+    /// The cell of a step's carved space that holds a point: the columns that count, and the displacements of their entries.
     struct Cell {
         struct Column {
             double weight;
@@ -19,49 +19,51 @@ public:
         };
         std::array<Column, 4> columns;
         std::size_t count;
-        double fraction;  ///< between the entries
-        bool rigid;       ///< all displacements are the same
+        double fraction;  ///< of the point between the two entries, 0 to 1
+        bool rigid;       ///< whether all displacements are the same
     };
 
-    /// @param map  must outlive this
+    /// @param map  must outlive this object
     explicit CarveBlock(const CarveMap& map) : map_(map), tables_(map.steps().size()) {}
 
-    /// Turns to a box of carved coordinates, which may reach beyond the lattice; `w` of a closed lattice as Mapping::range
-    /// gives it.
-    /// @return false if nothing in it moves
+    /// Moves to a box of carved lattice coordinates. It may reach beyond the lattice; `w` of a closed lattice is as in Mapping::range.
+    /// @return false if nothing in the box moves
     bool move_to(const openvdb::BBoxd& range);
 
-    /// Bounds of how far along u and v what is read lies from where it goes, vertices.
+    /// Bounds of the displacements along u and v, from where values go to where they are read, vertices.
     const openvdb::Vec2d& least() const { return least_; }
     const openvdb::Vec2d& most() const { return most_; }
     /// Whether part of the box becomes background.
     bool frees() const { return frees_; }
-    /// Vertices along u and v by which all points are displaced, if all are by the same: whole ones.
+    /// The displacement along u and v, if all points of the box are displaced by the same whole vertices.
     const std::optional<openvdb::Vec2d>& rigid() const { return rigid_; }
-    /// Whether some displacements are scaled down (CarveMap::fade).
+    /// Whether a fade scales some displacements down (CarveMap::fade).
     bool fades() const { return fades_; }
 
-    /// @param step  its place in the map
-    /// @param at    coordinates in that step's carved space, inside it, that come from the box
+    /// The cell that holds a point.
+    /// @param step  index of the step in the map
+    /// @param at    coordinates in that step's carved space, inside it; sources of points of the box
     Cell cell(std::size_t step, const openvdb::Vec3d& at) const;
-    /// The displacement of a smoothed step, vertices: trilinear, whole where its cell's corners are.
+    /// The displacement of a smoothed step, vertices: trilinear, and a whole number where its cell's corners have the same whole number.
     double smooth(std::size_t step, const openvdb::Vec3d& at) const;
+    /// The displacement of a point through all steps.
     struct Rigid {
-        openvdb::Vec2d by{0, 0};  ///< vertices along u and v
-        bool fades = false;       ///< scaled down
+        openvdb::Vec2d by{0, 0};  ///< along u and v, vertices
+        bool fades = false;       ///< whether a fade scaled it down
     };
-    /// How a point of the box is displaced, if all corners of its cells are by the same, or smoothly.
+    /// The displacement of a point of the box, if in each step all corners of its cell are displaced by the same whole vertices, or
+    /// smoothly; else nothing.
     std::optional<Rigid> rigid_at(openvdb::Vec3d at) const;
 
 private:
     /// Displacements of a box of vertices under one step.
     struct Table {
-        std::array<int, 3> first{}, size{};  ///< along the carved axis, the lateral one, and w
-        std::vector<int> all;                ///< `[w][lateral][entry]`, half vertices; beyond a rim those of the rim
-        std::vector<float> smooth;           ///< the same of a smoothed step, vertices
-        int low = 0, high = 0;               ///< bounds of all, half vertices
+        std::array<int, 3> first{}, size{};  ///< along the carved axis, the lateral axis and w
+        std::vector<int> all;                ///< `[w][lateral][entry]`, half vertices; beyond a rim, as at the rim
+        std::vector<float> smooth;           ///< the same for a smoothed step, vertices
+        int low = 0, high = 0;               ///< bounds of all displacements, half vertices
         void fill(const CarveStep& step);
-        /// Where the displacement of the lowest entry of a cell stands. Those beside it follow.
+        /// Index of the displacement of a cell's lowest entry.
         int cell(int i, int j, int k, int slices) const {
             const int along_w = k < first[2] ? k + slices - first[2] : k - first[2];
             return (along_w * size[1] + j - first[1]) * size[0] + i - first[0];
@@ -74,7 +76,7 @@ private:
     };
 
     const CarveMap& map_;
-    std::vector<Table> tables_;  ///< per step
+    std::vector<Table> tables_;  ///< `[step]`
     openvdb::Vec2d least_, most_;
     bool frees_ = false, fades_ = false;
     std::optional<openvdb::Vec2d> rigid_;
@@ -110,7 +112,7 @@ inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) con
     const float* const a = table.smooth.data() + table.cell(i, j, k, of.slices());
     const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
     const auto x = static_cast<float>(u - i), y = static_cast<float>(v - j), z = static_cast<float>(w - k);
-    // What is alike stays so to the last bit.
+    // Equal values stay equal to the last bit.
     const auto mix = [](float from, float to, float part) { return from + (to - from) * part; };
     return mix(mix(mix(a[0], a[1], x), mix(b[0], b[1], x), y), mix(mix(c[0], c[1], x), mix(d[0], d[1], x), y), z);
 }

@@ -8,12 +8,12 @@
 
 namespace fluidcarve {
 
-/// Catmull-Rom weights of the values at -1, 0, 1 and 2, at `t` in [0, 1): they sum to 1 and keep lines straight.
+/// Catmull-Rom weights of the values at -1, 0, 1 and 2, for a position `t` in [0, 1). They sum to 1 and reproduce linear functions.
 inline std::array<double, 4> cubic_weights(double t) {
     return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t, (0.5 * t - 0.5) * t * t};
 }
 
-/// A grid between its voxels, by 4^3 of them.
+/// Samples a grid between its voxels, from 4^3 of them.
 /// @param q  index coordinates
 template <class Value, class Accessor>
 Value sample_cubic(const Accessor& values, const openvdb::Vec3d& q) {

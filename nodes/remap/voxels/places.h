@@ -10,32 +10,35 @@
 
 namespace fluidcarve {
 
-/// Where the voxels of a carved grid stand in the carved lattice, one 8^3 block at a time: at whole vertices where they
-/// are the lattice's vertices (remap_aligned.h), else as BlockPlaces says (remap_sampled.h).
+/// Finds where the voxels of a carved grid lie in the carved lattice, one 8^3 block at a time: at whole vertices if voxels are vertices
+/// (aligned.h), else as BlockPlaces tells (sampled.h).
 class CarvedPlaces {
 public:
     /// Lattice index coordinates of eight voxels along z.
     struct Row {
-        unsigned inside = 0;  ///< bit z: voxel z lies in the lattice, or where insertions extend it
+        unsigned inside = 0;  ///< bit z is set if voxel z lies in the lattice, or where insertions extend it
         std::array<openvdb::Vec3d, 8> at;
     };
 
-    /// @param transform  of the grid; must outlive this and its copies
-    /// @param cells      of the voxels with which the grid's values travel: the same, but for a component on faces
     /// @param extent     CarveMap::reach
+    /// @param transform  of the grid; must outlive this object and its copies
+    /// @param cells      of the voxels with which the grid's values travel: the same as `transform`, but for a component on faces
     CarvedPlaces(const Lattice& lattice, const std::array<int, 3>& extent, const openvdb::math::Transform& transform, const openvdb::math::Transform& cells);
 
-    /// Whether voxels are vertices; components of a staggered grid then stand at their voxel.
+    /// Whether voxels are vertices. Components of a staggered grid then stand at their voxel.
     bool aligned() const { return alignment_.has_value(); }
     const Mapping& mapping() const { return *mapping_; }
-    /// All voxels in a box of lattice coordinates, and a few more.
+    /// Index box of all voxels in a box of lattice coordinates, with a margin.
     openvdb::CoordBBox voxels(const openvdb::BBoxd& range) const;
 
-    /// Turns to a block.
-    /// @return lattice coordinates that its voxels, and points up to half a voxel below them, may have; empty if none has any
+    /// Moves to a block.
+    /// @param block  the block's first voxel
+    /// @return box around the lattice coordinates of the block's voxels and of points up to half a voxel below them; empty if there are
+    ///   none
     openvdb::BBoxd move_to(const openvdb::Coord& block);
-    /// @param first   the first voxel of a row of the block
-    /// @param offset  added to each voxel: that many voxels, each 0 or -1/2; 0 if aligned()
+    /// Finds the lattice coordinates of a row of the block.
+    /// @param first   first voxel of the row
+    /// @param offset  added to each voxel, voxels; each component is 0 or -1/2; 0 if aligned()
     void locate(const openvdb::Coord& first, const openvdb::Vec3d& offset, Row& row);
 
 private:

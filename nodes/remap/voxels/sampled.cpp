@@ -23,11 +23,12 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
-/// Voxels beside a position that linear interpolation reads; what the others read beyond is searched.
+/// Voxels beside a position that linear interpolation reads. What other interpolations read beyond is found by a search.
 constexpr int support = 1;
-/// Voxels up to which it pays to copy all that a block of 512 may read. More are read one by one.
+/// Largest number of voxels that a block of 512 may read and that are copied for it. If there are more, they are read one by one.
 constexpr std::size_t most_copied = 32 * 512;
 
+/// Carves a grid block by block, by sampling it.
 template <class GridT>
 class Worker {
     using TreeT = typename GridT::TreeType;
@@ -113,11 +114,11 @@ private:
         }
     }
 
-    /// Carves all of each value in a row of voxels, or a component.
-    /// @param offset   from a voxel to where the part stands
+    /// Carves a row of voxels: whole values, or one component of them.
+    /// @param offset   from a voxel to where the part stands, voxels
     /// @param nothing  the background's part
-    /// @param parts    values and states as they are; become the carved ones
-    /// @return bit z: what voxel z is made of was scaled down on the way
+    /// @param parts    values and states before; become the carved ones
+    /// @return bit z is set if a fade scaled a displacement of voxel z
     template <class Part, class Pick>
     unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, const Pick& pick, Parts<Part>& parts) {
         if (places_.interior() && block_.rigid()) {
@@ -149,13 +150,13 @@ private:
         return faded;
     }
 
-    /// Reads what stands at the positions.
-    /// @param lanes  bit z: voxel z is read
+    /// Reads the values at positions_.
+    /// @param lanes  bit z is set if voxel z is read
     template <class Part, class Pick>
     void read_row(unsigned lanes, const Pick& pick, Parts<Part>& parts) {
         if constexpr (can_blend<Value>) {
             if (interpolation_ == Interpolation::linear && lanes != 0) {
-                // What is not read must stand somewhere.
+                // Lanes that are not read need some valid position.
                 for (auto idle = ~lanes & 0xff; idle != 0; idle &= idle - 1)
                     positions_.set(static_cast<std::size_t>(std::countr_zero(idle)), positions_.at(static_cast<std::size_t>(std::countr_zero(lanes))));
                 window_.find(positions_.xyz, cells_);
@@ -175,8 +176,8 @@ private:
         }
     }
 
-    /// Reads the field displaced by `G(l') - G(l)` from voxel position `p`; undisplaced, the voxel's own value. Columns
-    /// that move alike ask for the same position: the last few are kept.
+    /// Reads the grid at voxel position `p` displaced by `G(l') - G(l)`; without displacement, the voxel's own value. Columns that move
+    /// equally ask for the same position, so the last few results are kept.
     template <class Part, class Pick>
     class Reader {
     public:
@@ -235,7 +236,7 @@ private:
         return values_.getValue(nearest);
     }
 
-    /// Adds, with a weight, what stands at lattice coordinates `l` after the first `count` steps.
+    /// Adds the content at lattice coordinates `l` after the first `count` steps, with a weight.
     template <class Part, class Read>
     void gather(std::size_t count, Vec3d l, double weight, const Part& nothing, Blend<Part>& out, Read& read) {
         for (; count > 0; --count) {
@@ -308,7 +309,7 @@ template <class GridT>
 typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, const Mapping& mapping, const CarveMap& map, Interpolation interpolation,
                                        const typename GridT::ConstPtr& unfaded) {
     if (map.empty()) return grid;
-    // A component's face reaches the lattice before its voxel's centre does.
+    // A component's face may lie in the lattice where its voxel's centre does not.
     const auto range = grid->transform().worldToIndex(mapping.world_box(map.moved()));
     const CoordBBox box(Coord::floor(range.min() - Vec3d(1)), Coord::ceil(range.max() + Vec3d(1)));
     const BlockPlaces places(mapping, grid->transform());

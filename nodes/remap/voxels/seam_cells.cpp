@@ -26,13 +26,13 @@ CoordBBox within(const CarveStep& step, CoordBBox vertices) {
     return vertices;
 }
 
-/// The corners of all cells that meet a box, their borders included.
+/// The corners of all cells that meet a box, borders included.
 CoordBBox corners(const CarveStep& step, const BBoxd& range) {
     return within(step, {Coord::ceil(range.min()).offsetBy(-1), Coord::floor(range.max()).offsetBy(1)});
 }
 
-/// Half vertices by which all vertices of a box of a step's carved space are displaced; nothing if they differ.
-/// @param vertices  not empty; those along w may lie a turn off
+/// The common displacement of all vertices of a box of a step's carved space, half vertices; nothing if they differ.
+/// @param vertices  not empty; along w they may lie one turn off
 std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& vertices) {
     const int first = vertices.min()[step.axis()], last = vertices.max()[step.axis()];
     std::optional<int> out;
@@ -67,7 +67,7 @@ bool along_seam(const CarveMap& map, Vec3d at) {
         if (freed(*step, at)) return false;
         const auto displacement = common_displacement(*step, corners(*step, {at, at}));
         if (!displacement) return true;
-        // An inserted entry stands beside others, so this is a whole number.
+        // A whole number of vertices: an inserted entry, half a vertex off, differs from its neighbours.
         const int whole = *displacement / 2;
         at[step->axis()] += whole;
     }
@@ -81,7 +81,7 @@ bool may_hold_seam(const CarveMap& map, BBoxd range) {
         if (vertices.empty()) continue;
         const auto displacement = common_displacement(*step, vertices);
         if (!displacement) return true;
-        // What lies beside the step's lattice stays.
+        // Points outside the step's lattice stay.
         const int axis = step->axis(), by = *displacement / 2;
         (by < 0 ? range.min() : range.max())[axis] += by;
     }

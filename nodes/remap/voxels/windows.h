@@ -11,14 +11,15 @@
 
 namespace fluidcarve {
 
-/// The voxels of an index box, copied side by side from leaves and tiles, so that what is read often is found at once.
+/// The voxels of an index box, copied from leaves and tiles into arrays, so that voxels that are read often are found at once.
 template <class TreeT>
 class VoxelWindow {
 public:
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
 
-    /// @param blocks  that hold the box; along z, all of them
+    /// Copies the voxels of a box, extended along z to whole blocks.
+    /// @param blocks  must hold them
     void move_to(const BlockWindow<TreeT>& blocks, const openvdb::CoordBBox& box) {
         low_ = openvdb::Coord(box.min().x(), box.min().y(), box.min().z() & ~7);
         size_ = openvdb::Coord(box.max().x(), box.max().y(), box.max().z() | 7) - low_ + openvdb::Coord(1);
@@ -32,12 +33,13 @@ public:
     }
     void clear() { size_ = openvdb::Coord(0); }
 
-    /// Whether the 2^3 voxels from `low` on are there.
+    /// Whether the window holds the 2^3 voxels from `low` on.
     bool holds_cell(const openvdb::Coord& low) const {
         const auto from = low - low_;
         const auto within = [](int n, int size) { return n >= 0 && n + 1 < size; };
         return within(from.x(), size_.x()) && within(from.y(), size_.y()) && within(from.z(), size_.z());
     }
+    /// Index of a voxel in the window.
     /// @param at  inside the window
     std::size_t place(const openvdb::Coord& at) const {
         const auto from = at - low_;
@@ -47,16 +49,16 @@ public:
     Value value(std::size_t place) const { return Value(values_[place]); }
     bool on(std::size_t place) const { return on_[place] != 0; }
 
-    /// Trilinear interpolation in a cell.
-    /// @param place  of its lowest voxel
-    /// @param t      from there to the highest, 0 to 1
+    /// Interpolates trilinearly in a cell.
+    /// @param place  index of its lowest voxel
+    /// @param t      position from there to the highest voxel, 0 to 1
     /// @param part   applied to each value
     template <class Part>
     auto between(std::size_t place, const openvdb::Vec3d& t, const Part& part) const {
         using Result = std::decay_t<decltype(part(std::declval<Value>()))>;
         using Weight = typename openvdb::VecTraits<Result>::ElementType;
         const auto* const values = values_.data() + place;
-        // The sum below would lose the sign of -0, and take what is not finite from neighbours of no weight.
+        // The sum below would lose the sign of -0, and pick up non-finite values of neighbours of weight 0.
         if (t == openvdb::Vec3d(0)) return part(values[0]);
         const openvdb::math::Vec3<Weight> weight(t);
         const auto across = static_cast<std::size_t>(size_.z()), along = across * static_cast<std::size_t>(size_.y());
@@ -68,13 +70,13 @@ public:
 
     /// The cells that hold eight points.
     struct Cells {
-        bool held;                                  ///< all in the window; otherwise nothing else is told
-        std::array<int, 8> lowest, nearest;         ///< places
-        std::array<std::array<double, 8>, 3> from;  ///< the lowest voxel, along x, y and z
+        bool held;                                  ///< whether all lie in the window; if not, nothing else is set
+        std::array<int, 8> lowest, nearest;         ///< indices of voxels in the window
+        std::array<std::array<double, 8>, 3> from;  ///< position from the lowest voxel along x, y and z, 0 to 1
         openvdb::Vec3d t(std::size_t n) const { return {from[0][n], from[1][n], from[2][n]}; }
     };
-    /// Finds them in simple loops, which compilers turn into vectors.
-    /// @param points  index coordinates along x, y and z
+    /// Finds the cells of eight points, in simple loops that compilers vectorize.
+    /// @param points  index coordinates, `[axis][point]`
     void find(const std::array<std::array<double, 8>, 3>& points, Cells& out) const {
         out.lowest.fill(0);
         out.nearest.fill(0);

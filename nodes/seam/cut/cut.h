@@ -68,6 +68,7 @@ private:
         std::uint16_t first, last;
         int size() const { return last - first; }
     };
+    /// A node, as the column and entry below which it stands.
     struct Spot {
         std::uint32_t column;
         std::uint16_t entry;

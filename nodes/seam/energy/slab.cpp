@@ -53,6 +53,7 @@ private:
     openvdb::FloatGrid::ConstAccessor values_;
 };
 
+/// Samples values at the vertices.
 class AtVertices {
 public:
     AtVertices(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis) : sample_(grid), places_(grid.transform(), lattice, axis) {}

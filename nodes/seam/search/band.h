@@ -10,19 +10,21 @@
 
 namespace fluidcarve {
 
-/// For each column of a sequence the entries among which a seam is looked for. Intervals of neighbours differ by at most 1
-/// at either end, so that any entry can be part of a seam in the band.
+/// For each column of a sequence, the interval of entries in which a seam is searched. Intervals of neighbouring columns differ by at most
+/// 1 at either end, so any entry can be part of a seam in the band.
 struct Band {
     struct Column {
         std::uint16_t first, last;
     };
     std::vector<Column> columns;  ///< in the order of Seams::Seam::at
 
+    /// The band that is the whole window in every column.
     static Band whole(std::size_t columns, Window window) {
         return {std::vector<Column>(columns, {static_cast<std::uint16_t>(window.first), static_cast<std::uint16_t>(window.last)})};
     }
+    /// The band around a seam.
     /// @param seam    feasible, inside the window
-    /// @param radius  entries to either side of the seam; at a window's end as many, but all to one side
+    /// @param radius  entries on either side of the seam; at an end of the window, as many entries in all, but more on one side
     static Band around(std::span<const std::uint16_t> seam, int radius, Window window) {
         Band out;
         out.columns.reserve(seam.size());

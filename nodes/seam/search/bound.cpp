@@ -16,13 +16,13 @@ namespace fluidcarve {
 
 namespace {
 
-/// Of an entry's surplus, what is handed on. More leaves nothing for the rest of the line, less takes more passes.
+/// Share of an entry's surplus that is handed on. More leaves nothing for the rest of the line, less takes more passes.
 constexpr float handed_on = 0.1f;
 
-/// What a sum of floats along a line may be off, as a share of it, with room.
+/// Largest rounding error of a sum of floats along a line, as a share of the sum, with room.
 double rounding(std::size_t length) { return std::max(1e-5, static_cast<double>(length) * 0x1p-23); }
 
-/// What the cheapest neighbour within 1 costs, for each entry.
+/// For each entry, the least cost among its neighbours within 1.
 void spread(const float* from, float* to, std::size_t width) {
     if (width == 1) {
         to[0] = from[0];
@@ -33,8 +33,8 @@ void spread(const float* from, float* to, std::size_t width) {
     to[width - 1] = std::min(from[width - 2], from[width - 1]);
 }
 
-/// The same where steps cost something.
-/// @param first  the entry of the first
+/// The same if steps cost something.
+/// @param first  the entry at index 0
 void spread(const float* from, std::size_t column_from, float* to, std::size_t column_to, std::size_t width, int first, const StepCosts& steps, bool in_time) {
     if (!steps) return spread(from, to, width);
     for (std::size_t i = 0; i < width; ++i) {
@@ -45,7 +45,7 @@ void spread(const float* from, std::size_t column_from, float* to, std::size_t c
     }
 }
 
-/// The dimensions along which there are lines.
+/// The lines of columns along one dimension.
 struct Lines {
     std::size_t first_step, second_step, step, length, first_count, count;
 
@@ -63,8 +63,8 @@ struct Lines {
     std::size_t begin(std::size_t line) const { return line % first_count * first_step + line / first_count * second_step; }
 };
 
-/// Sums the minima of all lines, which `minimum` finds given a line's first column, in a fixed order; each less what it may
-/// be off.
+/// Sums the minima of all lines in a fixed order, each reduced by its possible rounding error.
+/// @param minimum  called with a line's first column; returns the line's minimum
 template <class Minimum>
 double sum_of_lines(const Lines& lines, const Minimum& minimum) {
     std::vector<double> minima(lines.count);
@@ -86,7 +86,7 @@ std::vector<std::size_t> dimensions(const Columns& columns) {
     return out;
 }
 
-/// The even split, which needs no memory.
+/// The bound of the even split alone, which needs no memory.
 template <class Cell>
 double even_split(const EnergyVolume& energy, const Columns& columns, Window window) {
     const auto width = static_cast<std::size_t>(window.size());
@@ -115,7 +115,7 @@ double even_split(const EnergyVolume& energy, const Columns& columns, Window win
     return sum;
 }
 
-/// The energies' parts, one for each dimension, `[column][entry]`.
+/// The parts of the energy, one for each dimension, `[column][entry]`.
 template <class Cell>
 class Split {
 public:
@@ -136,13 +136,15 @@ public:
         });
     }
 
-    /// Hands surplus on, if there is anyone to take it. @return the sum of the lines' minima before
+    /// Hands surplus on from the lines of one part, if there are other parts.
+    /// @return the sum of the lines' minima before
     double pass(std::size_t own) {
         const Lines lines(columns_, all_[own]);
         const bool in_time = all_[own] == 2;
         return sum_of_lines(lines, [&](std::size_t begin, std::vector<float>& scratch) {
             const auto here = [&](std::size_t n) { return parts_[own].data() + (begin + n * lines.step) * width_; };
-            // The cheapest ways from the front to each column, without itself; then from the back, handing on.
+            // First the cheapest ways from the front to each column, without the column itself. Then those from the back, handing surplus
+            // on.
             scratch.assign((lines.length + 3) * width_, 0.0f);
             auto *const back = scratch.data() + lines.length * width_, *const way = back + width_, *const surplus = way + width_;
             for (std::size_t n = 1; n < lines.length; ++n) {
@@ -181,7 +183,7 @@ private:
         for (std::size_t n = 0; n < parts_.size(); ++n) {
             auto* const part = parts_[n].data() + at;
             const float factor = n == own ? -handed_on : share;
-            // An entry that protected ones cut off has nothing to hand on.
+            // Entries that protected ones cut off hand nothing on.
             for (std::size_t i = 0; i < width_; ++i)
                 if (!std::isinf(surplus[i])) part[i] += factor * (surplus[i] - least);
         }
@@ -204,8 +206,8 @@ double lower_bound(const EnergyVolume& energy, Window window, int passes, const 
         if (passes == 0) return even_split<Cell>(energy, columns, window);
         Split<Cell> split(energy, columns, window);
         double bound = 0;
-        // A part's minimum is taken before it hands on, and is not lowered after, so that the sum holds for the parts as a
-        // round leaves them.
+        // A part's minimum is taken before it hands on, and does not fall after that. So the sum holds for the parts as they are after a
+        // round.
         for (int n = 0; n <= passes; ++n) {
             tick(static_cast<double>(n) / (passes + 1));
             bound = split.minima();

@@ -4,14 +4,14 @@
 
 namespace fluidcarve {
 
-/// An energy that no seam of the window is below (METHOD 8 "A certificate"). The energies are split evenly over the
-/// dimensions of more than one column; each part is then solved exactly line by line, and the sum is a bound. A pass goes
-/// through all lines once more and hands a share of what an entry costs above its line's cheapest way to the other
-/// dimensions, which lowers no line's minimum and raises others': the bound rises with every pass. In a closed lattice
-/// lines along k are left open.
-/// Of real plumes, rings and fires 95 to 99 % of the least energy with no pass, 98 to 99.9 % with 10; less where energies are
-/// rough, 65 and 92 % of steep synthetic smoke. Takes 12 bytes for each entry of the window
-/// if there are passes. Where vertices are marked it is a bound of the cost (Costs); energy_bound makes one of the energy of it.
+/// Lower bound on the energy of any seam in the window (METHOD 8 "A certificate"). The energies are split evenly over the dimensions of
+/// more than one column. Each part is solved exactly, line by line, and the sum of the minima is a bound. A pass goes through all lines
+/// again. It hands a share of each entry's surplus, its cost above the line's cheapest way, to the other dimensions. This lowers no line's
+/// minimum and raises others', so the bound rises with every pass. In a closed lattice, lines along k are treated as open.
+/// On real plumes, rings and fires the bound is 95 to 99 % of the least energy without passes, and 98 to 99.9 % with 10. It is lower for
+/// rough energies: 65 and 92 % in steep synthetic smoke. Passes take 12 bytes per entry of the window.
+/// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a bound on the energy.
+/// @param passes  0 or more
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick);
 
 }  // namespace fluidcarve

@@ -14,13 +14,14 @@ namespace fluidcarve {
 
 namespace {
 
-/// A seam takes the cheaper of two entries where it can, and can mostly: the mean counts this much. Found on real
-/// plumes, rings and fires, where 0 and 0.5 led to seams that were dearer in the end.
+/// Weight of the mean of two entries, against their minimum. A seam takes the cheaper entry where it can, which is mostly possible. Found
+/// on real plumes, rings and fires; there 0 and 0.5 led to more expensive seams.
 constexpr float share_of_mean = 0.15f;
 
 constexpr std::size_t half(std::size_t size) { return (size + 1) / 2; }
 
-/// What a column's two entries cost a seam that can mostly choose.
+/// Cost of a column's two entries for a seam that can mostly choose.
+/// @param barrier  cost if both are protected
 template <bool protects>
 float cost_of_pair(float a, float b, float barrier) {
     if constexpr (protects) {
@@ -30,7 +31,7 @@ float cost_of_pair(float a, float b, float barrier) {
     return share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b);
 }
 
-/// A row of columns along the lateral dimension, `[lateral][entry]`.
+/// Restricts a row of columns along the lateral dimension, `[lateral][entry]`.
 template <class Cell, bool protects>
 void restrict_row(const EnergyVolume& energy, Window window, const Columns& coarse, std::size_t k, std::size_t t, std::vector<float>& out) {
     const Columns fine(energy);
@@ -56,7 +57,7 @@ void restrict_row(const EnergyVolume& energy, Window window, const Columns& coar
     }
 }
 
-/// The field at half the resolution: the mean of what an entry stands for. Its new edges there are twice as long, and so count half.
+/// Restricts a field: each entry gets the mean of what it stands for. New edges there are twice as long, so they count half.
 void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse, EnergyVolume& out) {
     const Columns fine(energy);
     out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
@@ -91,7 +92,7 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
             take(row, costs);
         });
     };
-    // Codes hold no cost below 0.
+    // Codes cannot hold costs below 0.
     if (energy.summed() || energy.attracts()) {
         std::vector<float> costs(row_size * coarse.slices() * coarse.frames());
         for_rows(
@@ -107,7 +108,7 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     return out;
 }
 
-/// The two coarse places between which a fine one stands, and four times the weight of the first, 4 if it is the only one.
+/// The two coarse places around a fine one, and the weight of the nearer, in quarters: 4 if it is the only one.
 struct Between {
     std::size_t near, other;
     int weight;
@@ -147,11 +148,11 @@ std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const s
                 const auto [ct, wt] = pick(t, 2);
                 sum += wl * wk * wt * seam[coarse.at(cl, ck, ct)];
             }
-            // Coarse entry i spans the fine ones 2i and 2i + 1.
+            // Coarse entry i stands for fine entries 2i and 2i + 1.
             out[row * fine.laterals() + l] = static_cast<std::uint16_t>(std::min(window.first + (2 * sum + 32) / 64, window.last));
         }
     });
-    // Around a ring of odd length the last coarse slice is half as long, and the seam may be too steep there.
+    // In a ring of odd length, the last coarse slice is half as long. The seam may be too steep there.
     for (bool again = fine.closed() && fine.slices() % 2 != 0; again;) {
         again = false;
         for (std::size_t c = 0; c < out.size(); ++c)

@@ -9,18 +9,20 @@
 
 namespace fluidcarve {
 
-/// An energy at half the resolution: along the carved axis, and along each lateral dimension and time of more than one. An
-/// entry's energy is the mean, over its columns, of what a seam pays that can choose between the column's two entries
-/// (METHOD 8 "Restriction"). Protected vertices are dear and no more, since what is free may be narrower than an entry;
-/// attracted ones count by their share. Steps cost as much for each entry, since a coarse step stands for two fine ones in half as
-/// many columns.
-/// @param window  the entries that are kept; entry i of the result stands for window.first + 2i and the next
+/// Restricts an energy to half the resolution: along the carved axis, and along time and each lateral dimension of more than one column. A
+/// coarse entry stands for two fine entries of each of its columns. Its energy is the mean, over these columns, of what a seam pays that
+/// can choose between the two (METHOD 8 "Restriction"). A protected vertex gets a high but finite cost, since a free passage may be
+/// narrower than a coarse entry. Attracted vertices count by their share. A step costs as much as before: a coarse step stands for two fine
+/// ones, in half as many columns.
+/// @param window  the entries that are kept; coarse entry i stands for window.first + 2i and the next
 EnergyVolume restrict_energy(const EnergyVolume& energy, Window window);
 
-/// A seam found at half the resolution, in the columns of the finer one: interpolated linearly and rounded down, which
-/// keeps neighbours within 1.
-/// @param coarse  entries of restrict_energy's result
-/// @param fine    the columns of what was restricted
+/// Interpolates a seam found at half the resolution to the columns of the finer one: linearly, rounded down, which keeps neighbours within
+/// 1.
+/// @param coarse  columns of the restricted energy
+/// @param seam    entries in the restricted energy
+/// @param fine    columns of the energy that was restricted
+/// @param window  as for restrict_energy()
 std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const std::uint16_t> seam, const Columns& fine, Window window);
 
 }  // namespace fluidcarve

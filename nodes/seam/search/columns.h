@@ -7,12 +7,12 @@
 
 namespace fluidcarve {
 
-/// The columns of an energy as a grid in lateral, k and t, with the neighbours between which a seam changes by at most 1.
+/// The columns of an energy as a grid in lateral, k and t. Entries of a seam differ by at most 1 between neighbouring columns.
 class Columns {
 public:
     static constexpr int directions = 6;
     static constexpr std::size_t none = ~std::size_t{0};
-    /// The direction that leads back.
+    /// The opposite direction.
     static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
 
     explicit Columns(const EnergyVolume& energy) : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
@@ -30,12 +30,15 @@ public:
     std::size_t count() const { return per_frame() * frames_; }
     std::size_t at(std::size_t lateral, std::size_t k, std::size_t t) const { return lateral + laterals_ * (k + slices_ * t); }
 
+    /// Where a column is, by its three indices.
     struct Place {
         std::size_t lateral, k, t;
     };
     Place place(std::size_t column) const { return {column % laterals_, column / laterals_ % slices_, column / laterals_ / slices_}; }
 
     /// The neighbours of a column: before and behind it along lateral, k, t; or `none`.
+    /// @param column  its index
+    /// @param at      place(column)
     std::array<std::size_t, directions> around(std::size_t column, const Place& at) const {
         std::array<std::size_t, directions> out;
         const auto ring = laterals_ * (slices_ - 1), frame = per_frame();

@@ -14,16 +14,17 @@ namespace fluidcarve {
 
 namespace {
 
-/// Which original entries of each column are deleted, a bit each.
+/// A bit for each original entry of each column: whether it is deleted.
 class Deleted {
 public:
     Deleted(std::size_t columns, int width, std::uint64_t memory_budget, const std::string& folder)
         : words_((static_cast<std::size_t>(width) + 15) / 16), store_(1, columns * words_, memory_budget, folder) {}
 
-    /// Deletes a seam. @param at  its entries in the space that those before left; become original ones
+    /// Deletes a seam.
+    /// @param at  its entries in the space that earlier seams left; become original entries
     void to_original(std::span<std::uint16_t> at) {
         each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
-            int left = entry;  // entries that are left before it
+            int left = entry;  // remaining entries before it
             std::size_t w = 0;
             const auto there_are = [&] { return 16 - std::popcount(words[w]); };
             for (; left >= there_are(); ++w) left -= there_are();
@@ -34,7 +35,7 @@ public:
             entry = static_cast<std::uint16_t>(w * 16 + static_cast<std::size_t>(bit));
         });
     }
-    /// The same, the other way round.
+    /// The same in the other direction: takes original entries, which become entries in that space.
     void from_original(std::span<std::uint16_t> at) {
         each(at, [](std::span<std::uint16_t> words, std::uint16_t& entry) {
             const std::size_t w = entry / 16u;
@@ -114,7 +115,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
     if (kind == Seams::Kind::insert && count > 0) deleted.emplace(columns, energy.width(), continued.memory_budget, continued.folder);
 
     FoundSeams out;
-    // The last seam is not deleted: nothing is looked for behind it.
+    // The last seam is not deleted: no search follows it.
     const auto meet = [&](std::span<const std::uint16_t> at) {
         const auto met = energy.met(at);
         out.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));

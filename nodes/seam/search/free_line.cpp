@@ -11,14 +11,14 @@ namespace fluidcarve {
 
 namespace {
 
-// As wide as the machine allows; the numbers are the same, each entry being computed by itself.
+// Uses vectors as wide as the machine allows. Each entry is computed by itself, so the numbers are the same.
 #if defined(__x86_64__) && !defined(__clang__)
 #define FLUIDCARVE_WIDE __attribute__((target_clones("avx2", "default"), optimize("O3")))
 #else
 #define FLUIDCARVE_WIDE
 #endif
 
-/// Decodes codes of which none marks a vertex: decode_energy without a branch.
+/// Decodes energy codes without marks: decode_energy() without a branch.
 FLUIDCARVE_WIDE void decode(const std::uint16_t* __restrict codes, std::size_t count, float* __restrict energies) {
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t code = codes[i], is_small = code < 1024 ? ~0u : 0u;
@@ -27,8 +27,8 @@ FLUIDCARVE_WIDE void decode(const std::uint16_t* __restrict codes, std::size_t c
     }
 }
 
-/// Extends the cheapest ways to the entries of a column by the next.
-/// @param before  has an infinity before its first and behind its last entry
+/// Extends the cheapest ways to the entries of a column by the next column.
+/// @param before  costs of these ways, with an infinity before the first entry and behind the last
 FLUIDCARVE_WIDE void extend(const float* __restrict energies, const double* __restrict before, std::size_t count, double* __restrict now) {
     const double* const left = before - 1;
     const double* const right = before + 1;
@@ -40,13 +40,13 @@ FLUIDCARVE_WIDE void extend(const float* __restrict energies, const double* __re
 
 #undef FLUIDCARVE_WIDE
 
-/// The energies of a window's entries, column by column.
+/// Reads the energies of a window's entries, column by column.
 class Rows {
 public:
     Rows(const EnergyVolume& energy, Window window)
         : energy_(energy), first_(static_cast<std::size_t>(window.first)), decoded_(static_cast<std::size_t>(window.size())) {}
 
-    /// Good until the next call.
+    /// The energies of a column; valid until the next call.
     const float* operator()(std::size_t column) {
         const auto per_frame = energy_.columns_per_frame(), frame = column / per_frame, cell = column % per_frame * energy_.stride() + first_;
         if (energy_.summed()) return energy_.cells<float>(frame) + cell;
@@ -62,12 +62,15 @@ private:
     std::vector<float> decoded_;
 };
 
+/// Finds the cheapest way through a line of columns.
 class Line {
 public:
     Line(const EnergyVolume& energy, Window window)
         : rows_(energy, window), length_(energy.columns_per_frame() * energy.frames()), width_(static_cast<std::size_t>(window.size())) {}
 
-    /// The cheapest way through all columns. @return its cost
+    /// Finds the cheapest way through all columns.
+    /// @param at  becomes its entries, counted from the window's first
+    /// @return its cost
     double solve(int number, std::vector<std::uint16_t>& at) {
         std::vector<double> before(width_ + 2, endless), now(width_ + 2, endless);
         std::fill(before.begin() + 1, before.end() - 1, 0.0);
@@ -85,16 +88,16 @@ public:
     }
 
 private:
-    static constexpr std::size_t apart = 32;  ///< columns of which the ways are kept
+    static constexpr std::size_t apart = 32;  ///< columns from one whose ways are kept to the next
     static constexpr double endless = std::numeric_limits<double>::infinity();
-    /// Ways to the entries of a column from which the seam can be reached, with infinities around.
+    /// Costs of the ways to those entries of a column from which the seam can be reached, with infinities around.
     using Ways = std::array<double, 2 * apart + 3>;
 
-    /// Follows the seam from its entry in a column back to the column before whose ways were kept.
+    /// Follows the seam from its entry in a column back to the nearest column before whose ways were kept.
     void go_back(std::size_t last, int number, std::vector<std::uint16_t>& at) {
         const auto first = (last - 1) / apart * apart;
         const auto reach = static_cast<std::ptrdiff_t>(last - first), low = static_cast<std::ptrdiff_t>(at[last]) - reach - 1;
-        // Place n stands for entry low + n.
+        // Index n stands for entry low + n.
         for (std::size_t c = first; c < last; ++c) {
             auto& ways = ways_[c - first];
             ways.fill(endless);

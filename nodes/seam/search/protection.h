@@ -12,15 +12,16 @@
 #include <utility>
 #include <vector>
 
-/// Seams that pass no protected vertex, of infinite cost (METHOD 8 "Protection"). Protection leaves holes, not intervals; but
-/// of two seams that pass none the lower entries of each column are such a seam too, and the upper ones. So there is a
-/// lowest seam at or above any entries, if there is one at all, and raising each entry only where it is protected or more
-/// than 1 below a neighbour leads to it. Costs are functions of (column, entry).
+/// Finds seams that pass no protected vertex, of infinite cost (METHOD 8 "Protection"). Protection leaves holes, not intervals. But if two
+/// seams pass no protected vertex, neither does the seam of their lower entries, nor that of their upper entries. So, if there is such a
+/// seam at or above given entries, there is a lowest one. Raising an entry only if it is protected, or more than 1 below a neighbour, leads
+/// to it. Costs are functions of (column, entry).
 namespace fluidcarve {
 
 namespace detail {
 
-/// Moves entries by `step`, 1 or -1, as little as can be, to a seam. @return as raise_to_seam
+/// Moves entries in the direction `step`, 1 or -1, as little as possible, to a seam.
+/// @return as raise_to_seam()
 template <int step, class CostAt>
 std::optional<std::size_t> move_to_seam(const Columns& columns, std::vector<std::uint16_t>& at, const Band& band, const CostAt& cost_at) {
     const auto take_free = [&](std::size_t c, int entry) {
@@ -51,19 +52,21 @@ std::optional<std::size_t> move_to_seam(const Columns& columns, std::vector<std:
 
 /// Raises entries to the lowest seam at or above them.
 /// @param at  inside the band
-/// @return nothing; or, if there is no such seam in the band, the column whose entries ran out first
+/// @return nothing; or, if the band holds no such seam, the column whose entries ran out first
 template <class CostAt>
 std::optional<std::size_t> raise_to_seam(const Columns& columns, std::vector<std::uint16_t>& at, const Band& band, const CostAt& cost_at) {
     return detail::move_to_seam<1>(columns, at, band, cost_at);
 }
 
-/// The same downward.
+/// Lowers entries to the highest seam at or below them.
 template <class CostAt>
 std::optional<std::size_t> lower_to_seam(const Columns& columns, std::vector<std::uint16_t>& at, const Band& band, const CostAt& cost_at) {
     return detail::move_to_seam<-1>(columns, at, band, cost_at);
 }
 
-/// The lowest seam of a band, at first its lowest entries. @return as raise_to_seam
+/// Finds the lowest seam of a band.
+/// @param at  becomes the seam
+/// @return as raise_to_seam()
 template <class CostAt>
 std::optional<std::size_t> lowest_seam(const Columns& columns, std::vector<std::uint16_t>& at, const Band& band, const CostAt& cost_at) {
     at.clear();
@@ -71,8 +74,8 @@ std::optional<std::size_t> lowest_seam(const Columns& columns, std::vector<std::
     return raise_to_seam(columns, at, band, cost_at);
 }
 
-/// What is left of a band between its lowest seam and its highest: both ends of every column are free.
-/// @param band  in which there is a seam
+/// The part of a band between its lowest seam and its highest. Both ends of every column are then free.
+/// @param band  holds at least one seam
 template <class CostAt>
 Band tightened(const Columns& columns, const Band& band, const CostAt& cost_at) {
     std::vector<std::uint16_t> low, high;
@@ -84,10 +87,10 @@ Band tightened(const Columns& columns, const Band& band, const CostAt& cost_at) 
     return out;
 }
 
-/// A seam moved aside where it passes protected vertices: to the highest seam below it or to the lowest above it, whichever
-/// is cheaper; where all that is below or above is protected, to the other side.
+/// Moves a seam aside where it passes protected vertices: to the highest seam below it or to the lowest above it, whichever is cheaper.
+/// Where everything below or above is protected, it goes to the other side.
 /// @param seam  in the band, feasible but for protected vertices
-/// @param band  in which there is a seam
+/// @param band  holds at least one seam
 template <class CostAt>
 std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector<std::uint16_t>& seam, const Band& band, const CostAt& cost_at,
                                        const StepCosts& steps) {
@@ -107,7 +110,7 @@ std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector
     return cost(below) <= cost(above) ? below : above;
 }
 
-/// The same in a window, if the seam passes protected vertices.
+/// The same in a window; returns the seam as it is if it passes no protected vertices.
 std::vector<std::uint16_t> past_protected(const EnergyVolume& energy, Window window, std::vector<std::uint16_t> seam);
 
 }  // namespace fluidcarve

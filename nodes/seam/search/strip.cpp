@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 
-/// Calls back with a column and its entries.
+/// Calls `call(column, its entries)` for the columns from begin to before end.
 template <class Cell, class Call>
 void for_columns(const EnergyVolume& energy, std::size_t begin, std::size_t end, const Call& call) {
     const auto per_frame = energy.columns_per_frame();
@@ -106,20 +106,22 @@ double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> s
 
 namespace {
 
-/// One line of columns, and where its seam may go while the others stay.
+/// One line of columns, in which a seam may move while all others stay.
 /// @tparam stepping  whether steps cost something
 template <bool stepping>
 class Line {
 public:
     Line(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
 
-    /// @param first  its first column
-    /// @param step   to the next
-    /// @param along  the dimension of the line: 0 lateral, 1 k, 2 t
-    /// @param still  the place in the line that stays where it is; none: -1
+    /// Moves the seam in the line to its cheapest entries.
+    /// @param first   the line's first column
+    /// @param step    from a column to the next
+    /// @param length  number of columns
+    /// @param along   the dimension of the line: 0 lateral, 1 k, 2 t
+    /// @param still   index in the line of the column that stays fixed; -1: none
     void improve(std::size_t first, std::size_t step, std::size_t length, std::size_t along, std::ptrdiff_t still) {
         cells_.resize(length);
-        // A ring is opened at the place that stays, which then is both ends.
+        // A ring is opened at the fixed column, which then is both ends.
         const bool ring = still >= 0;
         const auto column = [&](std::size_t n) { return first + step * (ring ? (n + static_cast<std::size_t>(still)) % length : n); };
         for (std::size_t n = 0; n < length; ++n) {
@@ -150,11 +152,11 @@ public:
     }
 
 private:
-    /// A column's entries that its neighbours beside the line allow: three at most, since its own is among them.
+    /// Those entries of a column that the neighbours beside the line allow: at most three, since the current one is among them.
     struct Cell {
         int low, high;
-        std::array<float, 3> cost;  ///< of the cheapest way here
-        std::array<int, 3> from;    ///< its entry in the column before
+        std::array<float, 3> cost;  ///< of the cheapest way to the entry
+        std::array<int, 3> from;    ///< the way's entry in the column before
         int stay;
     };
 
@@ -172,14 +174,14 @@ private:
             cell.high = std::min(cell.high, beside + 1);
         }
     }
-    /// What steps to the columns beside the line cost.
+    /// Cost of the steps to the columns beside the line.
     float to_neighbours(std::size_t c, int entry, const Around& around, std::size_t along) const {
         float out = 0;
         for (std::size_t d = 0; d < around.size(); ++d)
             if (d / 2 != along && around[d] != Columns::none) out += strip_.steps()(c, entry, around[d], seam_[around[d]], d / 2 == 2);
         return out;
     }
-    /// Ties go to what does not move.
+    /// Ties go to the entry that does not move.
     static bool better(float cost, int entry, float than, int other, int stay) { return cost < than || (cost == than && entry == stay && other != stay); }
     void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, std::size_t along) const {
         auto best = std::numeric_limits<float>::infinity();
@@ -214,11 +216,11 @@ void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
     const std::array<std::size_t, 3> step{1, columns.laterals(), columns.per_frame()};
     for (std::size_t along = 0; along < 3; ++along) {
         if (size[along] < 2) continue;
-        // Of the other two, `outer` goes to the threads.
+        // Of the other two dimensions, `outer` is divided among the threads.
         const std::size_t inner = along == 0 ? 1 : 0, outer = along == 2 ? 1 : 2;
         const bool ring = along == 1 && columns.closed();
         const auto still = ring ? static_cast<std::ptrdiff_t>(static_cast<std::size_t>(turn) * size[1] / 2 % size[1]) : -1;
-        // Around a ring of odd length the last slice's lines are neighbours of the first's.
+        // In a ring of odd length, the lines of the last slice are neighbours of those of the first.
         const std::size_t odd = columns.closed() && size[1] % 2 != 0 && along != 1 ? 1 : 0;
         for (std::size_t colour = 0; colour < 2 + 2 * odd; ++colour)
             tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {

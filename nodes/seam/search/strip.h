@@ -10,8 +10,8 @@
 
 namespace fluidcarve {
 
-/// The energies of a band of equal width, column after column: what is read again and again while a seam is refined. Where
-/// vertices are marked, Costs stand in for energies.
+/// The energies of a band of equal width, column after column. They are read again and again while a seam is refined. If vertices are
+/// marked, Costs replace energies.
 class Strip {
 public:
     /// @param band  intervals of one size
@@ -20,12 +20,12 @@ public:
     const Columns& columns() const { return columns_; }
     Band::Column operator[](std::size_t column) const { return band_.columns[column]; }
     const Band& band() const { return band_; }
-    /// At the interval's first entry; those of the others follow.
+    /// The energies of a column, from its interval's first entry on.
     const float* energies(std::size_t column) const { return energies_.data() + column * width_; }
     float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
-    /// Sum over a seam in the band, with its steps.
+    /// Sum over a seam in the band, including the costs of its steps.
     double energy(std::span<const std::uint16_t> seam) const;
-    /// What steps cost; points into the energy that the strip was made from.
+    /// The costs of steps; points into the energy that the strip was made from.
     const StepCosts& steps() const { return steps_; }
     bool protects() const { return protects_; }
 
@@ -38,20 +38,20 @@ private:
     bool protects_;
 };
 
-/// What a seam's steps cost. The same for any number of threads, as all sums here.
+/// Sum of the costs of a seam's steps. Like all sums here, it is the same for any number of threads.
 double cost_of_steps(const Columns& columns, const StepCosts& steps, std::span<const std::uint16_t> seam);
-/// Sum of the energies at a seam's entries and of what its steps cost; energies of attracted vertices are 0.
+/// Energy of a seam: the sum over its entries and the costs of its steps. Attracted vertices count 0.
 double energy_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
-/// Sum of the costs there and of what its steps cost.
+/// Cost of a seam: the same sum with Costs.
 double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
-/// What no seam is below in energy that takes as many attracted vertices as this one.
-/// @param cost_bound  what no seam is below in cost
+/// Lower bound on the energy of any seam that takes as many attracted vertices as this one.
+/// @param cost_bound  lower bound on the cost of any seam
 double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound);
 
-/// Makes a seam cheaper where a whole line of columns can do better while its neighbours stay: along each dimension, for
-/// every line by dynamic programming (multi-pass dynamic programming, Furuta et al. 2018). Lines that are neighbours take turns.
+/// Improves a seam line by line. In each line of columns along each dimension, dynamic programming finds the best entries while the columns
+/// beside it stay (multi-pass dynamic programming, Furuta et al. 2018). Neighbouring lines take turns.
 /// @param seam  feasible, in the strip, of finite cost; stays so
-/// @param turn  in a closed lattice, which slice holds still; another each time
+/// @param turn  number of the sweep; in a closed lattice it selects the slice that stays fixed
 void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn);
 
 }  // namespace fluidcarve
