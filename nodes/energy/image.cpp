@@ -49,9 +49,12 @@ struct ImageEnergy {
     };
     struct Ports {
         Ref<Volume> source;
-        Ref<FloatGrid> energy;
+        Ref<FloatGrid> energy, intensity;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.energy = image_energy(*intensity(*io.source, params.channels)); }
+    static void run(const Params& params, Ports& io, Context&) {
+        io.intensity = intensity(*io.source, params.channels);
+        io.energy = image_energy(*io.intensity);
+    }
 };
 
 }  // namespace
@@ -102,6 +105,8 @@ NodeType energy_image() {
                "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B; without these channels, the mean of all channels except "
                "opacity (A, alpha).")
         .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
+        .output("intensity", &ImageEnergy::Ports::intensity, "What is seen, units of the channels: a solver's `field`.")
+        .version(2)
         .kept();
 }
 

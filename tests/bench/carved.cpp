@@ -87,8 +87,8 @@ const std::string& text_of(Value& node, const std::string& field) {
     return found->value.text;
 }
 
-Document document_of(const Shot& shot, const std::string& input, int count, const std::string& out) {
-    std::vector<std::string> settings{fmt::format("{}={}", shot.scene.input, input), fmt::format("count={}", count)};
+Document document_of(const Shot& shot, const std::string& input, const std::string& count, const std::string& out) {
+    std::vector<std::string> settings{shot.scene.input + "=" + input, "count=" + count};
     if (!out.empty()) settings.push_back("out=" + out);
     if (shot.range) settings.push_back(fmt::format("frames={}-{}", shot.range->first, shot.range->second));
     Problems problems;
@@ -136,15 +136,46 @@ std::optional<std::array<double, 4>> windows_of(Document& document) {
     return std::array{number(window->value.items.at(0)), number(window->value.items.at(1)), number(pair->value.items.at(0)), number(pair->value.items.at(1))};
 }
 
+Value list_value(const std::vector<std::string>& texts, const Mark& mark) {
+    Value out;
+    out.kind = Value::Kind::list;
+    out.mark = mark;
+    for (const auto& text : texts) out.items.push_back(text_value(text, mark));
+    return out;
+}
+
+/// Gives empty space a price by a mask over the energy, as the paper's pipelines do, where the shipped solver's own (`empty`) does:
+/// without one, all seams would pass beside the smoke.
+/// @param field  what is looked at
+/// @param seams  the solver, which gets the new energy
+void price_empty_space(Document& document, Value& seams, const std::string& field) {
+    Value seen, energy;
+    seen.mark = energy.mark = document.mark;
+    set(seen, "type", "mask.threshold");
+    set(seen, "field", field);
+    set(seen, "above", "0.02");
+    set(energy, "type", "mask.weight");
+    set(energy, "energy", text_of(seams, "energy"));
+    set(energy, "masks", list_value({"look_seen"}, document.mark));
+    set(energy, "weights", list_value({"0.3"}, document.mark));
+    set(energy, "outside", "0.5");
+    set(seams, "energy", "look_energy");
+    set(document.nodes, "look_seen", std::move(seen));
+    set(document.nodes, "look_energy", std::move(energy));
+}
+
 /// Gives each solver and each carve the settings of classical seam carving, of those that its type has.
 void make_classical(Document& document, const Registry& registry) {
     auto& seams = node_of(document, "seams");
     set(seams, "type", "seam.greedy");
+    const auto* const field = seams.find("field");
+    const auto seen = field ? field->value.text : std::string();
     const auto& greedy = *registry.node("seam.greedy");
     std::erase_if(seams.fields, [&](const Value::Field& field) {
         const bool of_forward_cost = field.name == "field" || field.name == "field_weight" || field.name == "empty";
         return of_forward_cost || (!is_common_field(field.name) && !greedy.input(field.name) && !greedy.param(field.name));
     });
+    if (!seen.empty()) price_empty_space(document, node_of(document, "seams"), seen);
     for (auto& [name, mark, node] : document.nodes.fields) {
         const auto type = text_of(node, "type");
         const auto* const known = registry.node(type);
@@ -188,7 +219,10 @@ void give_what_is_left(Document& document, const std::vector<Ref<Lattice>>& latt
 class Sampler {
 public:
     Sampler(const Scene& scene, const Volume& volume) {
-        for (const auto& name : scene.grids) {
+        auto names = scene.grids;
+        if (names.empty())
+            for (const auto& grid : volume.grids) names.push_back(grid->getName());
+        for (const auto& name : names) {
             const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
             if (!grid) throw std::runtime_error(fmt::format("{} has no grid '{}' of floats", scene.pipeline, name));
             grids_.push_back(grid);
@@ -228,24 +262,34 @@ Samples part_of(const Samples& wide, std::size_t first, std::size_t width) {
 
 }  // namespace
 
-std::optional<Shot> find_shot(const Scene& scene, const std::string& folder) {
+std::vector<Shot> find_shots(const Scene& scene, const std::string& folder) {
     namespace fs = std::filesystem;
     const auto path = fs::absolute(folder) / scene.files;
-    Shot out{scene, path.string(), std::nullopt};
     const auto name = path.filename().string();
-    const auto token = name.find("####");
-    if (token == std::string::npos) return fs::exists(path) ? std::optional(out) : std::nullopt;
+    if (name.find('#') == name.npos && name != "*")
+        return fs::exists(path) ? std::vector{Shot{scene, scene.pipeline, path.string(), std::nullopt}} : std::vector<Shot>{};
     std::error_code missing;
-    for (const auto& entry : fs::directory_iterator(path.parent_path(), missing)) {
-        const auto file = entry.path().filename().string();
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(path.parent_path(), missing)) files.push_back(entry.path().filename().string());
+    std::ranges::sort(files);
+    std::vector<Shot> out;
+    if (name == "*") {
+        for (const auto& file : files)
+            if (const auto kind = fs::path(file).extension(); kind == ".png" || kind == ".jpg")
+                out.push_back({scene, fmt::format("{} {}", scene.pipeline, fs::path(file).stem().string()), path.parent_path() / file, std::nullopt});
+        return out;
+    }
+    const auto token = name.find("####");
+    for (const auto& file : files) {
         if (file.size() != name.size() || !file.starts_with(name.substr(0, token)) || !file.ends_with(name.substr(token + 4))) continue;
         const int frame = std::atoi(file.c_str() + token);
-        out.range = out.range ? std::pair(std::min(out.range->first, frame), std::max(out.range->second, frame)) : std::pair(frame, frame);
+        if (out.empty()) out.push_back({scene, scene.pipeline, path.string(), std::pair(frame, frame)});
+        out.front().range->second = frame;
     }
-    return out.range ? std::optional(out) : std::nullopt;
+    return out;
 }
 
-Carved carve_as_shipped(const Shot& shot, int count) {
+Carved carve_as_shipped(const Shot& shot, const std::string& count) {
     const Scratch scratch;
     auto document = document_of(shot, shot.files, count, "");
     auto out = record(document, registry_of_looks(), shot.scene.input, scratch);
@@ -260,7 +304,7 @@ Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice
     auto from = shot.files;
     for (int done = 0;; done += step) {
         const auto to = scratch / (done % 2 == 0 ? "even" : "odd") + (shot.range ? ".####.vdb" : ".png");
-        auto document = document_of(shot, from, step, to);
+        auto document = document_of(shot, from, std::to_string(step), to);
         give_what_is_left(document, lattices, done);
         make_classical(document, registry);
         move_windows(node_of(document, "seams"), done);

@@ -12,22 +12,23 @@
 
 /// A shipped pipeline, and what of it is looked at.
 struct Scene {
-    std::string pipeline;            ///< `plume` for pipelines/plume.yaml
-    std::string input;               ///< the pipeline's parameter that names its input, and the node that reads it
-    std::string files;               ///< in a folder of data
-    std::vector<std::string> grids;  ///< what is seen: their mean
-    std::array<int, 2> counts;       ///< of seams
+    std::string pipeline;               ///< `plume` for pipelines/plume.yaml
+    std::string input;                  ///< the pipeline's parameter that names its input, and the node that reads it
+    std::string files;                  ///< in a folder of data; `*`: each file there is a shot of its own
+    std::vector<std::string> grids;     ///< what is seen: their mean; none: of all that there are
+    std::array<const char*, 2> counts;  ///< of seams, or a share of the vertices along u
 };
 
 /// A scene with its data.
 struct Shot {
     Scene scene;
+    std::string name;                          ///< of the scene, and of the file if there may be several
     std::string files;                         ///< whole path
     std::optional<std::pair<int, int>> range;  ///< the first and the last frame; nothing: a single image
 };
 
-/// @return nothing if the folder holds no files of the scene
-std::optional<Shot> find_shot(const Scene& scene, const std::string& folder);
+/// @return none if the folder holds no files of the scene
+std::vector<Shot> find_shots(const Scene& scene, const std::string& folder);
 
 /// What a pipeline made of a sequence, and in which space.
 struct Carved {
@@ -37,7 +38,8 @@ struct Carved {
 };
 
 /// Runs the shipped pipeline as it is.
-Carved carve_as_shipped(const Shot& shot, int count);
+/// @param count  as a pipeline states it
+Carved carve_as_shipped(const Shot& shot, const std::string& count);
 
 /// The paper's way: multi-greedy seams of backward energy, whole vertices move. To narrow, each seam is carved before the next
 /// is looked for, in the lattice that is left of the first. To widen, all are found at once: one after the other, the same

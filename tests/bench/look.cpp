@@ -5,8 +5,10 @@
 //
 // --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the time.
 
+#include "graph/types/param.h"
 #include "tests/bench/carved.h"
 #include "tests/bench/look_picture.h"
+#include "tests/bench/lqr_carve.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -19,16 +21,22 @@ namespace {
 
 /// The scenes and their counts: about a fifth of the vertices along u, or as many as are shipped.
 const std::vector<Scene> scenes{
-    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {-8, 8}},        {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {-8, 8}},
-    {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {-5, 5}},   {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {-6, 6}},
-    {"bonfire", "sim", "bonfire/bonfire.####.vdb", {"flame"}, {-4, 5}},    {"bonfire_hot", "sim", "bonfire/bonfire.####.vdb", {"density"}, {-8, 8}},
-    {"image", "photo", "images/rocket.jpg", {"R", "G", "B"}, {-128, 128}}, {"image_ring", "photo", "images/chelsea.png", {"R", "G", "B"}, {-8, 12}},
+    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
+    {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
+    {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {"-5", "+5"}},
+    {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {"-6", "+6"}},
+    {"bonfire", "sim", "bonfire/bonfire.####.vdb", {"flame"}, {"-4", "+5"}},
+    {"bonfire_hot", "sim", "bonfire/bonfire.####.vdb", {"density"}, {"-8", "+8"}},
+    {"image", "photo", "images/*", {}, {"-20%", "+20%"}},
+    {"image_ring", "photo", "images/chelsea.png", {"R", "G", "B"}, {"-8", "+12"}},
 };
 
 constexpr auto about =
     "- shipped: the pipeline as it is.\n"
-    "- the paper's: the same energy carved by the paper's method. Multi-greedy seams pay backward costs, whole vertices move. To narrow, each seam is carved "
+    "- the paper's: the same energy carved by the paper's method. Empty space gets a price by a mask (0.5, content 0.3 more than its energy). Multi-greedy "
+    "seams pay backward costs, whole vertices move. To narrow, each seam is carved "
     "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
+    "- liblqr's: images carved by liblqr as it comes.\n"
     "\n"
     "Each figure is a share: below 1 is better than even scaling to the same visible width. Samples stand at the lattice's vertices.\n"
     "\n"
@@ -104,7 +112,7 @@ public:
 private:
     template <class... Texts>
     static void print(const Texts&... texts) {
-        fmt::print("{:<12} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7}\n", texts...);
+        fmt::print("{:<17} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7}\n", texts...);
         std::fflush(stdout);
     }
     void row(const std::string& scene, const std::string& count, const std::string& contender, const std::string& coherence, const std::string& completeness,
@@ -123,6 +131,9 @@ private:
     std::vector<Means> means_;
 };
 
+/// @param width  vertices along u
+int count_of(const std::string& stated, int width) { return fluidcarve::Count{std::stod(stated), stated.ends_with('%')}.of(width); }
+
 /// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second
 /// to what is left for it.
 Samples even_for(const Samples& result, const Samples& source, const Carved& carved, int count) {
@@ -140,22 +151,22 @@ Samples even_for(const Samples& result, const Samples& source, const Carved& car
 }
 
 /// Measures a shot at one count. @return what is seen of it
-LookRow measure(const Shot& shot, int count, bool loop, Table& table) {
+LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& table) {
     const auto& scene = shot.scene;
-    const auto shipped = carve_as_shipped(shot, count);
+    const auto shipped = carve_as_shipped(shot, stated);
     const auto source = samples_before(scene, shipped);
-    const int grown = shipped.windows ? 0 : count;
-    LookRow out{fmt::format("{}, {:+}", scene.pipeline, count), {middle_frame(source)}, {"before"}};
-    const auto add = [&](const std::string& contender, const Carved& carved) {
-        const auto result = samples_after(scene, carved, grown);
+    const int count = count_of(stated, static_cast<int>(source.shape[0])), grown = shipped.windows ? 0 : count;
+    LookRow out{fmt::format("{}, {:+}", shot.name, count), {middle_frame(source)}, {"before"}};
+    const auto add = [&](const std::string& contender, const Samples& result) {
         const auto even = even_for(result, source, shipped, count);
-        table.add(scene.pipeline, count, contender, looks_of(result, source, even, std::abs(count)));
+        table.add(shot.name, count, contender, looks_of(result, source, even, std::abs(count)));
         out.samples.push_back(middle_frame(result));
         out.names.push_back(contender);
         return middle_frame(even);
     };
-    if (loop) add("the paper's", carve_as_paper(shot, count, shipped.lattices));
-    const auto even = add("shipped", shipped);
+    if (loop) add("the paper's", samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
+    if (scene.pipeline == "image") add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
+    const auto even = add("shipped", samples_after(scene, shipped, grown));
     out.samples.insert(out.samples.begin() + 1, even);
     out.names.insert(out.names.begin() + 1, "scaled evenly");
     return out;
@@ -167,15 +178,13 @@ void look(const std::vector<std::string>& wanted, bool loop, const std::string& 
     std::vector<LookRow> rows;
     for (const auto& scene : scenes) {
         if (!wanted.empty() && std::ranges::find(wanted, scene.pipeline) == wanted.end()) continue;
-        const auto shot = find_shot(scene, folder);
-        if (!shot) {
-            fmt::print(stderr, "{} is left out: there is no {} in {}\n", scene.pipeline, scene.files, folder);
-            continue;
-        }
-        for (const int count : scene.counts) {
-            auto row = measure(*shot, count, loop, table);
-            if (count == scene.counts.front()) rows.push_back(std::move(row));
-        }
+        const auto shots = find_shots(scene, folder);
+        if (shots.empty()) fmt::print(stderr, "{} is left out: there is no {} in {}\n", scene.pipeline, scene.files, folder);
+        for (const auto& shot : shots)
+            for (const auto* const count : scene.counts) {
+                auto row = measure(shot, count, loop, table);
+                if (count == scene.counts.front()) rows.push_back(std::move(row));
+            }
     }
     if (rows.empty()) throw std::runtime_error("there is nothing to look at");
     table.add_means();

@@ -1,4 +1,5 @@
 #include "nodes/remap/grid.h"
+#include "nodes/remap/rim.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/sampled.h"
@@ -18,7 +19,9 @@ using openvdb::Vec3d;
 
 namespace {
 
-CarveMap map_of(const Lattice& lattice, const Seams& seams) { return {lattice, {std::make_shared<Seams>(seams)}, 1, {}}; }
+CarveMap map_of(const Lattice& lattice, const Seams& seams, const Softness& softness = {}) {
+    return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, softness};
+}
 
 template <class Grid>
 typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map,
@@ -109,8 +112,9 @@ TEST_CASE("in a bent lattice, what lies outside or before the seams stays bit fo
     CHECK((freed > 2000 || kind == Seams::Kind::insert));
 }
 
-TEST_CASE("a ring carved inside its wall moves its outer rim by the number of seams, everywhere alike") {
+TEST_CASE("a ring carved inside its wall moves its outer rim by the number of seams, everywhere alike, softly too") {
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
+    const double soft = GENERATE(0.0, default_soft);
     const double spacing = 0.5;
     const Vec3d centre(0.13, -0.21, 0.07);
     const auto lattice = ring(centre, {29, 9, 180}, spacing, Vec2d(-7, -2));
@@ -121,8 +125,9 @@ TEST_CASE("a ring carved inside its wall moves its outer rim by the number of se
     });
     // Vertex 14 is on the rig; the wall is solid from 8 to 19.
     const int count = 6;
-    const auto map = map_of(
-        lattice, straight_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector<int>(count, 11) : std::vector{10, 11, 12, 13, 14, 15}));
+    const auto map =
+        map_of(lattice, straight_seams(lattice, Axis::u, kind, kind == Seams::Kind::remove ? std::vector<int>(count, 11) : std::vector{10, 11, 12, 13, 14, 15}),
+               {soft, 0});
     const auto got = carved<FloatGrid>(grid, lattice, map);
 
     const auto rim = outline(*got, centre, rig, 0.1), before = outline(*grid, centre, rig, 0.1);
