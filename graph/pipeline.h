@@ -39,6 +39,8 @@ struct Node {
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;                       ///< at least one input arrives per frame
+
+    bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.

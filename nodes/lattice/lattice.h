@@ -11,6 +11,16 @@ namespace fluidcarve {
 /// The dimension of a lattice that is carved.
 enum class Axis { u = 0, v = 1 };
 
+/// Place of a carved axis among a vertex's coordinates: 0 or 1.
+constexpr std::size_t dimension(Axis axis) { return static_cast<std::size_t>(axis); }
+/// Place of the other of the two, along which columns stand beside each other.
+constexpr std::size_t lateral_dimension(Axis axis) { return 1 - dimension(axis); }
+/// A vertex `(i, j, k)` by its entry along the carved axis and its column.
+template <class T>
+constexpr std::array<T, 3> vertex_of(Axis axis, T entry, T lateral, T k) {
+    return axis == Axis::u ? std::array<T, 3>{entry, lateral, k} : std::array<T, 3>{lateral, entry, k};
+}
+
 /// Largest number of vertices along a dimension. Seam entries have 16 bits and need one value more, for the entry behind the last.
 constexpr int most_vertices = 65534;
 

@@ -65,7 +65,7 @@ public:
 private:
     Vec3d place(double entry, int lateral, int k) const {
         const double other = laterals_.coordinate(lateral), z = slices_.coordinate(k);
-        return space_.worldToIndex(lattice_.position(seams_.axis == Axis::u ? Vec3d(entry, other, z) : Vec3d(other, entry, z)));
+        return space_.worldToIndex(lattice_.position(Vec3d(vertex_of(seams_.axis, entry, other, z).data())));
     }
     double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
 

@@ -19,7 +19,7 @@ struct RemapMesh {
         double fade = 8;
         double soft = default_soft;
         double soft_time = default_soft_time;
-        bool still = false;
+        bool static_ = false;
     };
     struct Ports {
         Ref<Mesh> source;
@@ -28,7 +28,7 @@ struct RemapMesh {
         Ref<Mesh> mesh;
     };
 
-    static bool animates(const Params& params) { return !params.still; }
+    static bool animates(const Params& params) { return !params.static_; }
     static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -79,7 +79,7 @@ NodeType remap_mesh() {
         .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .param(
-            "static", &Params::still,
+            "static", &Params::static_,
             "For a mesh of one file that must stay one file. Seams must then move it the same way in all frames; otherwise the node fails. They do so if they "
             "are the same in all frames, as in windows with `static: true`, or if they never pass through the mesh: `protect` its voxels (mask.mesh).")
         .output("mesh", &Ports::mesh, "The carved source. Vertices outside the lattice, or where nothing moves, are the same to the last bit.");

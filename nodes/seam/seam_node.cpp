@@ -89,7 +89,7 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
         check.fault("pair_window",
                     fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", text(*params.pair_window),
                                 params.pair_window->high < params.window->low ? "lies below" : "overlaps", text(*params.window), params.window->high));
-    if (params.pair_still && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
+    if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
     const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
     if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
     if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out");
@@ -98,8 +98,8 @@ void SeamNode::check(const Params& params, NodeCheck& check) {
     if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
-    if (forward && (params.still || params.pair_still))
-        check.fault(params.still ? "static" : "pair_static",
+    if (forward && (params.static_ || params.pair_static))
+        check.fault(params.static_ ? "static" : "pair_static",
                     "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
 }
 
@@ -281,13 +281,12 @@ Seams SeamNode::empty_seams(const Params& params, const Task& task, const Contex
 
 std::string SeamNode::why_no_more(const NoSeam& none, const Params& params, const Task& task, const Ports& io, const Context& context,
                                   bool in_pair_window) const {
-    const auto lateral_axis = params.axis == Axis::u ? 1u : 0u;
-    const int laterals = task.shape[lateral_axis];
+    const int laterals = task.shape[lateral_dimension(params.axis)];
     const auto per_frame = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(task.shape[2]);
     const auto t = none.at.column / per_frame;
     const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals, k = c / laterals;
     const auto& window = in_pair_window ? *task.pair_window : task.window;
-    const bool still = in_pair_window ? params.pair_still : params.still;
+    const bool static_ = in_pair_window ? params.pair_static : params.static_;
     const auto& lattice = *lattices_[std::min(t, lattices_.size() - 1)];
     const CarveMap before(lattice, io.after, context.frames()[t], std::nullopt);
     const auto world = [&](int entry) {
@@ -302,7 +301,7 @@ std::string SeamNode::why_no_more(const NoSeam& none, const Params& params, cons
     return fmt::format("{} possible in {} [{}, {}]: {} {}; ask for fewer, widen the window or protect less",
                        none.found == 0 ? "no seam is" : fmt::format("{} of {} seams {}", none.found, task.count, none.found == 1 ? "is" : "are"),
                        in_pair_window ? "pair_window" : "window", window.first, window.last,
-                       still ? "over all frames" : fmt::format("in frame {}", context.frames()[t]),
+                       static_ ? "over all frames" : fmt::format("in frame {}", context.frames()[t]),
                        none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
                                          : fmt::format("of the {} vertices left in {} {} {} unprotected, but out of reach from the columns beside",
                                                        none.at.vertices, column, none.at.free, none.at.free == 1 ? "is" : "are"));
@@ -401,7 +400,7 @@ void SeamNode::find_all(const Params& params, const Task& task, const Ports& io,
         continued.folder = context.work_folder();
         try {
             auto seams = find_seams(*energy_, kind, task.count, in_pair_window ? *task.pair_window : task.window, find_bounded, tick, keep,
-                                    in_pair_window ? params.pair_still : params.still, continued);
+                                    in_pair_window ? params.pair_static : params.static_, continued);
             done += share;
             return seams;
         } catch (const NoSeam& none) {

@@ -69,8 +69,8 @@ public:
         Count count;
         Auto<Interval> window;
         Auto<Interval> pair_window;
-        bool still = false;
-        bool pair_still = false;
+        bool static_ = false;
+        bool pair_static = false;
         Measure measure = Measure::vertex;
         Auto<Cost> cost;
         float field_weight = 1;
@@ -191,8 +191,10 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "pair_window", &Params::pair_window, Unit::vertices, at_least(0),
             "A second window, above the first. Each seam then comes with one of the opposite kind in this window: only the content between the two moves, and "
             "the size stays. auto is no pairs.")
-        .param("static", &Params::still, "Whether each seam in `window` is the same in all frames. It is then found in the sum of the energy over all frames.")
-        .param("pair_static", &Params::pair_still, "The same for the seams in `pair_window`: for example on a river bank, which stands still beside the river.")
+        .param("static", &Params::static_,
+               "Whether each seam in `window` is the same in all frames. It is then found in the sum of the energy over all frames.")
+        .param("pair_static", &Params::pair_static,
+               "The same for the seams in `pair_window`: for example on a river bank, which stands still beside the river.")
         .param(
             "measure", &Params::measure,
             "vertex: all vertices count equally. volume: a vertex counts as much as the space around it, since in bent lattices inner cells are smaller than "

@@ -42,7 +42,7 @@ struct Seams {
     std::vector<Seam> pairs;
 
     int carved() const { return shape[static_cast<std::size_t>(axis)]; }  ///< vertices along the carved axis
-    int lateral() const { return shape[axis == Axis::u ? 1 : 0]; }
+    int lateral() const { return shape[lateral_dimension(axis)]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     bool paired() const { return !pairs.empty(); }
     /// The lattice hash of a frame.

@@ -33,8 +33,6 @@ void Keys::reset() {
     }
 }
 
-bool Keys::streams_in(std::size_t n) const { return pipeline_.nodes[n].gathers && pipeline_.nodes[n].per_frame_input; }
-
 std::vector<std::string> Keys::files(std::size_t n, std::size_t place) const {
     const auto& node = pipeline_.nodes[n];
     int frame = frames_.at(place);
@@ -127,7 +125,7 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     if (node.rate != Rate::frame) place = 0;
     auto& known = kept_[n][place];
     if (known) return *known;
-    if (node.rate != Rate::frame && streams_in(n)) {
+    if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
         return *known;
     }
@@ -135,7 +133,7 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     describe(hash.text("result"), n, nullptr);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(frames_.at(place)));
-    if (streams_in(n)) hash.key(gathered(n));
+    if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));
     else if (node.gathers)
         for (const auto frame : frames_) hash.number(static_cast<std::uint64_t>(frame));
     add_inputs(hash, n, place, nullptr, std::nullopt);

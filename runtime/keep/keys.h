@@ -41,7 +41,6 @@ public:
     std::optional<Key> plugin(std::size_t node) const;
 
 private:
-    bool streams_in(std::size_t node) const;
     /// Adds type, version and parameters to a hash. @param fields  the parameters to add; null: all
     void describe(ContentHash& hash, std::size_t node, const std::vector<std::string>* fields) const;
     /// Adds the keys of a node's inputs to a hash.

@@ -4,6 +4,7 @@
 #include "graph/views/drawing.h"
 #include "runtime/page/html_style.h"
 #include "runtime/page/plot.h"
+#include "runtime/tell/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,21 +37,6 @@ std::string base64(const std::string& bytes) {
         for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[three >> (18 - 6 * i) & 63U] : '=';
     }
     return out;
-}
-
-/// Rounds to three significant digits.
-std::string three_digits(double value) { return fmt::format("{:.{}f}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0); }
-
-std::string duration(double seconds) {
-    if (seconds < 0.0995) return three_digits(seconds * 1e3) + " ms";
-    if (seconds < 100) return three_digits(seconds) + " s";
-    return seconds < 6000 ? three_digits(seconds / 60) + " min" : three_digits(seconds / 3600) + " h";
-}
-
-std::string size(std::uint64_t bytes) {
-    const auto value = static_cast<double>(bytes);
-    if (bytes < 1000) return fmt::format("{} B", bytes);
-    return value < 1e6 ? three_digits(value * 1e-3) + " kB" : value < 1e9 ? three_digits(value * 1e-6) + " MB" : three_digits(value * 1e-9) + " GB";
 }
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }

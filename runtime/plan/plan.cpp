@@ -9,8 +9,6 @@
 namespace fluidcarve {
 namespace {
 
-bool streams_in(const Node& node) { return node.gathers && node.per_frame_input; }
-
 /// Marks in `flags` the per-frame nodes that `node` needs in its pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
     for (const auto& links : pipeline.nodes[node].inputs)
@@ -47,7 +45,7 @@ std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline,
     const Target out{static_cast<std::size_t>(node - pipeline.nodes.data()), dot != std::string::npos};
     if (!out.digests) return out;
     const auto port = to.substr(dot + 1);
-    const bool takes = node->type->digest != typeid(void) && streams_in(*node);
+    const bool takes = node->type->digest != typeid(void) && node->streams_in();
     if (takes && node->type->input(port)) return out;
     const auto has = [&](const OutputSpec& output) { return output.name == port; };
     if (std::any_of(node->outputs.begin(), node->outputs.end(), has)) return Target{out.node, false};
@@ -99,7 +97,7 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, 0) ? Action::load : Action::run;
         if (action == Action::load) return;
-        if (streams_in(pipeline_.nodes[n])) gather(n);
+        if (pipeline_.nodes[n].streams_in()) gather(n);
         else inputs(n, 0, 0);
     }
 
@@ -108,14 +106,14 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
-        if (streams_in(pipeline_.nodes[n])) gather(n);
+        if (pipeline_.nodes[n].streams_in()) gather(n);
         inputs(n, place, pass);
     }
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
         if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
         // In the pass in which a node gathers, its action says how it takes the frame.
-        const std::size_t first = streams_in(pipeline_.nodes[n]) ? plan_.gathered_in[n] + 1 : 0;
+        const std::size_t first = pipeline_.nodes[n].streams_in() ? plan_.gathered_in[n] + 1 : 0;
         for (auto earlier = first; earlier < pass; ++earlier)
             if (out_.frames[earlier][place][n] != Action::none) return true;
         return false;
@@ -195,8 +193,8 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
         for (const auto& links : node.inputs)
             for (const auto& link : links) ready[n] = std::max(ready[n], ready[link.node]);
         out.gathered_in[n] = ready[n];
-        if (streams_in(node)) ++ready[n];
-        if (out.needed[n]) passes = std::max(passes, streams_in(node) ? out.gathered_in[n] + 1 : ready[n]);
+        if (node.streams_in()) ++ready[n];
+        if (out.needed[n]) passes = std::max(passes, node.streams_in() ? out.gathered_in[n] + 1 : ready[n]);
     }
     if (!out.digested)
         for (const auto n : targets) out.targets[n] = true;
@@ -206,7 +204,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     for (std::size_t n = 0; n < count; ++n) {
         if (!out.needed[n]) continue;
         const auto& node = pipeline.nodes[n];
-        if (streams_in(node)) {
+        if (node.streams_in()) {
             auto& pass = out.passes[out.gathered_in[n]];
             pass.gatherers.push_back(n);
             pass.gatherer_needs.emplace_back(count, false);
@@ -214,7 +212,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
         }
         if (node.rate == Rate::frame) {
             if (out.targets[n]) out.passes[ready[n]].delivers.push_back(n);
-        } else if (!streams_in(node)) {
+        } else if (!node.streams_in()) {
             (ready[n] < passes ? out.passes[ready[n]].before : out.after).push_back(n);
         }
     }
@@ -250,7 +248,7 @@ Runs runs_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedul
     for (std::size_t pass = 0; pass < schedule.frames.size(); ++pass)
         for (std::size_t place = 0; place < places; ++place) {
             const auto action = schedule.frames[pass][place][n];
-            const bool takes = streams_in(pipeline.nodes[n]) && pass == plan.gathered_in[n];
+            const bool takes = pipeline.nodes[n].streams_in() && pass == plan.gathered_in[n];
             if (takes && action != Schedule::Action::none) (action == Schedule::Action::run ? out.taken : out.taken_kept)[place] = true;
             if (!takes && action == Schedule::Action::run) out.run[place] = true;
         }
@@ -277,7 +275,7 @@ std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Sche
             share.frames = number_of(anew.run);
             share.runs = number_of(now.run);
         } else if (nothing_kept.once[n] == Schedule::Action::run) {
-            share.frames = streams_in(node) ? number_of(anew.taken) : 1;
+            share.frames = node.streams_in() ? number_of(anew.taken) : 1;
             share.runs = schedule.once[n] == Schedule::Action::run ? share.frames : 0;
         }
     }

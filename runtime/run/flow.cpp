@@ -143,6 +143,30 @@ struct Flow::Self {
         }
     }
 
+    /// Calls a body with connected ports and a context.
+    /// @param frame  null: a body that is called once
+    bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body) {
+        return guarded(line.node, frame ? std::optional(frames[frame->place]) : std::nullopt, what, [&] {
+            const auto ports = behaviours[line.node].make_ports();
+            connect(line.node, ports.get(), frame);
+            auto where = context(line);
+            if (frame) where.at(frame->place);
+            body(ports.get(), where);
+        });
+    }
+
+    /// Reports the end of a body that is called once, and keeps what it held. A failure there ends the run.
+    void end_once(Line& line, std::size_t step, bool good, bool delivers) {
+        const auto n = line.node;
+        report.finished(n, since(line.start), bytes(held[n]));
+        progress.done(step, since(line.start), std::nullopt);
+        if (!good) fatal = true;
+        else if (delivers) keep(n, 0, held[n], line.said);
+    }
+
+    /// Whether a frame can't be run: a node before failed there, or the run was cancelled.
+    bool hopeless(std::size_t n, const FrameRun& frame, const Wiring& wiring) const { return upstream_failed(n, frame, wiring) || cancelled(); }
+
     /// Frame number at a place; nothing for a node that runs once.
     std::optional<int> frame_at(std::size_t n, std::size_t place) const {
         return pipeline.nodes[n].rate == Rate::frame ? std::optional(frames[place]) : std::nullopt;
@@ -183,17 +207,11 @@ struct Flow::Self {
     void finish(std::size_t n) {
         Line line(*this, n);
         const bool delivers = pipeline.nodes[n].rate != Rate::frame;
-        const bool good = guarded(n, std::nullopt, "finish", [&] {
-            auto ports = behaviours[n].make_ports();
-            connect(n, ports.get(), nullptr);
-            auto where = context(line);
-            end_gathering(n, ports.get(), where, line);
-            if (delivers) held[n] = collect(n, ports.get());
+        const bool good = call(line, nullptr, "finish", [&](void* ports, Context& where) {
+            end_gathering(n, ports, where, line);
+            if (delivers) held[n] = collect(n, ports);
         });
-        report.finished(n, since(line.start), bytes(held[n]));
-        progress.done(*steps[n].finish, since(line.start), std::nullopt);
-        if (!good) fatal = true;
-        else if (delivers) keep(n, 0, held[n], line.said);
+        end_once(line, *steps[n].finish, good, delivers);
     }
 
     /// Throws if an input file changed after its key was computed: the result would be cached under a wrong key.
@@ -206,28 +224,22 @@ struct Flow::Self {
         const auto& behaviour = behaviours[n];
         const bool connected = std::any_of(node.inputs.begin(), node.inputs.end(), [](const auto& links) { return !links.empty(); });
         Line line(*this, n);
-        const bool good = guarded(n, std::nullopt, "run", [&] {
-            auto ports = behaviour.make_ports();
-            connect(n, ports.get(), nullptr);
-            auto where = context(line);
-            if (behaviour.add && connected) behaviour.add(ports.get(), where);
-            if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports.get(), where), where);
-            if (behaviour.finish) end_gathering(n, ports.get(), where, line);
-            if (behaviour.run) behaviour.run(ports.get(), where);
+        const bool good = call(line, nullptr, "run", [&](void* ports, Context& where) {
+            if (behaviour.add && connected) behaviour.add(ports, where);
+            if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports, where), where);
+            if (behaviour.finish) end_gathering(n, ports, where, line);
+            if (behaviour.run) behaviour.run(ports, where);
             require_inputs(n, 0);
-            held[n] = collect(n, ports.get());
+            held[n] = collect(n, ports);
         });
-        report.finished(n, since(line.start), bytes(held[n]));
-        progress.done(*steps[n].run, since(line.start), std::nullopt);
-        if (!good) fatal = true;
-        else keep(n, 0, held[n], line.said);
+        end_once(line, *steps[n].run, good, true);
     }
 
     /// Runs or loads a per-frame node in one frame.
     void run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
         if (frame.actions[n] == Action::load) {
             frame.failed[n] = cancelled() || !load(n, frame.place, frame.outputs[n]);
-        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
+        } else if (frame.actions[n] == Action::run && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
         } else if (frame.actions[n] == Action::run) {
             const auto& node = pipeline.nodes[n];
@@ -242,14 +254,11 @@ struct Flow::Self {
                 return target;
             };
             Line line(*this, n);
-            frame.failed[n] = !guarded(n, frames[frame.place], "run", [&] {
-                auto ports = behaviours[n].make_ports();
-                connect(n, ports.get(), &frame);
-                auto where = context(line);
-                where.at(frame.place).wanting(wants);
-                behaviours[n].run(ports.get(), where);
+            frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
+                where.wanting(wants);
+                behaviours[n].run(ports, where);
                 require_inputs(n, frame.place);
-                frame.outputs[n] = collect(n, ports.get());
+                frame.outputs[n] = collect(n, ports);
             });
             report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
             progress.done(*steps[n].run, since(line.start), frames[frame.place]);
@@ -271,17 +280,11 @@ struct Flow::Self {
             if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
             else lost = true;
             frame.failed[n] = frame.outputs[n].empty();
-        } else if (frame.actions[n] == Action::run && (upstream_failed(n, frame, wiring) || cancelled())) {
+        } else if (frame.actions[n] == Action::run && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
         } else if (frame.actions[n] == Action::run) {
             Line line(*this, n);
-            frame.failed[n] = !guarded(n, frames[frame.place], "digest", [&] {
-                auto ports = behaviours[n].make_ports();
-                connect(n, ports.get(), &frame);
-                auto where = context(line);
-                where.at(frame.place);
-                frame.outputs[n] = {behaviours[n].digest(ports.get(), where)};
-            });
+            frame.failed[n] = !call(line, &frame, "digest", [&](void* ports, Context& where) { frame.outputs[n] = {behaviours[n].digest(ports, where)}; });
             report.took(n, frame.place, since(line.start), bytes(frame.outputs[n]));
             progress.done(*steps[n].add, since(line.start), frames[frame.place]);
             if (!frame.failed[n]) {
@@ -292,20 +295,23 @@ struct Flow::Self {
         }
     }
 
+    bool take(Line& line, const FrameRun& frame) {
+        const auto& behaviour = behaviours[line.node];
+        if (!behaviour.digest) return call(line, &frame, "take", [&](void* ports, Context& where) { behaviour.add(ports, where); });
+        return guarded(line.node, frames[frame.place], "take", [&] {
+            auto where = context(line);
+            where.at(frame.place);
+            behaviour.take(frame.outputs[line.node].at(0), where);
+        });
+    }
+
     /// Hands one frame to a gatherer. @param all  whether the gatherer will finish @return false if the frame failed
     bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
         bool good = true;
         if (frame.actions[n] != Action::none) {
             good = !cancelled() && !frame.failed[n] && (frame.actions[n] == Action::load || !upstream_failed(n, frame, wiring));
             Line line(*this, n);
-            good = good && (!all || guarded(n, frames[frame.place], "take", [&] {
-                       auto where = context(line);
-                       where.at(frame.place);
-                       if (behaviours[n].digest) return behaviours[n].take(frame.outputs[n].at(0), where);
-                       auto ports = behaviours[n].make_ports();
-                       connect(n, ports.get(), &frame);
-                       behaviours[n].add(ports.get(), where);
-                   }));
+            if (good && all) good = take(line, frame);
             if (!behaviours[n].digest) {
                 report.took(n, frame.place, since(line.start), 0);
                 progress.done(*steps[n].add, since(line.start), frames[frame.place]);

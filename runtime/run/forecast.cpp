@@ -1,5 +1,7 @@
 #include "runtime/run/forecast.h"
 
+#include "runtime/tell/words.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -30,17 +32,6 @@ std::vector<Forecast::Stream> streams(const Pipeline& pipeline, const Plan& plan
         if (!stream.nodes.empty() || !stream.gatherers.empty()) out.push_back(std::move(stream));
     }
     return out;
-}
-
-std::string duration(double seconds) {
-    if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-    if (seconds < 3600) return fmt::format("{:.0f} min", seconds / 60);
-    return fmt::format("{:.1f} h", seconds / 3600);
-}
-
-std::string size(std::uint64_t bytes) {
-    const auto megabytes = static_cast<double>(bytes) * 1e-6;
-    return megabytes < 1000 ? fmt::format("{:.0f} MB", std::max(1.0, megabytes)) : fmt::format("{:.1f} GB", megabytes * 1e-3);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "runtime/run/interrupt.h"
 
 #include "graph/output_file.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -51,7 +52,7 @@ void Interrupt::watch() {
         if (fds[0].revents != 0) return;
         if (events == 0 || asked_) {
             OutputFile::remove_unfinished();
-            _exit(130);
+            _exit(exit_code::interrupted);
         }
         signalfd_siginfo info;
         if (read(signals_, &info, sizeof info) == sizeof info) {

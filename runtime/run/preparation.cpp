@@ -191,7 +191,7 @@ void Preparation::repeat_said(const Schedule& schedule, Report& report) {
     };
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto& node = pipeline_.nodes[n];
-        const bool streams = node.gathers && node.per_frame_input;
+        const bool streams = node.streams_in();
         const auto first = streams ? plan_.gathered_in[n] + 1 : 0;
         const auto runs = [&](const Schedule& in, std::size_t place) {
             if (node.rate != Rate::frame) return is(in.once[n]);

@@ -3,22 +3,13 @@
 #include "graph/pipeline.h"
 #include "graph/views/origins.h"
 #include "runtime/run/flow.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <functional>
 #include <optional>
 #include <string>
 
 namespace fluidcarve {
-
-/// The program's exit codes (pipelines/FORMATS.md).
-namespace exit_code {
-constexpr int done = 0;
-constexpr int node_failed = 1;
-constexpr int usage = 2;
-constexpr int input = 3;
-constexpr int some_frames_failed = 4;
-constexpr int interrupted = 130;
-}  // namespace exit_code
 
 /// A run as asked for on the command line.
 struct RunRequest {

@@ -1,6 +1,7 @@
 #include "runtime/run/status.h"
 
 #include "graph/output_file.h"
+#include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
 
@@ -34,7 +35,7 @@ std::string host() {
 
 /// State of a run: "running", "done", "failed", "interrupted" or "killed".
 std::string state_of(const Json& run) {
-    if (run.contains("exit")) return run["exit"] == 0 ? "done" : run["exit"] == 130 ? "interrupted" : "failed";
+    if (run.contains("exit")) return run["exit"] == exit_code::done ? "done" : run["exit"] == exit_code::interrupted ? "interrupted" : "failed";
     if (run.value("host", "") == host()) return kill(run.value("pid", 0), 0) == 0 || errno == EPERM ? "running" : "killed";
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }

@@ -1,5 +1,7 @@
 #include "runtime/verbs/shell.h"
 
+#include "runtime/tell/exit_codes.h"
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -84,9 +86,9 @@ std::string man_page(const CLI::App& app, const std::string& version) {
         }
         if (!verb->get_footer().empty()) out += ".PP\n.nf\n" + roff(verb->get_footer()) + "\n.fi\n";
     }
-    out +=
-        ".SH EXIT STATUS\n0 done; 1 a node failed; 2 wrong usage or pipeline; 3 an input is missing or unreadable; 4 done, but some frames failed; "
-        "130 interrupted.\n";
+    out += ".SH EXIT STATUS\n";
+    for (const auto& [code, meaning] : exit_code::meanings) out += fmt::format("{}{} {}", code == exit_code::done ? "" : "; ", code, meaning);
+    out += ".\n";
     return out + ".SH SEE ALSO\n" + roff("`fluidcarve nodes` lists all node types, `fluidcarve nodes TYPE` describes one.") + "\n";
 }
 

@@ -1,7 +1,9 @@
 // Measures against named rivals, each line a ratio within this run: machines are noisy, ratios less so.
 //
-//   build/bench [--large] [VORTEX_FOLDER]      --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames
-//                                              (needs 3 GB); the folder: another sequence like tests/data/vortex
+//   build/bench [--large] [--only PART]... [VORTEX_FOLDER]
+//
+// --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --only: pipeline, memory, cache, energy,
+// remap, vortex, cut, lqr or greedy; the folder: another sequence like tests/data/vortex
 
 #include "nodes/catalogue.h"
 #include "nodes/energy/combine.h"
@@ -29,6 +31,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 using namespace fluidcarve;
 using openvdb::Vec3d;
@@ -224,23 +227,36 @@ int main(int argc, char** argv) {
     openvdb::initialize();
     bool large = false;
     std::string vortex = SOURCE_ROOT "/tests/data/vortex";
+    std::vector<std::string> wanted;
     for (int n = 1; n < argc; ++n)
         if (std::strcmp(argv[n], "--large") == 0) large = true;
+        else if (std::strcmp(argv[n], "--only") == 0 && n + 1 < argc) wanted.emplace_back(argv[++n]);
         else vortex = argv[n];
+    const std::string plume = SOURCE_ROOT "/tests/data/plume/plume.0056.vdb";
+    const std::vector<std::pair<std::string, std::function<void()>>> parts{
+        {"pipeline", bench_pipeline},
+        {"memory", bench_memory},
+        {"cache", bench_cache},
+        {"energy", [&] { bench_energy("plume", plume); }},
+        {"remap",
+         [&] {
+             const auto density = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(plume, "density"));
+             bench_remap("plume density", density, lattice_around(*density));
+             const auto dense = dense_field({161, 52, 165});
+             bench_remap("dense 161x52x165", dense, lattice_around(*dense));
+             bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
+         }},
+        {"vortex", [&] { bench_vortex(vortex); }},
+        {"cut", bench_cut},
+        {"lqr", bench_lqr},
+        {"greedy",
+         [&] {
+             bench_greedy({161, 52, 165}, 20);
+             if (large) bench_greedy({322, 105, 331}, 84);
+         }},
+    };
     fmt::print("{:<64} {:>8}\n", "", "ratio");
-    bench_pipeline();
-    bench_memory();
-    bench_cache();
-    bench_energy("plume", SOURCE_ROOT "/tests/data/plume/plume.0056.vdb");
-    const auto plume = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(SOURCE_ROOT "/tests/data/plume/plume.0056.vdb", "density"));
-    bench_remap("plume density", plume, lattice_around(*plume));
-    const auto dense = dense_field({161, 52, 165});
-    bench_remap("dense 161x52x165", dense, lattice_around(*dense));
-    bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
-    bench_vortex(vortex);
-    bench_cut();
-    bench_lqr();
-    bench_greedy({161, 52, 165}, 20);
-    if (large) bench_greedy({322, 105, 331}, 84);
+    for (const auto& [name, run] : parts)
+        if (wanted.empty() || std::ranges::find(wanted, name) != wanted.end()) run();
     return 0;
 }

@@ -54,7 +54,7 @@ void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_
     const int size = seams.carved();
     for (int k = 0; k < seams.shape[2]; ++k)
         for (int lateral = 0; lateral < seams.lateral(); ++lateral) {
-            const auto vertex = [&](int entry) { return layout(seams.axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k}); };
+            const auto vertex = [&](int entry) { return layout(vertex_of(seams.axis, entry, lateral, k)); };
             const auto column = t * seams.columns_per_frame() + static_cast<std::size_t>(lateral + seams.lateral() * k);
             std::vector<Voxel> before, after;
             for (int i = 0; i < size; ++i) before.push_back(dense.at(vertex(i)));

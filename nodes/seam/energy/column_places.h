@@ -9,11 +9,6 @@
 
 namespace fluidcarve {
 
-/// The vertex (i, j, k) of an entry in column `(lateral, k)`.
-inline std::array<int, 3> vertex_of(Axis axis, int entry, int lateral, int k) {
-    return axis == Axis::u ? std::array{entry, lateral, k} : std::array{lateral, entry, k};
-}
-
 /// Finds the vertices of a column in a grid's index space. If the grid's transform is linear, they stand on a line at equal distances.
 class ColumnPlaces {
 public:

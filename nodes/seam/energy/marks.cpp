@@ -71,7 +71,7 @@ std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice,
     openvdb::CoordBBox box;
     if (!set.evalActiveVoxelBoundingBox(box)) return 0;
     const auto alignment = align(lattice, mask.transform());
-    const int entries = lattice.shape[axis == Axis::u ? 0 : 1], laterals = lattice.shape[axis == Axis::u ? 1 : 0];
+    const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     return tbb::parallel_reduce(
         tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), std::size_t{0},
         [&](const tbb::blocked_range<int>& range, std::size_t count) {

@@ -112,7 +112,7 @@ const Code field_code{encode_field, invalid_field_code,
 
 template <class MakeReader>
 void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> slab, MakeReader&& make_reader) {
-    const int entries = lattice.shape[axis == Axis::u ? 0 : 1], laterals = lattice.shape[axis == Axis::u ? 1 : 0];
+    const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     tbb::parallel_for(tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
         auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;

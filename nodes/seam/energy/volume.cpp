@@ -12,8 +12,8 @@ namespace fluidcarve {
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
 EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed)
-    : width_(shape[axis == Axis::u ? 0 : 1]),
-      laterals_(shape[axis == Axis::u ? 1 : 0]),
+    : width_(shape[dimension(axis)]),
+      laterals_(shape[lateral_dimension(axis)]),
       slices_(shape[2]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
@@ -21,8 +21,8 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
       slabs_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
 
 EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed)
-    : width_(shape[axis == Axis::u ? 0 : 1]),
-      laterals_(shape[axis == Axis::u ? 1 : 0]),
+    : width_(shape[dimension(axis)]),
+      laterals_(shape[lateral_dimension(axis)]),
       slices_(shape[2]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),

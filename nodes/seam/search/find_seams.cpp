@@ -103,11 +103,11 @@ NoSeam::NoSeam(int found, const Bottleneck& at)
       at(at) {}
 
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
-                      bool still, const Continued& continued) {
+                      bool static_, const Continued& continued) {
     require_room(kind, count, window, volume.width());
     if (kind == Seams::Kind::insert) window.last = std::min(window.last, volume.width() - 2);
     std::optional<EnergyVolume> sum;
-    if (still && count > 0) sum = volume.sum();
+    if (static_ && count > 0) sum = volume.sum();
     auto& energy = sum ? *sum : volume;
 
     const auto columns = energy.columns_per_frame() * energy.frames();
@@ -142,7 +142,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         auto seam = find(energy, left, n, [&](double fraction) { tick((n + fraction) / count); });
         meet(seam.at);
         if (deleted) deleted->to_original(seam.at.all());
-        if (still) seam.at = repeated(seam.at, volume.frames());
+        if (static_) seam.at = repeated(seam.at, volume.frames());
         if (keep) seam.at = keep(std::move(seam.at));
         out.seams.push_back(std::move(seam));
         out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

@@ -68,9 +68,9 @@ void require_room(Seams::Kind kind, int count, Window window, int width);
 /// @param volume  used up
 /// @param count   number of all seams, including those found before
 /// @param window  original entries
-/// @param still   true: each seam is the same in all frames; it is found in their sum, and the volume stays as it is
+/// @param static_   true: each seam is the same in all frames; it is found in their sum, and the volume stays as it is
 /// @throws Failure as require_room(); NoSeam
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,
-                      bool still = false, const Continued& continued = {});
+                      bool static_ = false, const Continued& continued = {});
 
 }  // namespace fluidcarve

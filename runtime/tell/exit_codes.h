@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <utility>
+
+namespace fluidcarve {
+
+/// The program's exit codes (pipelines/FORMATS.md).
+namespace exit_code {
+constexpr int done = 0;
+constexpr int node_failed = 1;
+constexpr int usage = 2;
+constexpr int input = 3;
+constexpr int some_frames_failed = 4;
+constexpr int interrupted = 130;
+
+/// All of them, with their meanings.
+constexpr std::array meanings{
+    std::pair{done, "done"},
+    std::pair{node_failed, "a node failed"},
+    std::pair{usage, "wrong usage or pipeline"},
+    std::pair{input, "an input is missing or unreadable"},
+    std::pair{some_frames_failed, "done, but some frames failed"},
+    std::pair{interrupted, "interrupted"},
+};
+}  // namespace exit_code
+
+}  // namespace fluidcarve
