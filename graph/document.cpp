@@ -21,8 +21,6 @@ constexpr std::size_t most_extends = 16;
 const std::vector<std::string> top_fields{"fluidcarve", "plugins", "params", "env", "extends", "frames", "nodes"};
 const std::vector<std::string> param_fields{"type", "default", "min", "max", "doc"};
 
-void add(Problems& problems, const Mark& at, std::string message) { problems.push_back({at, std::move(message), {}, {}}); }
-
 std::vector<std::string> names(const Value& map) {
     std::vector<std::string> out;
     for (const auto& field : map.fields) out.push_back(field.name);

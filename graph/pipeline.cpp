@@ -10,10 +10,6 @@
 namespace fluidcarve {
 namespace {
 
-void add(Problems& problems, const Mark& at, std::string message, Mark also_at = {}, std::string also = {}) {
-    problems.push_back({at, std::move(message), std::move(also_at), std::move(also)});
-}
-
 /// One connection as written: `node` or `node.port`.
 struct Reference {
     Mark mark;

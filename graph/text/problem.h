@@ -32,6 +32,10 @@ struct Problem {
 
 using Problems = std::vector<Problem>;
 
+inline void add(Problems& problems, const Mark& at, std::string message, Mark also_at = {}, std::string also = {}) {
+    problems.push_back({at, std::move(message), std::move(also_at), std::move(also)});
+}
+
 /// `file:line:column: message`, the line itself and a caret below it; the same again for the second place.
 std::string to_text(const Problem& problem);
 

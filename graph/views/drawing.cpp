@@ -15,7 +15,7 @@ constexpr double legend_height = 22;
 constexpr double box_height = 44;
 constexpr double note_height = 16;
 constexpr const char* ink = "#1d2329";
-constexpr const char* line = "#7c8691";  // visible on white and on black
+constexpr const char* line_colour = "#7c8691";  // visible on white and on black
 
 const char* fill(Rate rate) {
     switch (rate) {
@@ -83,7 +83,7 @@ std::string path_of(const std::vector<Layout::Point>& route) {
 
 std::string rounded(double x, double y, double width, double height, const char* colour, double border) {
     return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="7" fill="{}" stroke="{}" stroke-width="{}"/>)", x, y, width, height,
-                       colour, line, border);
+                       colour, line_colour, border);
 }
 
 std::string label(double x, double y, double size, const char* weight, const std::string& text) {
@@ -135,7 +135,7 @@ std::string draw(const Pipeline& pipeline, const Registry& registry, const std::
     for (std::size_t n = 0; n < links.size(); ++n)
         out += fmt::format(R"(<path class="edge" d="{}" fill="none" stroke="{}" stroke-width="1.6"><title>{}</title></path>)"
                            "\n",
-                           path_of(layout.edges[n].route), line, xml_text(links[n].text));
+                           path_of(layout.edges[n].route), line_colour, xml_text(links[n].text));
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         const auto& box = layout.boxes[n];

@@ -5,7 +5,7 @@
 namespace fluidcarve {
 namespace {
 
-constexpr auto output = "energy";
+constexpr auto energy_output = "energy";
 
 struct EnergyAx {
     using Params = AxParams;
@@ -16,9 +16,9 @@ struct EnergyAx {
 
     AxProgram program;
 
-    static void check(const Params& params, NodeCheck& check) { check_ax(params, output, check); }
+    static void check(const Params& params, NodeCheck& check) { check_ax(params, energy_output, check); }
 
-    void run(const Params& params, Ports& io, Context& context) const { io.energy = program.run(params, output, 0, io.inputs, context); }
+    void run(const Params& params, Ports& io, Context& context) const { io.energy = program.run(params, energy_output, 0, io.inputs, context); }
 };
 
 }  // namespace

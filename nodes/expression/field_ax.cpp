@@ -6,7 +6,7 @@
 namespace fluidcarve {
 namespace {
 
-constexpr auto output = "out";
+constexpr auto field_output = "out";
 
 struct FieldAx {
     using Params = AxParams;
@@ -17,10 +17,10 @@ struct FieldAx {
 
     AxProgram program;
 
-    static void check(const Params& params, NodeCheck& check) { check_ax(params, output, check); }
+    static void check(const Params& params, NodeCheck& check) { check_ax(params, field_output, check); }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        io.out = program.run(params, output, -std::numeric_limits<float>::infinity(), io.inputs, context);
+        io.out = program.run(params, field_output, -std::numeric_limits<float>::infinity(), io.inputs, context);
     }
 };
 

@@ -16,9 +16,9 @@ using openvdb::Vec3d;
 constexpr std::array kept = {"g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
 /// Reads an OBJ file, statement by statement.
-class Reader {
+class ObjReader {
 public:
-    explicit Reader(FileText& file) : file_(file) {}
+    explicit ObjReader(FileText& file) : file_(file) {}
 
     Mesh read() {
         bool any = false;
@@ -159,7 +159,7 @@ private:
 
 }  // namespace
 
-Mesh read_obj(FileText& file, Losses&) { return Reader(file).read(); }
+Mesh read_obj(FileText& file, Losses&) { return ObjReader(file).read(); }
 
 std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
     fmt::memory_buffer text;

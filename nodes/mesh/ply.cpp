@@ -86,9 +86,9 @@ double as(const char* bytes, bool swap) {
 }
 
 /// Reads a PLY file: header, vertices, faces, other elements.
-class Reader {
+class PlyReader {
 public:
-    Reader(FileText& file, Losses& losses) : file_(file), losses_(losses) { read_header(); }
+    PlyReader(FileText& file, Losses& losses) : file_(file), losses_(losses) { read_header(); }
 
     Mesh read() {
         for (const auto& element : elements_) {
@@ -414,11 +414,11 @@ private:
 
 }  // namespace
 
-Mesh read_ply(FileText& file, Losses& losses) { return Reader(file, losses).read(); }
+Mesh read_ply(FileText& file, Losses& losses) { return PlyReader(file, losses).read(); }
 
 void probe_ply(FileText& file) {
     Losses none;
-    Reader(file, none);
+    PlyReader(file, none);
 }
 
 std::string ply_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) { return Writer(mesh, points, losses).text(); }

@@ -50,14 +50,14 @@ constexpr double most_shadow_steps = 20;
 constexpr double hidden = 0.004;  // transmittance that counts as opaque
 
 /// The camera and the area that it sees.
-struct Window {
+struct ViewWindow {
     Area area;
     int width = 0, height = 0;
     double cell = 1;       // voxels per pixel
     double mean_side = 1;  // geometric mean of the box's sides, voxels
     Vec3d right{0.0}, up{0.0}, towards{0.0}, eye{0.0}, centre{0.0};
 
-    Window(View view, const openvdb::CoordBBox& box) {
+    ViewWindow(View view, const openvdb::CoordBBox& box) {
         const auto size = box.dim().asVec3d();
         mean_side = std::cbrt(size.x() * size.y() * size.z());
         area = face_of(box, view);
@@ -112,7 +112,7 @@ FloatGrid::Ptr medium(const FloatGrid::ConstPtr& grid, float highest) {
     return grid && highest > 0 && !grid->evalActiveVoxelBoundingBox().empty() ? medium(*grid, highest) : nullptr;
 }
 
-Film lit(const FloatGrid& smoke, const Window& window) {
+Film lit(const FloatGrid& smoke, const ViewWindow& window) {
     Film film(window.width, window.height);
     auto camera = window.camera(film);
     // Dilated by one voxel, since the sampler interpolates beyond active voxels. Must outlive the renderer's copies, which refer to it.
@@ -148,7 +148,7 @@ struct Glow {
     double fire = 0;
     double smoke = 0;
 };
-std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const Window& window) {
+std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window) {
     Film film(window.width, window.height);
     const auto camera = window.camera(film);
     FloatGrid::ConstPtr light;
@@ -229,7 +229,7 @@ void Exposure::meter(const Scene& scene) {
 }
 
 Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, const Exposure& exposure) {
-    const Window window(view, box);
+    const ViewWindow window(view, box);
     const auto smoke = medium(scene.smoke, exposure.smoke);
     const auto fire = medium(scene.fire, exposure.fire);
     const auto count = static_cast<std::size_t>(window.width) * window.height;

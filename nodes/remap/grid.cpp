@@ -5,6 +5,7 @@
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/triplet.h"
 #include "nodes/lattice/alignment.h"
+#include "nodes/points/point_grid.h"
 #include "nodes/remap/geometry/points.h"
 #include "nodes/remap/voxels/aligned.h"
 

@@ -10,7 +10,7 @@ namespace fluidcarve {
 namespace {
 
 /// Maximum distance of a point from the grid's origin, voxels.
-constexpr double farthest = 1e9;
+constexpr double farthest_point = 1e9;
 
 /// Moves positions that are exactly at a voxel centre by a tiny amount: in a ball smaller than the band, ParticlesToLevelSet would make a
 /// hole there.
@@ -19,7 +19,7 @@ std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, c
     const double voxel = transform.voxelSize().x();
     for (auto& at : positions) {
         const auto index = [&] { return transform.worldToIndex(at); };
-        if (!(index().length() < farthest))
+        if (!(index().length() < farthest_point))
             throw Failure(fmt::format("a particle at [{}, {}, {}] is too far from the grid's origin to stand in one of its voxels", at.x(), at.y(), at.z()));
         for (double hair = 1e-9 * voxel; hair < voxel && index() == openvdb::Coord::round(index()).asVec3d(); hair *= 2) at.x() += hair;
     }

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "runtime/keep/descriptor.h"
 
 #include <fmt/format.h>
 
@@ -80,14 +81,6 @@ T number_at(const char* data) {
     std::memcpy(&out, data, sizeof out);
     return out;
 }
-
-/// A file descriptor that closes itself.
-struct Descriptor {
-    int number;
-    ~Descriptor() {
-        if (number >= 0) close(number);
-    }
-};
 
 bool read_all(int file, char* into, std::size_t size) {
     while (size > 0) {

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "runtime/keep/descriptor.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -37,14 +38,6 @@ bool settled(const struct stat& file) {
     const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     return std::abs(now - seconds(file.st_mtim)) > settled_seconds && std::abs(now - seconds(file.st_ctim)) > settled_seconds;
 }
-
-/// A file descriptor that closes itself.
-struct Descriptor {
-    int number;
-    ~Descriptor() {
-        if (number >= 0) close(number);
-    }
-};
 
 }  // namespace
 

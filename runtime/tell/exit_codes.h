@@ -15,7 +15,7 @@ constexpr int some_frames_failed = 4;
 constexpr int interrupted = 130;
 
 /// All of them, with their meanings.
-constexpr std::array meanings{
+inline constexpr std::array meanings{
     std::pair{done, "done"},
     std::pair{node_failed, "a node failed"},
     std::pair{usage, "wrong usage or pipeline"},

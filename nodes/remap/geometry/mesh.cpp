@@ -18,7 +18,7 @@ using openvdb::Vec3d;
 constexpr double least_way = 0.5;
 
 /// How a mesh vertex moves.
-struct Way {
+struct VertexMove {
     bool inside = false;
     Vec3d by{0};  ///< displacement along u and v, vertices
     double length() const { return std::max(std::abs(by.x()), std::abs(by.y())); }
@@ -31,7 +31,7 @@ std::string share_text(double share) { return share >= 0.1 ? "more than 10 %" : 
 CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& map) {
     CarvedMesh out{mesh, {}, {}};
     const Mapping mapping(map.extended(lattice));
-    std::vector<Way> ways(mesh.points.size());
+    std::vector<VertexMove> ways(mesh.points.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ways.size(), 1024), [&](const tbb::blocked_range<std::size_t>& range) {
         for (auto n = range.begin(); n < range.end(); ++n) {
             const auto from = mapping.locate(mesh.points[n]);
@@ -52,7 +52,7 @@ CarvedMesh carve_mesh(const Mesh& mesh, const Lattice& lattice, const CarveMap& 
             outside = outside || !ways[a].inside;
             farthest = std::max(farthest, ways[a].length());
             const double length = (mesh.points[a] - mesh.points[b]).length() / lattice.spacing;
-            if (!ways[a].inside || !ways[b].inside || length <= 2 || Way{true, ways[a].by - ways[b].by}.length() < least_way) continue;
+            if (!ways[a].inside || !ways[b].inside || length <= 2 || VertexMove{true, ways[a].by - ways[b].by}.length() < least_way) continue;
             ++stretched;
             out.stretched.worst = std::max(out.stretched.worst, length);
         }

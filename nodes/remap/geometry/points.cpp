@@ -38,7 +38,7 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
 }
 
 /// A point on its way through the steps.
-struct Way {
+struct MovedPoint {
     Vec3d at;
     std::uint64_t copy;  ///< 0: the point itself; else it tells the copies apart
 };
@@ -75,7 +75,7 @@ public:
 
     /// Finds the ways of a point and its copies; none if the point is deleted.
     /// @param from  lattice index coordinates, where something moves
-    void operator()(const Vec3d& from, std::uint64_t identity, std::vector<Way>& ways) const {
+    void operator()(const Vec3d& from, std::uint64_t identity, std::vector<MovedPoint>& ways) const {
         ways.clear();
         auto to = from;
         double pressed = 1;
@@ -177,7 +177,8 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
     };
     std::vector<Part> parts((positions.size() + grain - 1) / grain);
 
-    const auto carve = [&](std::size_t n, Part& part, std::vector<Way>& ways, std::vector<Way>& next, std::vector<double>& places, std::vector<Vec2d>& rooms) {
+    const auto carve = [&](std::size_t n, Part& part, std::vector<MovedPoint>& ways, std::vector<MovedPoint>& next, std::vector<double>& places,
+                           std::vector<Vec2d>& rooms) {
         const auto source = static_cast<std::uint32_t>(n);
         const auto from = mapping.locate(positions[n]);
         if (!from || !reaches(moves, *from)) return part.images.push_back({source, false, {}});
@@ -210,7 +211,7 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
         }
     };
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-        std::vector<Way> ways, next;
+        std::vector<MovedPoint> ways, next;
         std::vector<double> places;
         std::vector<Vec2d> rooms;
         for (auto n = p * grain; n < std::min(positions.size(), (p + 1) * grain); ++n) carve(n, parts[p], ways, next, places, rooms);

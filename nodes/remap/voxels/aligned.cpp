@@ -24,14 +24,14 @@ CoordBBox voxels(const Alignment& alignment, const BBoxd& range) {
 
 /// Carves an aligned grid block by block.
 template <class GridT>
-class Worker {
+class AlignedCarve {
     using TreeT = typename GridT::TreeType;
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
     using Voxel = typename BlockWindow<TreeT>::Voxel;
 
 public:
-    Worker(const GridT& grid, const Alignment& alignment, const CarveMap& map)
+    AlignedCarve(const GridT& grid, const Alignment& alignment, const CarveMap& map)
         : alignment_(alignment), map_(map), steps_(map.steps()), window_(grid.tree()), nothing_{grid.background(), false} {
         const auto& along = alignment.step[static_cast<std::size_t>(steps_.back().axis())];
         index_axis_ = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
@@ -170,7 +170,8 @@ template <class GridT>
 typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid, const Alignment& alignment, const CarveMap& map) {
     if (map.empty()) return grid;
     return rewrite_blocks<GridT>(grid, voxels(alignment, map.moved()), [&] {
-        return [worker = std::make_shared<Worker<GridT>>(*grid, alignment, map)](const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
+        return
+            [worker = std::make_shared<AlignedCarve<GridT>>(*grid, alignment, map)](const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
     });
 }
 

@@ -30,14 +30,14 @@ constexpr std::size_t most_copied = 32 * 512;
 
 /// Carves a grid block by block, by sampling it.
 template <class GridT>
-class Worker {
+class SampledCarve {
     using TreeT = typename GridT::TreeType;
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
     static constexpr bool is_vector = openvdb::VecTraits<Value>::IsVec;
 
 public:
-    Worker(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded)
+    SampledCarve(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded)
         : grid_(grid),
           places_(places),
           map_(map),
@@ -181,7 +181,7 @@ private:
     template <class Part, class Pick>
     class Reader {
     public:
-        Reader(Worker& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
+        Reader(SampledCarve& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
             : worker_(worker), p_(p), place_(place), own_(own), pick_(pick) {}
         std::pair<Part, bool> operator()(const Vec3d& source) {
             if (source == place_.at) return own_;
@@ -197,7 +197,7 @@ private:
             Vec3d source;
             std::pair<Part, bool> read;
         };
-        Worker& worker_;
+        SampledCarve& worker_;
         const Vec3d p_;
         const BlockPlaces::Place& place_;
         const std::pair<Part, bool> own_;
@@ -314,7 +314,7 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     const CoordBBox box(Coord::floor(range.min() - Vec3d(1)), Coord::ceil(range.max() + Vec3d(1)));
     const BlockPlaces places(mapping, grid->transform());
     return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
-        return [worker = std::make_shared<Worker<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {
+        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {
             return (*worker)(block, out);
         };
     });

@@ -63,9 +63,9 @@ private:
 };
 
 /// Finds the cheapest way through a line of columns.
-class Line {
+class FreeLine {
 public:
-    Line(const EnergyVolume& energy, Window window)
+    FreeLine(const EnergyVolume& energy, Window window)
         : rows_(energy, window), length_(energy.columns_per_frame() * energy.frames()), width_(static_cast<std::size_t>(window.size())) {}
 
     /// Finds the cheapest way through all columns.
@@ -137,7 +137,7 @@ private:
 
 Seams::Seam free_line_seam(const EnergyVolume& energy, Window window, int number) {
     std::vector<std::uint16_t> at;
-    const auto least = Line(energy, window).solve(number, at);
+    const auto least = FreeLine(energy, window).solve(number, at);
     for (auto& entry : at) entry = static_cast<std::uint16_t>(entry + window.first);
     const auto sum = energy.attracts() ? energy_of(energy, at) : least;
     return {std::move(at), sum, sum};

@@ -109,9 +109,9 @@ namespace {
 /// One line of columns, in which a seam may move while all others stay.
 /// @tparam stepping  whether steps cost something
 template <bool stepping>
-class Line {
+class ColumnLine {
 public:
-    Line(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
+    ColumnLine(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
 
     /// Moves the seam in the line to its cheapest entries.
     /// @param first   the line's first column
@@ -224,7 +224,7 @@ void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
         const std::size_t odd = columns.closed() && size[1] % 2 != 0 && along != 1 ? 1 : 0;
         for (std::size_t colour = 0; colour < 2 + 2 * odd; ++colour)
             tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {
-                Line<stepping> line(strip, seam);
+                ColumnLine<stepping> line(strip, seam);
                 for (std::size_t b = 0; b < size[inner]; ++b) {
                     const auto k = outer == 1 ? a : b;
                     const bool last = odd && k + 1 == size[1];
