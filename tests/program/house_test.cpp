@@ -33,7 +33,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& folders, const
     std::vector<std::string> out;
     for (const auto& folder : folders)
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
-            if (entry.is_regular_file() && std::ranges::find(endings, entry.path().extension()) != endings.end())
+            if (entry.is_regular_file() && std::ranges::find(endings, entry.path().extension().string()) != endings.end())
                 out.push_back(fs::relative(entry.path(), root).string());
     std::ranges::sort(out);
     return out;

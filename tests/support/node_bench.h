@@ -111,7 +111,7 @@ private:
         }
         std::vector<std::string> names(std::string_view) const override { return {}; }
         void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
-        void fault(const Mark& at, const std::string& message) override { faults += fluidcarve::text_of(at) + ": " + message + "\n"; }
+        void fault(const Mark& at, const std::string& message) override { faults += std::to_string(at.line) + ": " + message + "\n"; }
     };
 
     std::map<std::string, Payload> outputs(const void* made) const {

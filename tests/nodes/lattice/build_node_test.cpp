@@ -1,10 +1,11 @@
+#include "nodes/lattice/build_node.h"
 #include "graph/text/problem.h"
 #include "nodes/lattice/build.h"
-#include "nodes/lattice/build_node.h"
 #include "nodes/lattice/extension.h"
 #include "nodes/lattice/overlap.h"
 #include "nodes/lattice/write.h"
 #include "nodes/rig/circle.h"
+#include "tests/support/built_lattices.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
@@ -23,56 +24,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-Rig through(std::vector<Vec3d> points, bool closed = false, const Vec3d& up = {0, 0, 1}) {
-    Rig out;
-    out.points = std::move(points);
-    out.closed = closed;
-    out.up = up;
-    return out;
-}
-
-LatticeSpec spec(double spacing, std::array<double, 2> u = {-0.5, 0.5}, std::array<double, 2> v = {-0.5, 0.5}) {
-    LatticeSpec out;
-    out.spacing = spacing;
-    out.u = u;
-    out.v = v;
-    return out;
-}
-
-struct Heard : Context::Host {
-    std::vector<std::string> warnings;
-    nlohmann::ordered_json reported;
-    void warn(const std::string& message) override { warnings.push_back(message); }
-    void report(const std::string& section, const nlohmann::ordered_json& entry) override { reported[section] = entry; }
-};
-
-/// All lattices of lattice.build, and what it said.
-struct Run {
-    std::vector<Ref<Lattice>> lattices;
-    Heard heard;
-
-    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {}) {
-        NodeBench bench(lattice_build(), yaml, {{"rig", 1}});
-        REQUIRE(bench.faults().empty());
-        const std::vector<int> none{1};
-        Context context(heard, frames.empty() ? none : frames);
-        const auto at = [&](std::size_t t) { return frames.empty() ? context : Context(heard, frames).at(t); };
-        const auto input = [&](std::size_t t) { return NodeBench::Inputs{{"rig", {Payload(std::make_shared<Rig>(rigs[t]))}}}; };
-        for (std::size_t t = 0; t < rigs.size(); ++t) bench.add(input(t), at(t));
-        bench.finish(context);
-        for (std::size_t t = 0; t < rigs.size(); ++t) lattices.push_back(bench.run(input(t), at(t)).at("lattice").as<Lattice>());
-    }
-};
-
-std::vector<Vec3d> helix_points(double rise = 0.3) {
-    std::vector<Vec3d> out;
-    for (int n = 0; n <= 2000; ++n) {
-        const double a = 6 * M_PI * n / 2000;
-        out.push_back({2 * std::cos(a), 2 * std::sin(a), rise * a});
-    }
-    return out;
-}
-
 /// Two legs, `apart`, and half a circle between them; `u` points to its outside.
 Rig hairpin(double apart) {
     std::vector<Vec3d> points{{0, 0, 0}};
@@ -82,16 +33,6 @@ Rig hairpin(double apart) {
     }
     points.push_back({0, -apart, 0});
     return through(points);
-}
-
-/// Closed and not flat, so that carrying the basis around turns it.
-std::vector<Vec3d> saddle_points() {
-    std::vector<Vec3d> out;
-    for (int n = 0; n < 3000; ++n) {
-        const double a = 2 * M_PI * n / 3000;
-        out.push_back({3 * std::cos(a), 3 * std::sin(a), std::sin(2 * a) + 0.5 * std::cos(3 * a)});
-    }
-    return out;
 }
 
 }  // namespace

@@ -22,12 +22,6 @@ using Attribute = Mesh::Attribute;
 
 namespace {
 
-Mesh read(const Scratch& scratch, const std::string& name, const std::string& text) {
-    const auto file = read_mesh(scratch.write(name, text));
-    CHECK(file.losses == std::vector<std::string>{});
-    return file.mesh;
-}
-
 std::string fault_of(const Scratch& scratch, const std::string& name, const std::string& text) {
     try {
         read_mesh(scratch.write(name, text));

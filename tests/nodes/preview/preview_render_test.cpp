@@ -3,6 +3,7 @@
 #include "nodes/preview/sheet_rows.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
+#include "tests/support/sheets.h"
 
 #include <tbb/global_control.h>
 
@@ -20,12 +21,6 @@ using openvdb::CoordBBox;
 
 namespace {
 
-FloatGrid::Ptr named(const std::string& name) {
-    auto out = FloatGrid::create(0.0f);
-    out->setName(name);
-    return out;
-}
-
 FloatGrid::Ptr cube(const Coord& first, const Coord& last, float value, const std::string& name = "density") {
     auto out = named(name);
     out->denseFill(CoordBBox(first, last), value, true);
@@ -33,7 +28,9 @@ FloatGrid::Ptr cube(const Coord& first, const Coord& last, float value, const st
 }
 
 constexpr int radius = 9;
+
 const CoordBBox around_ball(Coord(-radius - 2), Coord(radius + 2));
+
 FloatGrid::Ptr ball(float value = 1) {
     auto out = named("density");
     for (auto at = CoordBBox(Coord(-radius), Coord(radius)).begin(); at; ++at)
@@ -42,6 +39,7 @@ FloatGrid::Ptr ball(float value = 1) {
 }
 
 constexpr Exposure one{1, 0};
+
 constexpr Exposure with_fire{1, 1};
 
 double light(const Colour& colour) { return (0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue) / 255; }
@@ -58,7 +56,9 @@ double mean(const Render& render, const Area& area, const std::function<double(c
         }
     return sum / count;
 }
+
 double brightness(const Render& render, const Area& area) { return mean(render, area, light); }
+
 double redness(const Render& render, const Area& area) {
     return mean(render, area, [](const Colour& colour) { return (colour.red - colour.blue) / 255.0; });
 }
@@ -82,7 +82,7 @@ Area seen(const Render& render) {
     return out;
 }
 
-SheetFrame frame_of(int number, const FloatGrid::ConstPtr& before, const FloatGrid::ConstPtr& after) {
+SheetFrame lit_frame(int number, const FloatGrid::ConstPtr& before, const FloatGrid::ConstPtr& after) {
     SheetFrame out;
     out.name = "frame " + std::to_string(number);
     out.number = number;
@@ -93,7 +93,7 @@ SheetFrame frame_of(int number, const FloatGrid::ConstPtr& before, const FloatGr
     return out;
 }
 
-SheetWish wish_for(View view = View::y) {
+SheetWish render_wish(View view = View::y) {
     SheetWish out;
     out.grid = "density";
     out.view = view;
@@ -284,9 +284,9 @@ TEST_CASE("preview render: flame comes with the smoke, density with the fire") {
 TEST_CASE("preview render: before and after share one window and the exposure of before") {
     const auto strong = ball(4), weak = ball(1);
     const auto pictures = [&](const FloatGrid::Ptr& before, const FloatGrid::Ptr& after) {
-        SheetRows rows(wish_for());
-        rows.add(frame_of(1, before, after));
-        rows.add(frame_of(2, weak, weak));
+        SheetRows rows(render_wish());
+        rows.add(lit_frame(1, before, after));
+        rows.add(lit_frame(2, weak, weak));
         const auto page = rows.page(2);
         REQUIRE(page.rows.size() == 2);
         std::vector<Render> out;
@@ -313,10 +313,10 @@ TEST_CASE("preview render: before and after share one window and the exposure of
 }
 
 TEST_CASE("preview render: rows are before and after, then the energy as a slice") {
-    auto frame = frame_of(1, ball(), ball());
+    auto frame = lit_frame(1, ball(), ball());
     frame.energy = cube(Coord(0), Coord(3), 1);
     for (const bool stated : {false, true}) {
-        auto wish = wish_for();
+        auto wish = render_wish();
         if (stated) wish.slice = 2;
         SheetRows rows(wish);
         rows.add(frame);
@@ -347,9 +347,9 @@ TEST_CASE("preview render: rows are before and after, then the energy as a slice
 TEST_CASE("preview render: grids are let go with the page, and an empty frame says so") {
     auto before = ball();
     const std::weak_ptr<const FloatGrid> held = before;
-    SheetRows rows(wish_for());
-    rows.add(frame_of(1, before, nullptr));
-    rows.add(frame_of(2, named("density"), nullptr));
+    SheetRows rows(render_wish());
+    rows.add(lit_frame(1, before, nullptr));
+    rows.add(lit_frame(2, named("density"), nullptr));
     before = nullptr;
     CHECK_FALSE(held.expired());
     const auto page = rows.page(2);
@@ -357,8 +357,8 @@ TEST_CASE("preview render: grids are let go with the page, and an empty frame sa
     CHECK(page.rows[0].panels[0].note.empty());
     CHECK(page.rows[0].panels[1].note == "no active voxels");
     CHECK(page.rows[0].panels[1].render.empty());
-    SheetRows nothing(wish_for());
-    nothing.add(frame_of(1, named("density"), named("density")));
+    SheetRows nothing(render_wish());
+    nothing.add(lit_frame(1, named("density"), named("density")));
     CHECK(draw_sheet(nothing.page(1)).height() < 600);
 }
 

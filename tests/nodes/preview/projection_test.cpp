@@ -1,10 +1,6 @@
 #include "nodes/preview/difference.h"
-#include "nodes/preview/sheet.h"
-#include "nodes/preview/sheet_rows.h"
 #include "nodes/preview/slice.h"
-#include "tests/support/node_bench.h"
-#include "tests/support/scratch.h"
-#include "tests/support/seams_through.h"
+#include "tests/support/sheets.h"
 
 #include <catch2/catch.hpp>
 
@@ -16,23 +12,6 @@ using namespace fluidcarve;
 using namespace fluidcarve::test;
 using openvdb::Coord;
 using openvdb::CoordBBox;
-
-namespace {
-
-FloatGrid::Ptr named(const std::string& name) {
-    auto out = FloatGrid::create(0.0f);
-    out->setName(name);
-    return out;
-}
-
-/// A cube of one value, as voxels.
-FloatGrid::Ptr cube(const Coord& first, int size, float value) {
-    auto out = named("density");
-    out->denseFill(CoordBBox(first, first.offsetBy(size - 1)), value, true);
-    return out;
-}
-
-}  // namespace
 
 TEST_CASE("a maximum projection takes the greatest active value along its axis") {
     const auto grid = named("density");

@@ -1,10 +1,7 @@
-#include "nodes/preview/difference.h"
-#include "nodes/preview/sheet.h"
 #include "nodes/preview/sheet_rows.h"
-#include "nodes/preview/slice.h"
 #include "tests/support/node_bench.h"
-#include "tests/support/scratch.h"
 #include "tests/support/seams_through.h"
+#include "tests/support/sheets.h"
 
 #include <catch2/catch.hpp>
 
@@ -18,69 +15,6 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 
 namespace {
-
-FloatGrid::Ptr named(const std::string& name) {
-    auto out = FloatGrid::create(0.0f);
-    out->setName(name);
-    return out;
-}
-
-/// A cube of one value, as voxels.
-FloatGrid::Ptr cube(const Coord& first, int size, float value) {
-    auto out = named("density");
-    out->denseFill(CoordBBox(first, first.offsetBy(size - 1)), value, true);
-    return out;
-}
-
-SheetFrame frame_of(int number, FloatGrid::ConstPtr before, FloatGrid::ConstPtr after) {
-    SheetFrame out;
-    out.name = "frame " + std::to_string(number);
-    out.number = number;
-    out.before = std::move(before);
-    out.after = std::move(after);
-    return out;
-}
-
-SheetWish wish_for(View view = View::y, SheetWish::Show show = SheetWish::Show::maximum) {
-    SheetWish out;
-    out.grid = "density";
-    out.view = view;
-    out.show = show;
-    out.difference = false;
-    return out;
-}
-
-SheetPage page_of(const SheetWish& wish, const std::vector<SheetFrame>& frames) {
-    SheetRows rows(wish);
-    for (const auto& frame : frames) rows.add(frame);
-    return rows.page(frames.size());
-}
-
-std::vector<std::string> names_of(const SheetPage& page) {
-    std::vector<std::string> out;
-    for (const auto& row : page.rows) out.push_back(row.name + ": " + row.what);
-    return out;
-}
-
-/// Pixels of a colour in the panels of a sheet, and the rectangle that they span.
-constexpr int panels_left = 246;
-
-struct Found {
-    int count = 0;
-    int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
-};
-
-Found find(const Canvas& canvas, Colour colour) {
-    Found out;
-    for (int y = 92; y < canvas.height() - 32; ++y)
-        for (int x = panels_left; x < canvas.width(); ++x)
-            if (canvas.at(x, y) == colour) {
-                ++out.count;
-                out.left = std::min(out.left, x), out.right = std::max(out.right, x);
-                out.top = std::min(out.top, y), out.bottom = std::max(out.bottom, y);
-            }
-    return out;
-}
 
 /// A lattice of 10 x 1 x 4 vertices on the voxels (0, 5, 0) to (9, 5, 3), u along x, and seams of one entry each in every
 /// column of frames 1 to 3.

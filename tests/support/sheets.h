@@ -1,0 +1,73 @@
+#pragma once
+
+#include "nodes/preview/sheet_rows.h"
+
+#include <string>
+#include <vector>
+
+namespace fluidcarve::test {
+
+inline FloatGrid::Ptr named(const std::string& name) {
+    auto out = FloatGrid::create(0.0f);
+    out->setName(name);
+    return out;
+}
+
+/// A cube of one value, as voxels.
+inline FloatGrid::Ptr cube(const openvdb::Coord& first, int size, float value) {
+    auto out = named("density");
+    out->denseFill(openvdb::CoordBBox(first, first.offsetBy(size - 1)), value, true);
+    return out;
+}
+
+inline SheetFrame frame_of(int number, FloatGrid::ConstPtr before, FloatGrid::ConstPtr after) {
+    SheetFrame out;
+    out.name = "frame " + std::to_string(number);
+    out.number = number;
+    out.before = std::move(before);
+    out.after = std::move(after);
+    return out;
+}
+
+inline SheetWish wish_for(View view = View::y, SheetWish::Show show = SheetWish::Show::maximum) {
+    SheetWish out;
+    out.grid = "density";
+    out.view = view;
+    out.show = show;
+    out.difference = false;
+    return out;
+}
+
+inline SheetPage page_of(const SheetWish& wish, const std::vector<SheetFrame>& frames) {
+    SheetRows rows(wish);
+    for (const auto& frame : frames) rows.add(frame);
+    return rows.page(frames.size());
+}
+
+inline std::vector<std::string> names_of(const SheetPage& page) {
+    std::vector<std::string> out;
+    for (const auto& row : page.rows) out.push_back(row.name + ": " + row.what);
+    return out;
+}
+
+/// Pixels of a colour in the panels of a sheet, and the rectangle that they span.
+inline constexpr int panels_left = 246;
+
+struct Found {
+    int count = 0;
+    int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
+};
+
+inline Found find(const Canvas& canvas, Colour colour) {
+    Found out;
+    for (int y = 92; y < canvas.height() - 32; ++y)
+        for (int x = panels_left; x < canvas.width(); ++x)
+            if (canvas.at(x, y) == colour) {
+                ++out.count;
+                out.left = std::min(out.left, x), out.right = std::max(out.right, x);
+                out.top = std::min(out.top, y), out.bottom = std::max(out.bottom, y);
+            }
+    return out;
+}
+
+}  // namespace fluidcarve::test
