@@ -1,5 +1,6 @@
 #include "graph/types/load_plugin.h"
 #include "graph/pipeline.h"
+#include "graph/types/plugin.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -68,8 +69,8 @@ TEST_CASE("the types of a plugin are types as all others, and say where they com
 }
 
 TEST_CASE("a plugin that was built for another fluidcarve is refused before any code of it is called") {
-    CHECK(fault_of("other_abi") == "the plugin other_abi.so has ABI number 99, but fluidcarve " FLUIDCARVE_VERSION
-                                   " takes " + std::to_string(plugin_abi) + "; build it again with the headers of this one");
+    CHECK(fault_of("other_abi") == "the plugin other_abi.so has ABI number 99, but fluidcarve " FLUIDCARVE_VERSION " takes " + std::to_string(plugin_abi) +
+                                       "; build it again with the headers of this one");
     CHECK(fault_of("other_payloads") ==
           "the plugin other_payloads.so was built with fluidcarve 0.9.7, whose payload types are of version 98, but here, in "
           "fluidcarve " FLUIDCARVE_VERSION ", they are of 2; build it again with the headers of this one");
