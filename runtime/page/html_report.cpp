@@ -4,7 +4,7 @@
 #include "graph/views/drawing.h"
 #include "runtime/page/html_style.h"
 #include "runtime/page/plot.h"
-#include "runtime/tell/words.h"
+#include "graph/text/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -135,7 +135,7 @@ private:
 
     std::string outcome() const {
         const auto frames = counted(report_.at("frames").size(), "frame");
-        const auto time = duration(report_.at("wall_s").get<double>());
+        const auto time = duration_text(report_.at("wall_s").get<double>());
         switch (report_.at("exit").get<int>()) {
             case 0: return fmt::format("Done: {} in {}", frames, time);
             case 4: return fmt::format("Done in {}, but some frames failed", time);
@@ -168,8 +168,8 @@ private:
             add(report_.at("seams").size() == 1 ? "Seams" : "Seams of " + name,
                 fmt::format("{} {}", numbers(entry, "energy").size(), inserts ? "inserted" : "removed"));
         }
-        add("Time", duration(report_.at("wall_s").get<double>()));
-        add("Peak memory", size(report_.at("peak_rss_bytes").get<std::uint64_t>()));
+        add("Time", duration_text(report_.at("wall_s").get<double>()));
+        add("Peak memory", size_text(report_.at("peak_rss_bytes").get<std::uint64_t>()));
         out_ += "</dl>\n";
     }
 
@@ -237,7 +237,7 @@ private:
             const auto seconds = entry->at("wall_s").get<double>();
             const double share = all_s_ > 0 ? seconds / all_s_ : 0;
             const auto heat = std::upper_bound(heats.begin(), heats.end(), share) - heats.begin() - 1;
-            out = {fmt::format("heat{}", std::max<std::ptrdiff_t>(0, heat)), fmt::format("{}, {:.0f} %", duration(seconds), share * 100)};
+            out = {fmt::format("heat{}", std::max<std::ptrdiff_t>(0, heat)), fmt::format("{}, {:.0f} %", duration_text(seconds), share * 100)};
         }
         if (failed_.contains(node.name)) out = {out.style + " failed", "failed"};
         return out;
@@ -289,12 +289,12 @@ private:
                 fmt::format("<tr><th><a href=\"#node-{}\">{}</a>{}</th>", xml_text(name), xml_text(name), element("small", node.at("type").get<std::string>()));
             cell(std::to_string(count(node, "frames")));
             cell(count(node, "cached") > 0 ? std::to_string(count(node, "cached")) : "");
-            cell(all_kept(node) ? "" : duration(seconds));
+            cell(all_kept(node) ? "" : duration_text(seconds));
             out_ += all_kept(node) || most <= 0 ? "<td></td>"
                                                 : fmt::format("<td><span class=\"meter\"><i style=\"width:{:.1f}%\"></i></span></td>", 100 * seconds / most);
-            cell(computed > 0 ? duration(seconds / static_cast<double>(computed)) : "");
-            cell(bytes > 0 ? size(bytes) : "");
-            cell(written != files_.bytes.end() ? size(written->second) : "");
+            cell(computed > 0 ? duration_text(seconds / static_cast<double>(computed)) : "");
+            cell(bytes > 0 ? size_text(bytes) : "");
+            cell(written != files_.bytes.end() ? size_text(written->second) : "");
             out_ += "</tr>\n";
         }
         out_ += "</tbody></table></div>\n";
@@ -360,7 +360,7 @@ private:
             if (field == "shape" || !list.is_array() || list.size() != seams || seams == 0) continue;
             heads.push_back(field == "wall_s" ? "time" : words(field));
             for (std::size_t n = 0; n < seams; ++n)
-                rows[n].push_back(field == "wall_s" && list[n].is_number() ? duration(list[n].get<double>())
+                rows[n].push_back(field == "wall_s" && list[n].is_number() ? duration_text(list[n].get<double>())
                                   : field == "gap" && list[n].is_number()  ? percent(list[n].get<double>())
                                                                            : plain(list[n]));
         }

@@ -1,6 +1,6 @@
 #include "runtime/run/forecast.h"
 
-#include "runtime/tell/words.h"
+#include "graph/text/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -112,11 +112,11 @@ std::string to_text(const Forecast& forecast) {
                            stream.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(stream.nodes, ", ")), stream.gatherers.empty() ? "" : "; gathers ",
                            fmt::join(stream.gatherers, ", "));
     }
-    if (forecast.seconds > 0) out += fmt::format("time: about {}", duration(forecast.seconds));
+    if (forecast.seconds > 0) out += fmt::format("time: about {}", duration_text(forecast.seconds));
     else out += "time: unknown";
     if (!forecast.unmeasured.empty())
         out += fmt::format("{}, without {}, not measured yet", forecast.seconds > 0 ? "" : " yet", fmt::join(forecast.unmeasured, ", "));
-    out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size(forecast.bytes)) : "\n";
+    out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size_text(forecast.bytes)) : "\n";
     return out;
 }
 

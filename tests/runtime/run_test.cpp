@@ -149,6 +149,18 @@ nodes:
     }
 }
 
+TEST_CASE("frames run at the same time: one that waits for the next goes on when that has begun") {
+    toy::Count::inside = 0;
+    const auto ran = run(R"(
+frames: 1-2
+nodes:
+  count: {type: toy.count, path: in.##, meet: 2}
+  print: {type: toy.print, number: count, path: out.##}
+)");
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.count("print ") == 2);
+}
+
 TEST_CASE("a failed frame admits no new frames, and the exit code says so") {
     const auto ran = run(R"(
 frames: 1-500

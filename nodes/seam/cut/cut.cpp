@@ -15,8 +15,6 @@ namespace fluidcarve {
 
 namespace {
 
-/// Nodes of a tile; they fit into a core's own cache.
-constexpr std::size_t tile_nodes = 16384;
 /// How many nodes may be visited between two searches, as a share of all nodes.
 constexpr double steps_per_search = 2;
 constexpr std::size_t most_slabs = 16;
@@ -474,7 +472,7 @@ bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
 }
 
 bool Cut::solve(double tolerance, const std::function<void()>& tick) {
-    const bool tiled = tags_.size() > 4 * tile_nodes;
+    const bool tiled = tags_.size() > most_untiled;
     if (tiled && !(solve_tiles(false, 4 * tolerance) && solve_tiles(true, 2 * tolerance))) return false;
     return solve_whole(tolerance, tick);
 }

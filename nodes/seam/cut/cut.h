@@ -31,6 +31,10 @@ public:
     /// Cost of an entry that no seam takes if it can go elsewhere. Not for the ends of a column.
     static constexpr std::int32_t endless = 0x7FFFFFFF;
     static constexpr std::int32_t most_cost = 1 << 26;
+    /// Nodes of a tile: they fit into a core's own cache.
+    static constexpr std::size_t tile_nodes = 16384;
+    /// Largest number of nodes that is solved without tiles.
+    static constexpr std::size_t most_untiled = 4 * tile_nodes;
 
     /// Writes the costs of steps, 0 to most_cost: being at entry + 1 in column `high` and at entry in its neighbour `low`, for entries from
     /// `first` on.

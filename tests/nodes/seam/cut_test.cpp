@@ -228,7 +228,7 @@ TEST_CASE("volumes of many tiles and slabs are cut exactly, the same with one th
         const ColumnGraph graph(size, closed);
         const auto energy = SyntheticEnergy(kind, 7)({width, size[0], size[1]}, static_cast<std::size_t>(size[2]), closed);
         const auto band = Band::whole(graph.count(), {0, width - 1});
-        REQUIRE(graph.count() * static_cast<std::size_t>(width - 1) > 4 * 16384);
+        REQUIRE(graph.count() * static_cast<std::size_t>(width - 1) > Cut::most_untiled);
         const CostAt cost = [&](std::size_t c, int entry) { return std::floor(energies_of(energy)(c, entry) * (1 << 20)); };
         struct Solved {
             SeamVector seam;

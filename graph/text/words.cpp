@@ -1,4 +1,4 @@
-#include "runtime/tell/words.h"
+#include "graph/text/words.h"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,13 @@ namespace fluidcarve {
 
 std::string three_digits(double value) { return fmt::format("{:.{}f}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0); }
 
-std::string duration(double seconds) {
+std::string duration_text(double seconds) {
     if (seconds < 0.0995) return three_digits(seconds * 1e3) + " ms";
     if (seconds < 100) return three_digits(seconds) + " s";
     return seconds < 6000 ? three_digits(seconds / 60) + " min" : three_digits(seconds / 3600) + " h";
 }
 
-std::string size(std::uint64_t bytes) {
+std::string size_text(std::uint64_t bytes) {
     const auto value = static_cast<double>(bytes);
     if (bytes < 1000) return fmt::format("{} B", bytes);
     return value < 1e6 ? three_digits(value * 1e-3) + " kB" : value < 1e9 ? three_digits(value * 1e-6) + " MB" : three_digits(value * 1e-9) + " GB";
