@@ -3,6 +3,7 @@
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
+#include "runtime/keep/work_folder.h"
 
 #include <fmt/format.h>
 
@@ -27,11 +28,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // File layout of an entry: magic, header size, size of the outputs, header checksum, header, outputs, checksum of all before.
-constexpr std::string_view magic{"fluidcarve 1\n\0\0\0", 16};
 constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
 constexpr std::size_t seal_size = 16;
-constexpr auto unasked = std::chrono::hours(24 * 30);
-constexpr auto forgotten = std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
 
 Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
 
@@ -106,7 +104,7 @@ void write_all(const std::string& path, std::initializer_list<std::span<const ch
 std::optional<Json> header_of(int file, std::uint64_t& size) {
     struct stat about {};
     std::vector<char> bytes(prefix_size);
-    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size) || std::string_view(bytes.data(), 16) != magic) return std::nullopt;
+    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size) || std::string_view(bytes.data(), 16) != entry_magic) return std::nullopt;
     const auto header = number_at<std::uint64_t>(bytes.data() + 16), body = number_at<std::uint64_t>(bytes.data() + 24);
     size = static_cast<std::uint64_t>(about.st_size);
     if (header > size || body > size || prefix_size + header + body + seal_size != size) return std::nullopt;
@@ -116,12 +114,6 @@ std::optional<Json> header_of(int file, std::uint64_t& size) {
     auto out = Json::parse(bytes.begin() + prefix_size, bytes.end(), nullptr, false);
     return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
 }
-
-struct File {
-    fs::path path;
-    fs::file_time_type used;
-    std::uint64_t size;
-};
 
 }  // namespace
 
@@ -215,7 +207,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
             header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.data.size() - begin}});
         }
         const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
-        std::vector<char> head(magic.begin(), magic.end()), seal;
+        std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
         append(head, static_cast<std::uint64_t>(text.size()));
         append(head, static_cast<std::uint64_t>(body.data.size()));
         append(head, checksum(text.data(), text.size()));
@@ -239,32 +231,20 @@ std::string Cache::fault() const {
 
 Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
     Trimmed out;
-    std::vector<File> files;
-    std::error_code error;
-    const auto now = fs::file_time_type::clock::now();
-    for (fs::recursive_directory_iterator each(folder_, error), end; !error && each != end; each.increment(error)) {
-        std::error_code gone;  // another process may trim too
-        if (!each->is_regular_file(gone)) continue;
-        const File file{each->path(), each->last_write_time(gone), each->file_size(gone)};
-        if (gone) continue;
-        if (file.path.filename().string().starts_with('.')) {
-            if (now - file.used > forgotten) fs::remove(file.path, gone);
-            continue;
-        }
-        out.left += file.size;
-        files.push_back(file);
-    }
-    for (fs::recursive_directory_iterator each(work_folder_ + "/files", error), end; !error && each != end; each.increment(error)) {
-        std::error_code gone;
-        if (each->is_regular_file(gone) && now - each->last_write_time(gone) > unasked && !gone) fs::remove(each->path(), gone);
-    }
-    std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
-    for (const auto& file : files) {
+    const WorkFolder folder(work_folder_);
+    if (!folder.fault().empty()) return out;
+    std::error_code gone;
+    for (const auto& file : folder.outdated()) fs::remove(file, gone);
+    auto entries = folder.entries();
+    for (const auto& entry : entries) out.left += entry.size;
+    std::sort(entries.begin(), entries.end(),
+              [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
+    for (const auto& entry : entries) {
         if (out.left <= most_bytes) break;
-        std::error_code gone;
-        fs::remove(file.path, gone);
-        out.left -= file.size;
-        out.bytes += file.size;
+        if (!WorkFolder::is_entry(entry.path)) continue;
+        fs::remove(entry.path, gone);
+        out.left -= entry.size;
+        out.bytes += entry.size;
         ++out.entries;
     }
     return out;

@@ -51,8 +51,8 @@ public:
         std::size_t entries = 0;
         std::uint64_t bytes = 0, left = 0;  ///< bytes of removed entries, and of entries that remain
     };
-    /// Removes the least recently used entries until at most `most_bytes` are left. Also removes temporary files of killed runs, and file
-    /// hashes (FileHashes) that were not used for 30 days.
+    /// Removes the least recently used entries until at most `most_bytes` are left, and what is outdated (WorkFolder). Removes nothing from a
+    /// folder that is no work folder of fluidcarve.
     Trimmed trim(std::uint64_t most_bytes) const;
 
 private:

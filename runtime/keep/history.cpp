@@ -1,6 +1,7 @@
 #include "runtime/keep/history.h"
 
 #include "graph/output_file.h"
+#include "runtime/keep/work_folder.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -77,6 +78,8 @@ History::History(const std::string& folder, const std::string& pipeline) {
     path_ = fmt::format("{}/history/{}.json", folder, std::filesystem::path(pipeline).stem().string());
     std::ifstream in(path_);
     auto read = json::parse(in, nullptr, false);
+    const bool whole = read.is_object() && std::ranges::all_of(read, [](const json& node) { return node.is_object(); });
+    foreign_ = in.is_open() && !whole && !WorkFolder(folder).marked();
     if (read.is_object()) nodes_ = std::move(read);
 }
 
@@ -135,7 +138,7 @@ std::optional<NodeCost> History::cost(const std::string& node, std::uint64_t inp
 }
 
 void History::save() const {
-    if (path_.empty()) return;
+    if (path_.empty() || foreign_) return;
     try {
         OutputFile file(path_);
         std::ofstream out(file.aside(), std::ios::binary);

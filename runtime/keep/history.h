@@ -36,6 +36,7 @@ public:
 
 private:
     std::string path_;
+    bool foreign_ = false;  ///< the file at the path may be somebody else's: it is never replaced
     nlohmann::json nodes_;
 };
 

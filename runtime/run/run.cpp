@@ -1,4 +1,5 @@
 #include "runtime/run/run.h"
+#include "runtime/keep/work_folder.h"
 
 #include "graph/output_file.h"
 #include "runtime/keep/history.h"
@@ -191,6 +192,11 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     }
     Report report(pipeline);
     RunProfile profile(pipeline);
+    try {
+        if (request.options.cache) WorkFolder(request.options.work_folder).make();
+    } catch (const Failure&) {
+        // Results are then not kept, which is told at the end.
+    }
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);

@@ -1,4 +1,5 @@
 #include "runtime/verbs/commands.h"
+#include "runtime/keep/work_folder.h"
 
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
@@ -154,6 +155,8 @@ struct RunArguments {
             const auto size = parse_size(cache_size);
             if (!size) return wrong(fmt::format("--cache-size wants a size such as 50G, not '{}'", cache_size));
             request.options.cache_size = *size;
+            // A size says that files may go: only from a folder that is ours.
+            if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty()) return wrong("--cache-size: " + fault);
         }
         request.wish.only = !only.empty();
         if (request.wish.only) request.wish.to = only;
@@ -205,17 +208,16 @@ int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool j
 }
 
 /// Removes all files of fluidcarve from a work folder, and the folder if it is then empty.
-int clean(const std::string& folder) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    std::uintmax_t files = 0;
-    for (const auto* const part : {"cache", "files", "history", "runs"}) {
-        const auto gone = fs::remove_all(fs::path(folder) / part, error);
-        if (error) return complain(fmt::format("cannot clean {}: {}\n", (fs::path(folder) / part).string(), error.message())), exit_code::node_failed;
-        files += gone;
+int clean(const std::string& path) {
+    const WorkFolder folder(path);
+    if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
+    try {
+        const auto [removed, left] = folder.clean();
+        const auto others = left == 0 ? std::string() : fmt::format("; {} {} of others {}", left, left == 1 ? "file" : "files", left == 1 ? "stays" : "stay");
+        print(removed == 0 && left == 0 ? fmt::format("{}: nothing to clean\n", path) : fmt::format("{}: clean{}\n", path, others));
+    } catch (const Failure& failure) {
+        return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
     }
-    fs::remove(folder, error);
-    print(files == 0 ? fmt::format("{}: nothing to clean\n", folder) : fmt::format("{}: clean\n", folder));
     return exit_code::done;
 }
 

@@ -1,0 +1,190 @@
+#include "runtime/keep/work_folder.h"
+
+#include "graph/output_file.h"
+#include "graph/text/problem.h"
+#include "runtime/keep/content_hash.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fstream>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array parts{"cache", "files", "history", "runs"};
+constexpr auto mark_name = "CACHEDIR.TAG";
+// The signature is that of the Cache Directory Tagging Specification: backups leave such folders out.
+constexpr auto mark_text =
+    "Signature: 8a477f597d28d172789f06886806bc55\n# A work folder of fluidcarve: results that it can compute again.\n# `fluidcarve clean` removes them.\n";
+constexpr std::string_view mark_line = "# A work folder of fluidcarve";
+constexpr auto unasked = std::chrono::hours(24 * 30);
+constexpr auto forgotten = std::chrono::hours(24);  ///< age at which a temporary file counts as left by a killed run
+
+bool is_hex(std::string_view text, std::size_t length) {
+    return text.size() == length && std::ranges::all_of(text, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+}
+
+bool is_number(std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// Whether a name is of the form of OutputFile's temporary files: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
+bool is_temporary(const std::string& name) {
+    const auto part = name.rfind(".part");
+    if (!name.starts_with('.') || part == std::string::npos) return false;
+    std::vector<std::string> fields{""};
+    for (const char c : name.substr(1, part - 1)) {
+        if (c == '.') fields.emplace_back();
+        else fields.back() += c;
+    }
+    const auto count = fields.size();
+    return count >= 4 && is_number(fields[count - 1]) && is_number(fields[count - 2]) && is_hex(fields[count - 3], 16);
+}
+
+/// Regular files below a folder, links not followed. @param depth  folders between it and the files
+std::vector<fs::path> files_in(const fs::path& folder, int depth) {
+    std::vector<fs::path> out;
+    std::error_code error;
+    if (fs::symlink_status(folder, error).type() != fs::file_type::directory) return out;
+    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+        const auto type = each->symlink_status(error).type();
+        if (depth > 0 && type == fs::file_type::directory && is_hex(each->path().filename().string(), 2))
+            for (auto& file : files_in(each->path(), depth - 1)) out.push_back(std::move(file));
+        if (depth == 0 && type == fs::file_type::regular) out.push_back(each->path());
+    }
+    return out;
+}
+
+/// Named files in folders of two digits, as in `cache/0a/...`, that are no temporary ones.
+std::vector<fs::path> hashed_files(const fs::path& folder) {
+    auto out = files_in(folder, 1);
+    std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
+    return out;
+}
+
+std::vector<fs::path> temporary_files(const fs::path& folder) {
+    auto out = files_in(folder, 1);
+    for (auto& file : files_in(folder, 0)) out.push_back(std::move(file));
+    std::erase_if(out, [](const fs::path& file) { return !is_temporary(file.filename().string()); });
+    return out;
+}
+
+/// Whether a file holds two hashes, as FileHashes writes them.
+bool is_file_hash(const fs::path& file) {
+    std::string text, seal, more;
+    std::ifstream in(file);
+    in >> text >> seal;
+    return Key::parse(text) && Key::parse(seal) && !(in >> more);
+}
+
+/// Whether a file is of the form of History (`history`) or StatusFile (`runs`).
+bool is_record(const fs::path& file, bool run) {
+    if (file.extension() != ".json") return false;
+    std::ifstream in(file);
+    const auto record = nlohmann::json::parse(in, nullptr, false);
+    if (!record.is_object()) return false;
+    if (run) return record.contains("pid") && record.contains("host") && record.contains("pipeline") && record.contains("nodes");
+    return std::ranges::all_of(record, [](const auto& node) { return node.is_object() && node.contains("type") && node.contains("version"); });
+}
+
+bool older(const fs::path& file, std::chrono::hours age) {
+    std::error_code gone;
+    const auto used = fs::last_write_time(file, gone);
+    return !gone && fs::file_time_type::clock::now() - used > age;
+}
+
+}  // namespace
+
+void WorkFolder::make() const {
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error && !fs::is_directory(path_)) throw Failure(fmt::format("cannot make the work folder {}: {}", path_, error.message()));
+    if (!fs::is_empty(path_, error) || error) return;
+    OutputFile mark(path_ + "/" + mark_name);
+    std::ofstream(mark.aside()) << mark_text;
+    mark.commit();
+}
+
+bool WorkFolder::marked() const {
+    std::ifstream in(path_ + "/" + mark_name);
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with(mark_line)) return true;
+    return false;
+}
+
+std::string WorkFolder::fault() const {
+    std::error_code error;
+    if (!fs::exists(path_, error) || (fs::is_directory(path_, error) && fs::is_empty(path_, error))) return {};
+    if (!marked())
+        return fmt::format("'{}' is no work folder of fluidcarve: it has no {} of it, so nothing there may be removed; name another with --work", path_,
+                           mark_name);
+    for (const auto* const part : parts)
+        if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, error))
+            return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());
+    return {};
+}
+
+bool WorkFolder::is_entry(const fs::path& file) {
+    std::array<char, 16> first{};
+    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
+    return std::string_view(first.data(), first.size()) == entry_magic;
+}
+
+std::vector<WorkFolder::Entry> WorkFolder::entries() const {
+    std::vector<Entry> out;
+    for (const auto& file : hashed_files(fs::path(path_) / "cache")) {
+        std::error_code gone;  // another process may remove files too
+        Entry entry{file, fs::last_write_time(file, gone), fs::file_size(file, gone)};
+        if (!gone) out.push_back(std::move(entry));
+    }
+    return out;
+}
+
+std::vector<fs::path> WorkFolder::outdated() const {
+    std::vector<fs::path> out;
+    for (const auto& file : hashed_files(fs::path(path_) / "files"))
+        if (older(file, unasked) && is_file_hash(file)) out.push_back(file);
+    for (const auto* const part : parts)
+        for (const auto& file : temporary_files(fs::path(path_) / part))
+            if (older(file, forgotten)) out.push_back(file);
+    return out;
+}
+
+WorkFolder::Cleaned WorkFolder::clean() const {
+    const fs::path root = path_;
+    std::vector<fs::path> ours;
+    for (const auto& file : hashed_files(root / "cache"))
+        if (is_entry(file)) ours.push_back(file);
+    for (const auto& file : hashed_files(root / "files"))
+        if (is_file_hash(file)) ours.push_back(file);
+    for (const auto* const part : {"history", "runs"})
+        for (const auto& file : files_in(root / part, 0))
+            if (is_record(file, part == std::string_view("runs"))) ours.push_back(file);
+    for (const auto* const part : parts)
+        for (const auto& file : temporary_files(root / part)) ours.push_back(file);
+
+    Cleaned out;
+    std::error_code error, ignored;
+    for (const auto& file : ours) {
+        out.removed += fs::remove(file, error) ? 1 : 0;
+        if (error) throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+        fs::remove(file.parent_path(), ignored);  // if it is empty
+    }
+    for (const auto* const part : parts)
+        if (!fs::is_symlink(root / part, ignored)) fs::remove(root / part, ignored);
+    for (fs::recursive_directory_iterator each(root, ignored), end; each != end; each.increment(ignored))
+        if (!each->is_directory(ignored) && each->path() != root / mark_name) ++out.left;
+    if (out.left == 0) {
+        fs::remove(root / mark_name, ignored);
+        fs::remove(root, ignored);
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

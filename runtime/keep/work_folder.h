@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The folder that keeps results between runs. It bears a mark, a file CACHEDIR.TAG, if fluidcarve made it. Nothing is ever removed from a
+/// folder without the mark, and from one with it only files that fluidcarve wrote: by their names and their first bytes.
+class WorkFolder {
+public:
+    explicit WorkFolder(std::string path) : path_(std::move(path)) {}
+
+    /// Makes the folder and marks it if it is missing or empty. @throws Failure if it can't be made
+    void make() const;
+    bool marked() const;
+    /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or there is no folder.
+    std::string fault() const;
+
+    /// A cached result.
+    struct Entry {
+        std::filesystem::path path;
+        std::filesystem::file_time_type used;
+        std::uint64_t size = 0;  ///< bytes
+    };
+    /// All cached results, by their names. A file of another form is none.
+    std::vector<Entry> entries() const;
+    /// Hashes of input files that were not used for 30 days, and temporary files of killed runs that are older than a day.
+    std::vector<std::filesystem::path> outdated() const;
+    /// Whether a file begins as a cached result does.
+    static bool is_entry(const std::filesystem::path& file);
+
+    /// What `clean` did.
+    struct Cleaned {
+        std::size_t removed = 0;  ///< files
+        std::size_t left = 0;     ///< files of others, which stay
+    };
+    /// Removes all files that fluidcarve wrote, and folders that are then empty. @throws Failure if one can't be removed
+    Cleaned clean() const;
+
+private:
+    std::string path_;
+};
+
+/// The first bytes of a cached result.
+inline constexpr std::string_view entry_magic{"fluidcarve 1\n\0\0\0", 16};
+
+}  // namespace fluidcarve

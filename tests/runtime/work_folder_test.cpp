@@ -1,0 +1,116 @@
+#include "runtime/keep/work_folder.h"
+#include "runtime/keep/cache.h"
+#include "tests/support/scratch.h"
+#include "tests/support/toy_nodes.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <map>
+#include <random>
+
+using namespace fluidcarve;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// All files below a folder, by their content.
+std::map<std::string, std::string> files_of(const std::string& folder) {
+    std::map<std::string, std::string> out;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) out[entry.path().string()] = Scratch::read(entry.path().string());
+    return out;
+}
+
+void put(const std::string& path, const std::string& text) {
+    fs::create_directories(fs::path(path).parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+Key key_of(int number) { return ContentHash().number(static_cast<std::uint64_t>(number)).digest(); }
+
+/// Keeps so many numbers in a work folder.
+void keep(const std::string& folder, int count) {
+    const auto registry = toy::registry();
+    Cache cache(registry, folder);
+    for (int n = 0; n < count; ++n) REQUIRE(cache.store(key_of(n), {{"n", n}}, {Payload(std::make_shared<toy::Number>(n))}));
+}
+
+}  // namespace
+
+TEST_CASE("a work folder is marked where there was nothing, and only there") {
+    const Scratch scratch;
+    const auto fresh = scratch / "fresh", used = scratch / "used";
+    CHECK(WorkFolder(fresh).fault() == "");
+    WorkFolder(fresh).make();
+    CHECK(WorkFolder(fresh).marked());
+    CHECK(Scratch::read(fresh + "/CACHEDIR.TAG").starts_with("Signature: 8a477f597d28d172789f06886806bc55\n"));
+    put(used + "/cache/sim/smoke.0001.vdb", "smoke");
+    WorkFolder(used).make();
+    CHECK(!WorkFolder(used).marked());
+    CHECK(WorkFolder(used).fault() ==
+          "'" + used + "' is no work folder of fluidcarve: it has no CACHEDIR.TAG of it, so nothing there may be removed; name " + "another with --work");
+    put(used + "/CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# of another program\n");
+    CHECK(!WorkFolder(used).marked());
+}
+
+TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
+    std::mt19937 random(5);
+    const std::string hex = "0123456789abcdef";
+    for (int round = 0; round < 20; ++round) {
+        const Scratch scratch;
+        const auto work = scratch / "work";
+        WorkFolder(work).make();
+        keep(work, 12);
+        put(work + "/runs/shot.host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "p", "nodes": {}})");
+        put(work + "/history/shot.json", R"({"sim": {"type": "toy.count", "version": 1}})");
+        const auto before = files_of(work);
+        // Of others: any name in any place, names of our form with other content, and what hidden files there are.
+        const auto part = [&] {
+            return std::vector<std::string>{"", "/cache", "/files", "/history", "/runs", "/cache/ab", "/files/cd", "/scans"}[random() % 8];
+        };
+        for (int n = 0; n < 30; ++n) {
+            std::string name;
+            for (int c = 0; c < 30; ++c) name += hex[random() % 16];
+            const std::vector<std::string> names{name, "smoke.0001.vdb", ".hidden", "a.txt", "notes.json", ".smoke.part", ".a.b.part.vdb"};
+            const auto path = work + part() + "/" + names[random() % names.size()];
+            if (!before.contains(path)) put(path, "of somebody else " + std::to_string(n));
+        }
+        auto others = files_of(work);
+        for (const auto& [path, text] : before) others.erase(path);
+        const auto registry = toy::registry();
+        Cache cache(registry, work);
+        CHECK(cache.trim(0).entries == 12);
+        CHECK(cache.trim(0).entries == 0);
+        const auto [removed, left] = WorkFolder(work).clean();
+        CHECK(removed == 2);
+        CHECK(left == others.size());
+        auto now = files_of(work);
+        now.erase(work + "/CACHEDIR.TAG");
+        CHECK(now == others);
+    }
+}
+
+TEST_CASE("a work folder without others' files is gone once it is clean") {
+    const Scratch scratch;
+    const auto work = scratch / "work";
+    WorkFolder(work).make();
+    keep(work, 3);
+    CHECK(WorkFolder(work).clean().removed == 3);
+    CHECK(!fs::exists(work));
+}
+
+TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
+    const Scratch scratch;
+    const auto bare = scratch / "bare", linked = scratch / "linked";
+    keep(bare, 3);
+    const auto registry = toy::registry();
+    CHECK(Cache(registry, bare).trim(0).entries == 0);
+    CHECK(files_of(bare).size() == 3);
+    WorkFolder(linked).make();
+    fs::create_directory_symlink(bare + "/cache", linked + "/cache");
+    CHECK(WorkFolder(linked).fault() ==
+          "'" + linked + "/cache' is a link: what it leads to may belong to others; make it a folder, or name another with --work");
+    CHECK(Cache(registry, linked).trim(0).entries == 0);
+    CHECK(files_of(bare).size() == 3);
+}
