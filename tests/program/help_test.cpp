@@ -85,6 +85,22 @@ TEST_CASE("a work folder tells of its runs, and is cleaned") {
     CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": nothing to clean\n");
 }
 
+TEST_CASE("a folder that is no work folder loses nothing, neither to clean nor to a small cache") {
+    const Scratch scratch;
+    const auto shot = scratch / "shot";
+    std::filesystem::create_directories(shot + "/cache/sim");
+    scratch.write("shot/cache/sim/smoke.0001.vdb", "smoke");
+    const auto run =
+        "run -q pipelines/plume.yaml --set out=" + (scratch / "out.####.vdb") + " --set seams=" + (scratch / "seams.vdb") + " --to energy --work " + shot;
+    for (const auto& command : {run + " --cache-size 1M", "clean --work " + shot}) {
+        const auto refused = fluidcarve_program(command + " 2>&1");
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.out, Catch::Contains("'" + shot + "' is no work folder of fluidcarve"));
+    }
+    REQUIRE(fluidcarve_program(run).code == 0);
+    CHECK(Scratch::read(shot + "/cache/sim/smoke.0001.vdb") == "smoke");
+}
+
 TEST_CASE("colours are for terminals that want them") {
     const Scratch scratch;
     const auto run = "run " + scratch.write("p.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.read, path: none.vdb}\n");

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-using namespace fluidcarve;
 
 // What a plugin's author sees if a node's function has the name of a hook, but not its signature.
 

@@ -1,4 +1,5 @@
 #include "runtime/keep/cache.h"
+#include "runtime/keep/work_folder.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -118,6 +119,7 @@ TEST_CASE("where nothing can be written the cache says so once, and goes on with
 TEST_CASE("what was used longest ago goes first, until the folder is small enough") {
     const Scratch scratch;
     const auto registry = toy::registry();
+    WorkFolder(scratch.path()).make();
     Cache cache(registry, scratch.path());
     for (int n = 0; n < 10; ++n) {
         cache.store(key_of(n), {}, {number(n)});
@@ -139,14 +141,16 @@ TEST_CASE("what was used longest ago goes first, until the folder is small enoug
 TEST_CASE("what a killed process left half-written goes after a day, and not before") {
     const Scratch scratch;
     const auto registry = toy::registry();
+    WorkFolder(scratch.path()).make();
     Cache cache(registry, scratch.path());
     cache.store(key_of(1), {}, {number(1)});
     const auto folder = entries(scratch.path()).at(0).parent_path();
-    for (const auto* name : {".old.part", ".new.part"}) std::ofstream(folder / name) << "half";
-    fs::last_write_time(folder / ".old.part", fs::file_time_type::clock::now() - std::chrono::hours(25));
+    const std::string old = ".old.0123456789abcdef.12.0.part", fresh = ".new.0123456789abcdef.12.1.part";
+    for (const auto& name : {old, fresh}) std::ofstream(folder / name) << "half";
+    fs::last_write_time(folder / old, fs::file_time_type::clock::now() - std::chrono::hours(25));
     cache.trim(1000000);
-    CHECK_FALSE(fs::exists(folder / ".old.part"));
-    CHECK(fs::exists(folder / ".new.part"));
+    CHECK_FALSE(fs::exists(folder / old));
+    CHECK(fs::exists(folder / fresh));
     CHECK(cache.look(key_of(1)));
 }
 
