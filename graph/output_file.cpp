@@ -57,7 +57,55 @@ void remove_orphans(const fs::path& folder) {
     }
 }
 
+/// Whether a path names a device or a pipe: by its kind, or by its place in the system, as `/dev/stdout` that leads to a file.
+bool is_stream(const fs::path& path) {
+    std::error_code error;
+    const auto kind = fs::status(path, error).type();
+    if (kind == fs::file_type::character || kind == fs::file_type::fifo || kind == fs::file_type::block || kind == fs::file_type::socket) return true;
+    if (kind == fs::file_type::not_found) return false;
+    const auto place = fs::absolute(path, error).lexically_normal().string();
+    const auto target = fs::is_symlink(path, error) ? fs::read_symlink(path, error).string() : std::string();
+    return place.starts_with("/proc/") || place.starts_with("/dev/fd/") || target.starts_with("/proc/");
+}
+
+/// Opens a device or a pipe for writing, without waiting for a reader. @throws Failure
+int open_stream(const std::string& path) {
+    const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0) throw Failure(fmt::format("cannot write {}: {}", path, errno == ENXIO ? "nobody reads this pipe" : std::strerror(errno)));
+    fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
+    return file;
+}
+
 }  // namespace
+
+void OutputFile::write(const std::string& path, std::string_view text) {
+    if (!is_stream(path)) {
+        OutputFile file(path);
+        std::ofstream out(file.aside(), std::ios::binary);
+        out << text;
+        out.close();
+        if (!out) throw Failure(fmt::format("cannot write {}: is the disk full?", path));
+        return file.commit();
+    }
+    const int file = open_stream(path);
+    while (!text.empty()) {
+        const auto wrote = ::write(file, text.data(), text.size());
+        if (wrote < 0 && errno == EINTR) continue;
+        const auto fault = wrote > 0 ? std::string() : fmt::format("cannot write {}: {}", path, std::strerror(errno));
+        if (wrote <= 0) {
+            close(file);
+            throw Failure(fault);
+        }
+        text.remove_prefix(static_cast<std::size_t>(wrote));
+    }
+    close(file);
+}
+
+void OutputFile::require_writable(const std::string& path) {
+    // A pipe's reader would take a trial for the end.
+    if (!is_stream(path)) const OutputFile file(path);
+    else if (access(path.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+}
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     static std::atomic<unsigned> serial{0};
@@ -67,6 +115,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
+    if (is_stream(target)) throw Failure(fmt::format("cannot write {}: it is a device or a pipe, which a file must not replace; name a regular file", path_));
     const std::lock_guard lock(unfinished_mutex);
     remove_orphans(folder);
     // Create the file now: permission bits alone do not tell whether the folder can be written to. A killed process with the same

@@ -2,15 +2,16 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace fluidcarve {
 
-/// A file that appears whole or not at all: written under a temporary name in the same folder, then renamed.
+/// A regular file that appears whole or not at all: written under a temporary name in the same folder, then renamed.
 /// Without a commit, the destructor removes the temporary file. If the process is killed, the next process that writes into
 /// the folder removes it.
 class OutputFile {
 public:
-    /// Makes missing folders. @throws Failure if the folder can't be written to
+    /// Makes missing folders. @throws Failure if the folder can't be written to, or the path is a device or a pipe
     explicit OutputFile(std::string path);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
@@ -25,6 +26,12 @@ public:
     static std::uint64_t number_at(const std::string& path);
     /// Removes the temporary files of all outputs that are not committed. To be called before a hard exit.
     static void remove_unfinished();
+
+    /// Writes a text: to a regular file whole or not at all, into a device or a pipe, such as `/dev/stdout`, as it comes.
+    /// @throws Failure if that fails
+    static void write(const std::string& path, std::string_view text);
+    /// @throws Failure if `write` could not even begin
+    static void require_writable(const std::string& path);
 
 private:
     std::string path_;

@@ -3,9 +3,15 @@
 #include "runtime/verbs/commands.h"
 
 #include <cstdio>
+#include <exception>
 
 int main(int argc, char** argv) {
-    const int code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
+    int code = fluidcarve::exit_code::node_failed;
+    try {
+        code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "failed: %s\nThis is a fault of fluidcarve itself; please report it with the command and the pipeline.\n", error.what());
+    }
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
     std::fputs("failed: the results could not be written; is the disk full?\n", stderr);
     return code == fluidcarve::exit_code::done ? fluidcarve::exit_code::node_failed : code;

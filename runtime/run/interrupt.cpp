@@ -7,6 +7,7 @@
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
+#include <array>
 #include <csignal>
 #include <cstdint>
 
@@ -14,18 +15,22 @@ namespace fluidcarve {
 namespace {
 
 constexpr int grace_ms = 800;
+constexpr std::array errors{SIGPIPE, SIGXFSZ};  ///< what fails instead tells them
 
 sigset_t stop_signals() {
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
+    struct sigaction hang_up {};
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) sigaddset(&set, SIGHUP);
     return set;
 }
 
 }  // namespace
 
 Interrupt::Interrupt() {
+    for (const int number : errors) std::signal(number, SIG_IGN);
     // Signals are blocked in this thread, and so in all threads that it starts later. Only the watcher reads them, through signalfd.
     const auto set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
@@ -42,6 +47,7 @@ Interrupt::~Interrupt() {
     close(ended_);
     const auto set = stop_signals();
     pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+    for (const int number : errors) std::signal(number, SIG_DFL);
 }
 
 void Interrupt::watch() {

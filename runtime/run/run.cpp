@@ -17,7 +17,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 
 namespace fluidcarve {
 namespace {
@@ -63,15 +62,10 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
                              node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
-/// Writes a text file. @param what  name of the file's kind, for messages @return `code`, or another exit code if writing fails
+/// Writes a text. @param what  name of the file's kind, for messages @return `code`, or another exit code if writing fails
 int write_file(const char* what, const std::string& path, const std::string& text, int code) {
     try {
-        OutputFile file(path);
-        std::ofstream out(file.aside(), std::ios::binary);
-        out << text;
-        out.close();
-        if (!out) throw Failure(fmt::format("cannot write {}: is the disk full?", path));
-        file.commit();
+        OutputFile::write(path, text);
         return code;
     } catch (const Failure& failure) {
         tell(fmt::format("failed: {}: {}", what, failure.what()));
@@ -185,7 +179,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     for (const auto& [what, path] :
          {std::pair("report", request.report_path), std::pair("page", request.html_path), std::pair("profile", request.profile_path)}) {
         try {
-            if (!path.empty()) const OutputFile file(path);
+            if (!path.empty()) OutputFile::require_writable(path);
         } catch (const Failure& failure) {
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }

@@ -166,7 +166,9 @@ struct RunArguments {
              {std::pair("--report", request.report_path), std::pair("--html", request.html_path), std::pair("--profile", request.profile_path)}) {
             if (path.empty()) continue;
             if (const auto user = user_of(pipeline, path); !user.empty()) return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
-            const auto [other, fresh] = own.emplace(std::filesystem::weakly_canonical(std::filesystem::absolute(path)), option);
+            std::error_code unknown;  // what a descriptor leads to may have no path
+            auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+            const auto [other, fresh] = own.emplace(unknown ? std::filesystem::path(path) : std::move(place), option);
             if (!fresh) return wrong(fmt::format("{} and {} name the same file: {}", other->second, option, path));
         }
         const bool terminal = coloured_terminal();

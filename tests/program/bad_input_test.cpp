@@ -248,6 +248,17 @@ TEST_CASE("a report that a full disk cuts off fails the run, and is not there") 
     CHECK(bench.files(".") == Files{"in.0001.vdb", "p.yaml"});
 }
 
+TEST_CASE("a report goes through a pipe, and a closed pipe for messages does not end the run") {
+    const Bench bench;
+    bench.put({1});
+    const auto out = " --set out.path=" + (bench.scratch / "out/o.####.vdb");
+    const auto piped = call_shell(FLUIDCARVE_PROGRAM " run -q " + (bench.scratch / "p.yaml") + " -f 1" + out + " --report /dev/stdout | cat");
+    CHECK_THAT(piped.out, Catch::StartsWith("{\n  \"fluidcarve\""));
+    fs::remove_all(bench.scratch / "out");
+    call_shell(FLUIDCARVE_PROGRAM " run " + (bench.scratch / "p.yaml") + " -f 1" + out + " 2>&1 | true");
+    CHECK(bench.files() == Files{"o.0001.vdb"});
+}
+
 TEST_CASE("a write that fails half way keeps the frames before it whole") {
     const Bench bench;
     bench.put({1, 2, 3, 4, 5, 6});
