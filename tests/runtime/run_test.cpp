@@ -9,6 +9,30 @@ using namespace fluidcarve;
 
 namespace {
 
+/// Waits in each frame until another frame is here, too.
+struct Meet {
+    struct Ports {
+        Ref<toy::Number> number;
+    };
+    static inline std::atomic<int> inside{0};  ///< frames that have come
+    static bool animates(const detail::NoParams&) { return true; }
+    static void run(const detail::NoParams&, Ports& io, Context& context) {
+        ++inside;
+        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+        while (inside < 2) {
+            if (std::chrono::steady_clock::now() > until) throw Failure("no other frame is at work");
+            std::this_thread::yield();
+        }
+        io.number = std::make_shared<toy::Number>(context.frame());
+    }
+};
+
+Registry registry_with_meet() {
+    auto out = toy::registry();
+    out.add(NodeType(Declare<Meet>("toy.meet", "Waits for another frame.").output("number", &Meet::Ports::number, "The frame's number.")));
+    return out;
+}
+
 struct Ran {
     int code = 0;
     nlohmann::json report;
@@ -21,7 +45,7 @@ struct Ran {
 
 Ran run(
     const std::string& yaml, RunRequest request = {}, const std::function<bool()>& cancelled = [] { return false; }) {
-    static const Registry registry = toy::registry();
+    static const Registry registry = registry_with_meet();
     toy::log.reset();
     const Scratch scratch;
     Problems problems;
@@ -150,11 +174,11 @@ nodes:
 }
 
 TEST_CASE("frames run at the same time: one that waits for the next goes on when that has begun") {
-    toy::Count::inside = 0;
+    Meet::inside = 0;
     const auto ran = run(R"(
 frames: 1-2
 nodes:
-  count: {type: toy.count, path: in.##, meet: 2}
+  count: {type: toy.meet}
   print: {type: toy.print, number: count, path: out.##}
 )");
     CHECK(ran.code == exit_code::done);

@@ -71,13 +71,11 @@ struct Count {
         int fail_at = -1;
         bool missing = false;
         bool late = false;
-        int meet = 0;
         int skip = -1;
     };
     struct Ports {
         Ref<Number> number;
     };
-    static inline std::atomic<int> inside{0};  ///< frames at work now
     static void survey(const Params& params, Survey& survey) {
         if (params.skip >= 0) survey.leave_out(params.skip);
         if (params.missing) survey.missing(params.fail_at, "the file is not there");
@@ -85,18 +83,8 @@ struct Count {
     static void run(const Params& params, Ports& io, Context& context) {
         if (context.frame() == params.fail_at) throw Failure("made to fail", params.missing ? Failure::Kind::input : Failure::Kind::data);
         if (params.late && context.place() % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
-        if (params.meet > 0) meet(params.meet);
         io.number = std::make_shared<Number>(context.frame());
         log.add(fmt::format("count {}", context.frame()));
-    }
-    /// Waits until so many frames are here at once. @throws Failure after ten seconds
-    static void meet(int frames) {
-        ++inside;
-        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (inside < frames) {
-            if (std::chrono::steady_clock::now() > until) throw Failure("no other frame is at work");
-            std::this_thread::yield();
-        }
     }
 };
 
@@ -321,7 +309,6 @@ inline Registry registry() {
                          .param("fail_at", &Count::Params::fail_at, Unit::frames, any_number(), "Fails at this frame.")
                          .param("missing", &Count::Params::missing, "The failure is a missing file.")
                          .param("late", &Count::Params::late, "Takes long at every third frame.")
-                         .param("meet", &Count::Params::meet, Unit::frames, any_number(), "Waits in each frame until so many have begun.")
                          .param("skip", &Count::Params::skip, Unit::frames, any_number(), "Leaves this frame out.")
                          .output("number", &Count::Ports::number, "The number.")));
     out.add(NodeType(Declare<Add>("toy.add", "Adds numbers.")
