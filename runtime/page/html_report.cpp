@@ -1,10 +1,10 @@
 #include "runtime/page/html_report.h"
 
+#include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
 #include "runtime/page/html_style.h"
 #include "runtime/page/plot.h"
-#include "graph/text/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-
 // What a plugin's author sees if a node's function has the name of a hook, but not its signature.
 
 namespace {
