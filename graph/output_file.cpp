@@ -68,8 +68,15 @@ bool is_stream(const fs::path& path) {
     return place.starts_with("/proc/") || place.starts_with("/dev/fd/") || target.starts_with("/proc/");
 }
 
+/// @throws Failure if a device is a disk, which a text would destroy
+void require_no_disk(const std::string& path) {
+    std::error_code error;
+    if (fs::is_block_file(path, error)) throw Failure(fmt::format("cannot write {}: it is a disk; name a regular file", path));
+}
+
 /// Opens a device or a pipe for writing, without waiting for a reader. @throws Failure
 int open_stream(const std::string& path) {
+    require_no_disk(path);
     const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) throw Failure(fmt::format("cannot write {}: {}", path, errno == ENXIO ? "nobody reads this pipe" : std::strerror(errno)));
     fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
@@ -103,8 +110,12 @@ void OutputFile::write(const std::string& path, std::string_view text) {
 
 void OutputFile::require_writable(const std::string& path) {
     // A pipe's reader would take a trial for the end.
-    if (!is_stream(path)) const OutputFile file(path);
-    else if (access(path.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+    if (!is_stream(path)) {
+        const OutputFile file(path);
+        return;
+    }
+    require_no_disk(path);
+    if (access(path.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
 }
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {

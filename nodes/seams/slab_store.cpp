@@ -18,6 +18,9 @@ namespace fluidcarve {
 
 namespace {
 
+/// Six of these at the end of a name: mkostemp replaces them.
+const std::string unique_part(6, 'X');
+
 // Allocates the space at once: otherwise a full disk would kill the process later, without a message.
 int scratch_file(const std::string& folder, std::size_t bytes) {
     const auto fault = [&](int code) {
@@ -27,7 +30,7 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
     };
     std::error_code ignored;
     std::filesystem::create_directories(folder, ignored);
-    auto path = folder + "/slabs.XXXXXX";
+    auto path = folder + "/slabs." + unique_part;
     const int file = mkostemp(path.data(), O_CLOEXEC);
     if (file < 0) throw fault(errno);
     unlink(path.c_str());

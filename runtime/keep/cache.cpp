@@ -231,12 +231,13 @@ std::string Cache::fault() const {
 
 Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
     Trimmed out;
+    if (!on()) return out;
     const WorkFolder folder(work_folder_);
+    auto entries = folder.entries();
+    for (const auto& entry : entries) out.left += entry.size;
     if (!folder.fault().empty()) return out;
     std::error_code gone;
     for (const auto& file : folder.outdated()) fs::remove(file, gone);
-    auto entries = folder.entries();
-    for (const auto& entry : entries) out.left += entry.size;
     std::sort(entries.begin(), entries.end(),
               [](const WorkFolder::Entry& a, const WorkFolder::Entry& b) { return std::tie(a.used, a.path) < std::tie(b.used, b.path); });
     for (const auto& entry : entries) {

@@ -2,6 +2,7 @@
 #include "runtime/keep/work_folder.h"
 
 #include "graph/output_file.h"
+#include "graph/text/words.h"
 #include "runtime/keep/history.h"
 #include "runtime/page/html_report.h"
 #include "runtime/run/preparation.h"
@@ -228,7 +229,11 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
             status.end(exit_of(report, cancelled(), stopped));
             remember_cost(pipeline, prepared, report, history);
-            prepared.cache().trim(request.options.cache_size);
+            const auto left = prepared.cache().trim(request.options.cache_size).left;
+            const auto fault = WorkFolder(request.options.work_folder).fault();
+            if (left > request.options.cache_size && !fault.empty() && !request.quiet)
+                tell(fmt::format("warning: results take {}, more than they should ({}), but stay: {}", size_text(left), size_text(request.options.cache_size),
+                                 fault));
         }
     }
     const int code = exit_of(report, cancelled(), stopped);

@@ -91,6 +91,19 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
     }
 }
 
+TEST_CASE("a cache that is off trims nothing, not even in the current folder") {
+    const Scratch scratch;
+    const auto work = scratch / "work", before = fs::current_path().string();
+    WorkFolder(work).make();
+    keep(work, 3);
+    const auto registry = toy::registry();
+    fs::current_path(work);
+    const auto trimmed = Cache(registry, "").trim(0);
+    fs::current_path(before);
+    CHECK(trimmed.entries == 0);
+    CHECK(WorkFolder(work).entries().size() == 3);
+}
+
 TEST_CASE("a work folder without others' files is gone once it is clean") {
     const Scratch scratch;
     const auto work = scratch / "work";
@@ -105,7 +118,9 @@ TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
     const auto bare = scratch / "bare", linked = scratch / "linked";
     keep(bare, 3);
     const auto registry = toy::registry();
-    CHECK(Cache(registry, bare).trim(0).entries == 0);
+    const auto kept = Cache(registry, bare).trim(0);
+    CHECK(kept.entries == 0);
+    CHECK(kept.left > 0);
     CHECK(files_of(bare).size() == 3);
     WorkFolder(linked).make();
     fs::create_directory_symlink(bare + "/cache", linked + "/cache");

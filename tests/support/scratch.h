@@ -12,7 +12,7 @@
 class Scratch {
 public:
     Scratch() {
-        auto name = (std::filesystem::temp_directory_path() / "fluidcarve-test-XXXXXX").string();
+        auto name = (std::filesystem::temp_directory_path() / ("fluidcarve-test-" + std::string(6, 'X'))).string();
         if (!mkdtemp(name.data())) throw std::filesystem::filesystem_error("no scratch folder", name, std::error_code(errno, std::generic_category()));
         path_ = name;
     }

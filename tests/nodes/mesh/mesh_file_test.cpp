@@ -5,6 +5,7 @@
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"
 #include "nodes/mesh/write.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
@@ -18,6 +19,7 @@
 #include <filesystem>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 using openvdb::Vec3d;
 using Attribute = Mesh::Attribute;
 
@@ -69,42 +71,10 @@ Written written(const Scratch& scratch, const std::string& name, const Mesh& mes
     return out;
 }
 
-template <class T>
-std::string bytes(T value, bool big = false) {
-    std::string out(reinterpret_cast<const char*>(&value), sizeof(T));
-    if (big) std::reverse(out.begin(), out.end());
-    return out;
-}
-
 void check_same_shape(const Mesh& a, const Mesh& b) {
     CHECK(a.points == b.points);
     CHECK(a.corners == b.corners);
     CHECK(a.ends == b.ends);
-}
-
-std::string ply_of(const std::string& format, bool big) {
-    std::string out = "ply\nformat " + format +
-                      " 1.0\ncomment a liquid\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
-                      "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nproperty double age\n"
-                      "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nproperty short material\nend_header\n";
-    const bool text = format == "ascii";
-    for (int n = 0; n < 3; ++n) {
-        const std::array<float, 3> at{0.5f * static_cast<float>(n), n == 1 ? 1.0f : 0.0f, -2};
-        const double age = 0.1 * n;
-        if (text) {
-            out +=
-                std::to_string(n) + (n == 1 ? "e-1 1 -2" : "e-1 0 -2") + " 0 0 1 255 " + std::to_string(n) + " 7 128 " + (n == 1 ? "0.1" : "3") + " 0.25 1\n";
-            continue;
-        }
-        for (const float c : at) out += bytes(c, big);
-        for (const float c : {0.0f, 0.0f, 1.0f}) out += bytes(c, big);
-        for (const int c : {255, n, 7, 128}) out += static_cast<char>(c);
-        out += bytes(age, big) + bytes(0.25f, big) + bytes(1.0f, big);
-    }
-    if (text) return out + "3 0 1 2 -5\n";
-    out += '\3';
-    for (const std::int32_t n : {0, 1, 2}) out += bytes(n, big);
-    return out + bytes(static_cast<std::int16_t>(-5), big);
 }
 
 Mesh cube(double size) {
