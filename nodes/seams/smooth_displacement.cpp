@@ -13,21 +13,64 @@ namespace {
 /// Displacements this close to a whole number of vertices are rounded to it.
 constexpr float snap = 1e-4f;
 
+/// Rows of displacements have a multiple of this many floats. A loop over so many becomes vector instructions.
+constexpr std::size_t lanes = 8;
+
+std::size_t padded(std::size_t size) { return (size + lanes - 1) / lanes * lanes; }
+
 /// Weights of a tent from -n to n; their sum is 1.
-std::vector<double> tent(double reach) {
+std::vector<float> tent(double reach) {
     const int n = static_cast<int>(std::ceil(reach));
     std::vector<double> out;
     double sum = 0;
     for (int x = -n; x <= n; ++x) sum += out.emplace_back(1 - std::abs(x) / (reach + 1));
     for (auto& weight : out) weight /= sum;
-    return out;
+    return {out.begin(), out.end()};
+}
+
+/// Computes the weighted mean of rows, and rounds it where a whole number is near. The mean of equal values is that value, bit for bit.
+/// @param weights  an odd number; their sum is 1
+/// @param row      the n-th row: a pointer to padded(size) floats
+/// @param to       padded(size) floats; not part of a row
+template <class Row>
+void weighted_mean(std::span<const float> weights, const Row& row, std::size_t size, float* to) {
+    const auto middle = weights.size() / 2;
+    for (std::size_t e = 0; e < size; e += lanes) {
+        const float* const base = row(middle) + e;
+        std::array<float, lanes> sum{};
+        for (std::size_t n = 0; n < weights.size(); ++n) {
+            if (n == middle) continue;
+            const float* const from = row(n) + e;
+            for (std::size_t i = 0; i < lanes; ++i) sum[i] += weights[n] * (from[i] - base[i]);
+        }
+        for (std::size_t i = 0; i < lanes; ++i) {
+            const float mean = base[i] + sum[i];
+            // Adding this number, 1.5 * 2^23, leaves no bits for a fraction.
+            constexpr float whole_only = 12582912;
+            const float whole = (mean + whole_only) - whole_only;
+            to[e + i] = std::abs(mean - whole) < snap ? whole : mean;
+        }
+    }
+}
+
+/// Writes a column's displacements without smoothing.
+/// @param to  `[entry]`, entries of the range, vertices
+void write_displacements(const CarveStep& step, std::span<const std::uint16_t> bounds, const Window& entries, float* to) {
+    for (int e = entries.first; e <= entries.last;) {
+        const auto passed = CarveStep::passed(e, bounds);
+        const float d = 0.5f * static_cast<float>(step.displacement(e, passed, bounds));
+        // Displacements change at bounds. At the bound itself, a new entry has one of its own.
+        const bool at_bound = passed > 0 && bounds[passed - 1] == e;
+        const int end = at_bound ? e + 1 : passed < bounds.size() ? std::min<int>(bounds[passed], entries.last + 1) : entries.last + 1;
+        for (; e < end; ++e) to[e - entries.first] = d;
+    }
 }
 
 /// Displacements of one column, mirrored at the ends of a span.
 class Mirrored {
 public:
-    Mirrored(std::span<const double> all, int first) : all_(all), first_(first) {}
-    double operator()(int entry, const CarveStep::Span& span) const {
+    Mirrored(std::span<const float> all, int first) : all_(all), first_(first) {}
+    float operator()(int entry, const CarveStep::Span& span) const {
         double add = 0, sign = 1;
         const auto& [low, high] = span.entries;
         while (entry < low || entry > high) {
@@ -36,11 +79,11 @@ public:
             sign = -sign;
             entry = (below ? 2 * low - 1 : 2 * high + 1) - entry;
         }
-        return add + sign * all_[static_cast<std::size_t>(entry - first_)];
+        return static_cast<float>(add + sign * all_[static_cast<std::size_t>(entry - first_)]);
     }
 
 private:
-    std::span<const double> all_;
+    std::span<const float> all_;
     int first_;
 };
 
@@ -53,20 +96,26 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int las
       first_lateral_(step.first_lateral()),
       closed_(step.closed()),
       carved_{step.start(), step.last()},
-      first_(first),
-      last_(last),
-      entries_((static_cast<std::size_t>(last - first) + 1) * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_)) {}
+      first_(first) {
+    resize(last);
+}
+
+void SmoothDisplacement::resize(int last) {
+    last_ = last;
+    row_ = padded(static_cast<std::size_t>(last_ - first_) + 1);
+    entries_.assign(row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_), 0);
+}
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplacement(step, 0, 0) {
     const int reach = step.count();
     first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
-    last_ = first_;
+    int last = first_;
     for (int k = 0; k < slices_; ++k)
         for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
-            last_ = std::max(last_, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
+            last = std::max(last, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
+    resize(last);
 
-    const auto size = static_cast<std::size_t>(last_ - first_) + 1, laterals = static_cast<std::size_t>(laterals_);
-    entries_.resize(size * laterals * static_cast<std::size_t>(slices_));
+    const auto laterals = static_cast<std::size_t>(laterals_);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(slices_), 64), [&](const tbb::blocked_range<std::size_t>& range) {
         // Running sums of displacements, half vertices: over all entries before one, from the first that counts.
         const int from = std::max(first_ - reach, step.start()), to = std::min(last_ + reach, step.last());
@@ -82,7 +131,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
             }
             for (int e = first_; e <= last_; ++e) {
                 const int beside = std::min({reach, e - step.start(), step.last() - e});
-                entries_[column * size + static_cast<std::size_t>(e - first_)] =
+                entries_[column * row_ + static_cast<std::size_t>(e - first_)] =
                     static_cast<float>(0.5 * (sum(e + beside + 1) - sum(e - beside)) / (2 * beside + 1));
             }
         }
@@ -95,61 +144,60 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     const int reach = static_cast<int>(along.size() / 2), first = spans.front().entries.first, last = spans.back().entries.last;
     SmoothDisplacement out(step, first - 1, last + 1);
     out.ends_ = {spans.front().before, spans.back().behind};
-    const auto size = static_cast<std::size_t>(last - first) + 3, laterals = static_cast<std::size_t>(out.laterals_);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          std::vector<double> now(size);
-                          for (auto column = range.begin(); column < range.end(); ++column) {
-                              const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
-                              std::ranges::fill(now, 0.0);
-                              for (std::size_t n = 0; n < steps.size(); ++n) {
-                                  const auto bounds = steps[n]->bounds(lateral, k);
-                                  std::size_t passed = 0;
-                                  for (int e = first; e <= last; ++e) {
-                                      while (passed < bounds.size() && bounds[passed] <= e) ++passed;
-                                      now[static_cast<std::size_t>(e - first) + 1] += 0.5 * over[n] * steps[n]->displacement(e, passed, bounds);
-                                  }
-                              }
-                              now.front() = out.ends_->first;
-                              now.back() = out.ends_->second;
-                              auto* const to = out.entries_.data() + column * size;
-                              std::ranges::transform(now, to, [](double d) { return static_cast<float>(d); });
-                              const Mirrored mirrored(now, first - 1);
-                              for (const auto& span : spans)
-                                  for (int e = span.entries.first; e <= span.entries.last; ++e) {
-                                      double sum = 0;
-                                      for (std::size_t n = 0; n < along.size(); ++n) sum += along[n] * mirrored(e + static_cast<int>(n) - reach, span);
-                                      to[e - first + 1] = static_cast<float>(sum);
-                                  }
-                          }
-                      });
+    const auto laterals = static_cast<std::size_t>(out.laterals_), size = static_cast<std::size_t>(last - first) + 3;
+    const auto smooth = [&](const tbb::blocked_range<std::size_t>& range) {
+        // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
+        const auto row = padded(size);
+        std::vector<float> frames(row * steps.size()), now(row), beyond(row + along.size()), smoothed(row);
+        for (auto column = range.begin(); column < range.end(); ++column) {
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+            for (std::size_t n = 0; n < steps.size(); ++n)
+                write_displacements(*steps[n], steps[n]->bounds(lateral, k), {first, last}, frames.data() + n * row + 1);
+            weighted_mean(
+                over, [&](std::size_t n) { return frames.data() + n * row; }, size, now.data());
+            now.front() = static_cast<float>(out.ends_->first);
+            now[size - 1] = static_cast<float>(out.ends_->second);
+            auto* const to = out.entries_.data() + column * out.row_;
+            std::copy_n(now.data(), size, to);
+            const Mirrored mirrored(now, first - 1);
+            for (const auto& span : spans) {
+                const int low = span.entries.first - reach, high = span.entries.last + reach;
+                const auto length = static_cast<std::size_t>(span.entries.last - span.entries.first) + 1;
+                for (int e = low; e < span.entries.first; ++e) beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+                std::copy_n(now.data() + (span.entries.first - first + 1), length, beyond.data() + reach);
+                for (int e = span.entries.last + 1; e <= high; ++e) beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
+                weighted_mean(
+                    along, [&](std::size_t n) { return beyond.data() + n; }, length, smoothed.data());
+                std::copy_n(smoothed.data(), length, to + (span.entries.first - first + 1));
+            }
+        }
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64), smooth);
     if (reach > 0) {
         out.smooth_across(along, false);
         out.smooth_across(along, true);
     }
-    for (auto& d : out.entries_)
-        if (std::abs(d - std::round(d)) < snap) d = std::round(d);
     return out;
 }
 
-void SmoothDisplacement::smooth_across(std::span<const double> weights, bool along_w) {
+void SmoothDisplacement::smooth_across(std::span<const float> weights, bool along_w) {
     const int reach = static_cast<int>(weights.size() / 2), count = along_w ? slices_ : laterals_;
     if (count == 1) return;
-    const auto size = static_cast<std::size_t>(last_ - first_) + 1;
-    const auto from = entries_;
-    const auto place = [&](int lateral, int k) {
-        return (static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * size;
-    };
-    tbb::parallel_for(0, slices_, [&](int k) {
-        for (int lateral = 0; lateral < laterals_; ++lateral) {
-            auto* const to = entries_.data() + place(lateral, k);
-            std::fill_n(to, size, 0.0f);
-            for (std::size_t n = 0; n < weights.size(); ++n) {
-                int near = (along_w ? k : lateral) + static_cast<int>(n) - reach;
-                near = along_w && closed_ ? ((near % count) + count) % count : std::clamp(near, 0, count - 1);
-                const auto* const other = from.data() + (along_w ? place(lateral, near) : place(near, k));
-                const auto weight = static_cast<float>(weights[n]);
-                for (std::size_t e = 0; e < size; ++e) to[e] += weight * other[e];
+    const auto laterals = static_cast<std::size_t>(laterals_);
+    const auto stride = along_w ? laterals * row_ : row_, between = along_w ? row_ : laterals * row_;
+    // Every line of columns is smoothed in place, from a copy.
+    tbb::parallel_for(tbb::blocked_range<int>(0, along_w ? laterals_ : slices_), [&](const tbb::blocked_range<int>& lines) {
+        std::vector<float> copy(row_ * static_cast<std::size_t>(count));
+        for (int line = lines.begin(); line < lines.end(); ++line) {
+            auto* const first = entries_.data() + static_cast<std::size_t>(line) * between;
+            for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) std::copy_n(first + n * stride, row_, copy.data() + n * row_);
+            for (int at = 0; at < count; ++at) {
+                const auto row = [&](std::size_t n) {
+                    const int near = at + static_cast<int>(n) - reach;
+                    const int held = along_w && closed_ ? (near % count + count) % count : std::clamp(near, 0, count - 1);
+                    return copy.data() + static_cast<std::size_t>(held) * row_;
+                };
+                weighted_mean(weights, row, row_, first + static_cast<std::size_t>(at) * stride);
             }
         }
     });

@@ -4,8 +4,11 @@
 #include "nodes/remap/voxels/blend.h"
 #include "nodes/remap/voxels/blocks.h"
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -60,42 +63,60 @@ public:
 
 private:
     /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
-    void carve_line_softly(Coord voxel, Leaf& out) {
+    void carve_line_softly(const Coord& voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto& soft = *step.soft();
-        const auto first = alignment_.vertex(voxel);
-        const bool carved = step.has_column(first[step.lateral_axis()], first.z());
-        const auto column = carved ? soft.column(first[step.lateral_axis()], first.z()) : std::span<const float>();
-        for (int entry = first[step.axis()]; entry < first[step.axis()] + 8; ++entry, voxel[index_axis_] += direction_) {
-            const auto at = [&](int source) {
-                auto moved = voxel;
-                moved[index_axis_] += direction_ * (source - entry);
-                return window_.get(moved);
-            };
-            if (!carved || entry < step.low() || entry > step.high()) {
-                write(out, voxel, window_.get(voxel));
-            } else if (entry < step.start() || entry > step.last()) {
-                write(out, voxel, nothing_);
-            } else {
-                const float by = column[static_cast<std::size_t>(std::clamp(entry, soft.first(), soft.last()) - soft.first())];
-                const float d = std::clamp(by, static_cast<float>(step.origin() - entry), static_cast<float>(step.last_before() - entry)),
-                            below = std::floor(d);
-                write(out, voxel, between(d - below, entry + static_cast<int>(below), at));
+        const auto vertex = alignment_.vertex(voxel);
+        const int first = vertex[step.axis()];
+        const bool carved = step.has_column(vertex[step.lateral_axis()], vertex.z());
+        const auto column = carved ? soft.column(vertex[step.lateral_axis()], vertex.z()) : std::span<const float>();
+        struct Source {
+            int below = 0;   ///< entry
+            float part = 0;  ///< of the way to the next entry, 0 to 1
+            bool freed = false;
+        };
+        std::array<Source, 8> sources;
+        const int step_low = step.low(), step_high = step.high(), start = step.start(), last = step.last(), origin = step.origin(),
+                  last_before = step.last_before(), soft_first = soft.first(), soft_last = soft.last();
+        int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
+        for (int n = 0; n < 8; ++n) {
+            const int entry = first + n;
+            auto& source = sources[static_cast<std::size_t>(n)];
+            source.below = entry;
+            if (carved && entry >= step_low && entry <= step_high) {
+                source.freed = entry < start || entry > last;
+                if (source.freed) continue;
+                const float by = column[static_cast<std::size_t>(std::clamp(entry, soft_first, soft_last) - soft_first)];
+                const float d = std::clamp(by, static_cast<float>(origin - entry), static_cast<float>(last_before - entry));
+                const int towards_0 = static_cast<int>(d), below = towards_0 - (static_cast<float>(towards_0) > d ? 1 : 0);
+                source.below += below;
+                source.part = d - static_cast<float>(below);
             }
+            low = std::min(low, source.below);
+            high = std::max(high, source.below + (source.part > 0 ? 1 : 0));
+        }
+        if (low <= high) {
+            line_.resize(static_cast<std::size_t>(high - low) + 1);
+            auto from = voxel;
+            from[index_axis_] += direction_ * (low - first);
+            window_.read_line(from, index_axis_, direction_, line_);
+        }
+        auto to = Leaf::coordToOffset(voxel);
+        for (const auto& [below, part, freed] : sources) {
+            write(out, to, freed ? nothing_ : between(part, line_.data() + (below - low)));
+            to += static_cast<openvdb::Index>(direction_ * offset_stride(index_axis_));
         }
     }
 
-    /// The voxel between an entry and the next.
-    /// @param part  of the way from the entry to the next, 0 to 1
-    template <class At>
-    static Voxel between(float part, int entry, At&& at) {
-        if (part == 0) return at(entry);
+    /// The voxel between one voxel of a line and the next.
+    /// @param part  of the way to the next, 0 to 1
+    static Voxel between(float part, const Voxel* line) {
+        if (part == 0) return line[0];
         if constexpr (can_blend<Value>) {
             using Weight = typename openvdb::VecTraits<Value>::ElementType;
-            const Voxel low = at(entry), high = at(entry + 1);
-            return {Value(low.value + (high.value - low.value) * static_cast<Weight>(part)), part < 0.5f ? low.on : high.on};
+            return {Value(line[0].value + (line[1].value - line[0].value) * static_cast<Weight>(part)), line[part < 0.5f ? 0 : 1].on};
         } else {
-            return at(part < 0.5f ? entry : entry + 1);
+            return line[part < 0.5f ? 0 : 1];
         }
     }
 
@@ -150,8 +171,8 @@ private:
         else return {inserted_value(low.value, high.value), low.on || high.on};
     }
 
-    static void write(Leaf& out, const Coord& at, const Voxel& voxel) {
-        const auto offset = Leaf::coordToOffset(at);
+    static void write(Leaf& out, const Coord& at, const Voxel& voxel) { write(out, Leaf::coordToOffset(at), voxel); }
+    static void write(Leaf& out, openvdb::Index offset, const Voxel& voxel) {
         out.setValueOnly(offset, voxel.value);
         out.setActiveState(offset, voxel.on);
     }
@@ -162,6 +183,7 @@ private:
     BlockWindow<TreeT> window_;
     const Voxel nothing_;
     int index_axis_, direction_;
+    std::vector<Voxel> line_;  ///< of the line that is being carved softly
 };
 
 }  // namespace

@@ -4,9 +4,11 @@
 
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace fluidcarve {
@@ -16,6 +18,9 @@ template <class T>
 bool same_bits(const T& a, const T& b) {
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
+
+/// How far apart neighbours along an axis are in a leaf of 8^3 voxels.
+inline int offset_stride(int axis) { return 64 >> 3 * axis; }
 
 /// The leaves and tiles of a tree that meet an index box. They are looked up once, so that voxels are read without a search.
 template <class TreeT>
@@ -65,6 +70,20 @@ public:
         if (!cell.leaf) return out.fill(cell.tile);
         const auto offset = Leaf::coordToOffset(first);
         for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
+    }
+    /// Reads voxels in a line along an axis, all inside the window.
+    /// @param direction  1: rising indices; -1: falling
+    void read_line(openvdb::Coord at, int axis, int direction, std::span<Voxel> out) const {
+        for (std::size_t n = 0; n < out.size();) {
+            const auto& cell = cell_of(at);
+            const int within = at[axis] & 7, run = std::min(static_cast<int>(out.size() - n), direction > 0 ? 8 - within : within + 1);
+            int offset = static_cast<int>(Leaf::coordToOffset(at));
+            for (int end = static_cast<int>(n) + run; static_cast<int>(n) < end; ++n, offset += direction * offset_stride(axis)) {
+                const auto place = static_cast<openvdb::Index>(offset);
+                out[n] = cell.leaf ? Voxel{cell.leaf->getValue(place), cell.leaf->isValueOn(place)} : cell.tile;
+            }
+            at[axis] += direction * run;
+        }
     }
     /// Reads all voxels at a leaf's place, which lies inside the window.
     void read(Leaf& out) const {

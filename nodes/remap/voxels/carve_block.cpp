@@ -16,12 +16,21 @@ void CarveBlock::Table::each_column(const CarveStep& step, const Column& column)
 void CarveBlock::Table::fill_smooth(const CarveStep& step) {
     const auto& soft = *step.soft();
     smooth.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
-    auto out = smooth.begin();
+    auto* out = smooth.data();
+    float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
+    const auto held = [&](int i) { return std::clamp(i, first[0], first[0] + size[0]); };
+    const int from = held(soft.first()), end = held(soft.last() + 1);
     each_column(step, [&](int lateral, int k) {
         const auto column = soft.column(lateral, k);
-        for (int i = first[0]; i < first[0] + size[0]; ++i) *out++ = column[static_cast<std::size_t>(std::clamp(i, soft.first(), soft.last()) - soft.first())];
+        auto* const begin = out;
+        out = std::fill_n(out, from - first[0], column.front());
+        if (end > from) out = std::copy_n(column.data() + (from - soft.first()), end - from, out);
+        out = std::fill_n(out, first[0] + size[0] - end, column.back());
+        for (const auto* d = begin; d < out; ++d) {
+            least = *d < least ? *d : least;
+            most = *d > most ? *d : most;
+        }
     });
-    const auto [least, most] = std::ranges::minmax(smooth);
     low = static_cast<int>(std::floor(2 * least));
     high = static_cast<int>(std::ceil(2 * most));
 }
