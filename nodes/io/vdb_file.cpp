@@ -4,6 +4,7 @@
 #include "graph/text/problem.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/raw_grid.h"
+#include "nodes/io/tree_check.h"
 #include "nodes/io/triplet.h"
 
 #include <fmt/format.h>
@@ -13,12 +14,14 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <sstream>
 
 namespace fluidcarve {
@@ -27,6 +30,28 @@ namespace {
 using openvdb::io::GridDescriptor;
 
 [[noreturn]] void refuse(const std::string& message) { throw Failure(message, Failure::Kind::input); }
+
+/// A part of a file in memory. Positions are those in the file.
+class PartBuffer : public std::streambuf {
+public:
+    /// @param at  position of the part in the file
+    PartBuffer(std::string& part, std::int64_t at) : at_(at) { setg(part.data(), part.data(), part.data() + part.size()); }
+
+protected:
+    pos_type seekoff(off_type by, std::ios_base::seekdir from, std::ios_base::openmode mode) override {
+        const auto base = from == std::ios_base::beg ? off_type{0} : at_ + (from == std::ios_base::cur ? gptr() - eback() : egptr() - eback());
+        off_type to = 0;
+        return __builtin_add_overflow(base, by, &to) ? pos_type(off_type(-1)) : seekpos(to, mode);
+    }
+    pos_type seekpos(pos_type to, std::ios_base::openmode) override {
+        if (to < pos_type(at_) || to > pos_type(at_ + (egptr() - eback()))) return pos_type(off_type(-1));
+        setg(eback(), eback() + (off_type(to) - at_), egptr());
+        return to;
+    }
+
+private:
+    std::int64_t at_;
+};
 
 std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
 
@@ -55,7 +80,7 @@ public:
 
     /// Reads a grid. An instance does not get the tree of its parent.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
-        const bool known = openvdb::GridBase::isRegistered(from.gridType());
+        const bool known = is_known_tree(from.gridType());
         if (!known && fileVersion() != openvdb::OPENVDB_FILE_VERSION)
             refuse(fmt::format(
                 "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it could be kept as it is in a file of version {}, but this one "
@@ -63,14 +88,29 @@ public:
                 path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(), static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), fileVersion()));
         const auto grid =
             known ? openvdb::GridBase::createGrid(from.gridType()) : std::make_shared<RawGrid>(from.gridType(), from.getBlockPos(), from.getEndPos());
+        VdbHeader::Entry entry;
+        describe(from, entry);
+        const auto tree_at = static_cast<std::int64_t>(stream_.tellg());
         try {
+            auto bytes = part(from.getGridPos(), from.getEndPos());
+            if (known && !from.isInstance()) {
+                const std::span<const char> all(bytes);
+                const auto offset = [&](std::int64_t at) { return static_cast<std::size_t>(at - from.getGridPos()); };
+                if (from.getBlockPos() < tree_at) throw std::runtime_error("its parts overlap");
+                check_tree(format_of(from), all.subspan(offset(tree_at), static_cast<std::size_t>(from.getBlockPos() - tree_at)),
+                           all.subspan(offset(from.getBlockPos())));
+            }
+            PartBuffer buffer(bytes, from.getGridPos());
+            std::istream in(&buffer);
+            in.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
+            adopt(in);
             grid->setSaveFloatAsHalf(from.saveFloatAsHalf());
-            from.seekToGrid(stream_);
-            readGrid(grid, from, stream_);
+            readGrid(grid, from, in);
+            codecs_seen_ |= openvdb::io::getDataCompression(in);
+            check_points(*grid);
         } catch (const std::exception& error) {
-            refuse(fmt::format("{}: cannot read grid '{}': {}", path_, shown(from), error.what()));
+            refuse(fmt::format("{}: cannot read grid '{}': {}; write or copy the file again", path_, shown(from), error.what()));
         }
-        codecs_seen_ |= openvdb::io::getDataCompression(stream_);
         // The half flag may be missing in the metadata, but is part of the type's name.
         if (from.saveFloatAsHalf() && !grid->saveFloatAsHalf()) grid->setSaveFloatAsHalf(true);
         return grid;
@@ -134,10 +174,7 @@ private:
         if (!inputHasGridOffsets())
             refuse(fmt::format("{} was written as a stream and does not say where its grids are; write it with openvdb::io::File", path_));
         tags_->setSeekable(true);
-        openvdb::io::setStreamMetadataPtr(stream_, tags_, false);
-        setFormatVersion(stream_);
-        setLibraryVersion(stream_);
-        setDataCompression(stream_);
+        adopt(stream_);
         read_metadata(metadata_);
         const auto count = number<std::int32_t>();
         if (count < 0) refuse(fmt::format("{} is damaged: it counts {} grids", path_, count));
@@ -145,6 +182,38 @@ private:
             grids_.push_back(descriptor());
             stream_.seekg(grids_.back().getEndPos());
         }
+    }
+
+    /// Tells OpenVDB's readers about the file that a stream belongs to.
+    void adopt(std::istream& in) {
+        openvdb::io::setStreamMetadataPtr(in, tags_, false);
+        setFormatVersion(in);
+        setLibraryVersion(in);
+        setDataCompression(in);
+    }
+
+    std::string part(std::int64_t begin, std::int64_t end) {
+        std::string out(static_cast<std::size_t>(end - begin), '\0');
+        stream_.seekg(begin);
+        stream_.read(out.data(), end - begin);
+        return out;
+    }
+
+    /// @throws std::runtime_error if its trees can't be checked
+    TreeFormat format_of(const GridDescriptor& grid) {
+        if (fileVersion() < oldest_file_version)
+            throw std::runtime_error(
+                fmt::format("the file's version is {}, older than {}; read and write it with an application of today", fileVersion(), oldest_file_version));
+        stream_.seekg(grid.getGridPos());
+        const bool own = fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
+        const auto flags = own ? number<std::uint32_t>() : openvdb::io::getDataCompression(stream_);
+        return tree_format(grid.gridType(), grid.saveFloatAsHalf(), fileVersion(), flags);
+    }
+
+    /// Checks that points of each voxel lie within the attributes.
+    static void check_points(const openvdb::GridBase& grid) {
+        if (!grid.isType<openvdb::points::PointDataGrid>()) return;
+        for (auto leaf = static_cast<const openvdb::points::PointDataGrid&>(grid).tree().cbeginLeaf(); leaf; ++leaf) leaf->validateOffsets();
     }
 
     /// Reads metadata entry by entry, each from a text of known length: OpenVDB trusts lengths, and some of its types read another number

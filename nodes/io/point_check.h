@@ -1,0 +1,18 @@
+#pragma once
+
+#include "nodes/io/tree_bytes.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Checks the buffers of a tree of points (as check_tree). OpenVDB reads them in passes over all leaves: sizes of voxel buffers;
+/// attributes' names, types and lengths; lengths of pages; offsets in voxels; pages.
+/// @param in      at the first byte of the buffers; moves behind them
+/// @param leaves  value masks of the leaves, in the order in which they are read
+/// @throws std::runtime_error
+void check_points(TreeBytes& in, const std::vector<std::span<const char>>& leaves);
+
+}  // namespace fluidcarve
