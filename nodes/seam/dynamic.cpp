@@ -2,7 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/seam/cut/cut_seam.h"
-#include "nodes/seam/seam_node.h"
+#include "nodes/seam/declare_solver.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/free_line.h"
 #include "nodes/seam/search/strip.h"

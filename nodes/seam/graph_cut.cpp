@@ -1,7 +1,7 @@
 #include "nodes/seam/graph_cut.h"
 
 #include "nodes/seam/cut/cut_seam.h"
-#include "nodes/seam/seam_node.h"
+#include "nodes/seam/declare_solver.h"
 
 namespace fluidcarve {
 

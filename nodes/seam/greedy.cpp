@@ -1,7 +1,7 @@
 #include "nodes/seam/greedy.h"
 
+#include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/seam_node.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/strip.h"

@@ -1,9 +1,9 @@
 #include "nodes/seam/pyramid.h"
 
 #include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/declare_solver.h"
 #include "nodes/seam/dynamic.h"
 #include "nodes/seam/greedy.h"
-#include "nodes/seam/seam_node.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/protection.h"
 

@@ -1,6 +1,8 @@
 #include "nodes/seam/energy/frame.h"
 
 #include "nodes/io/transform_bytes.h"
+#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/marks.h"
 
 #include <openvdb/io/Compression.h>
 
@@ -79,6 +81,27 @@ void read(FrameEnergy& out, BinaryReader& from) {
 }
 
 }  // namespace
+
+FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure) {
+    FrameEnergy out;
+    out.lattice = lattice;
+    const auto size = [&](std::size_t dimension) { return static_cast<std::size_t>(lattice->shape[dimension]); };
+    out.energy.resize(size(0) * size(1) * size(2));
+    sample_energy(grids.energy, *lattice, axis, out.energy, measure);
+    if (grids.attract) out.attract = mark_vertices(*grids.attract, *lattice, axis, attracted_code, out.energy);
+    if (grids.protect) out.protect = mark_vertices(*grids.protect, *lattice, axis, protected_code, out.energy);
+    out.transform = grids.energy.transform().copy();
+    if (const auto box = grids.energy.evalActiveVoxelBoundingBox(); !box.empty()) {
+        out.active = grids.energy.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
+        out.met = meets_active_voxels(grids.energy, *lattice);
+    }
+    if (grids.field) {
+        out.field.resize(out.energy.size());
+        sample_field(*grids.field, *lattice, axis, out.field);
+        out.field_transform = grids.field->transform().copy();
+    }
+    return out;
+}
 
 void add_frame_energy_payload(Registry& registry) {
     const auto& lattice = registry.payload(typeid(Lattice));

@@ -2,6 +2,7 @@
 
 #include "graph/types/registry.h"
 #include "nodes/lattice/lattice.h"
+#include "nodes/seam/energy/slab.h"
 
 #include <openvdb/openvdb.h>
 
@@ -22,6 +23,17 @@ struct FrameEnergy {
     std::optional<openvdb::BBoxd> active;                           ///< world box of the energy's active voxels; nothing: none
     bool met = false;                                               ///< whether the lattice meets active voxels
 };
+
+/// The grids of one frame from which a solver's energy is made; null: not connected.
+struct FrameGrids {
+    const openvdb::FloatGrid& energy;
+    const openvdb::FloatGrid* field = nullptr;
+    const openvdb::GridBase *protect = nullptr, *attract = nullptr;
+};
+
+/// Samples grids at the vertices of a lattice.
+/// @throws Failure as sample_energy(), mark_vertices() and sample_field()
+FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure);
 
 /// Registers the payload type `frame_energy`. Register `lattice` before.
 void add_frame_energy_payload(Registry& registry);

@@ -6,9 +6,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace fluidcarve {
+
+/// How many vertices each mask of a solver marks; nothing: it has no such mask.
+struct MarkCounts {
+    std::optional<std::size_t> protect, attract;
+};
 
 /// Writes a code at all vertices of a lattice around which a mask is set, that is, active. A mask is set around a vertex if any of the 8
 /// voxels whose centres surround the vertex is active. For a vertex on a voxel centre, within 1e-5 voxels, only that voxel counts; on a

@@ -5,7 +5,11 @@
 #include "nodes/seams/seams.h"
 #include "nodes/seams/window.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -21,6 +25,10 @@ using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window wi
 /// Moves a found seam to where it is kept; null: seams stay in memory.
 using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
+/// Tells a solver that starts from the seam before of the last one that an earlier search found.
+/// @param last  its entries in the space in which it was found; those of one frame for static seams
+using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
+
 /// Seams and what each of them meets.
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
@@ -34,9 +42,7 @@ struct FoundSeams {
 /// Continues an earlier search, and tells how far it has come.
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
-    /// Called with the last of these seams, for solvers that start from it: its entries in the space in which it was found; those of one
-    /// frame for static seams.
-    std::function<void(std::span<const std::uint16_t> last)> start_from;
+    StartFrom start_from;             ///< called with the last of them; null: the solver needs none
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.

@@ -1,0 +1,102 @@
+#include "nodes/seam/solve/gathered_energy.h"
+
+#include "graph/text/problem.h"
+#include "nodes/seam/energy/carve.h"
+#include "nodes/seam/energy/prices.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr float default_rigidity = 0.2f;  ///< with a field; in mean energies of content
+
+Prices prices_of(const SolverParams& params, bool forward) {
+    const float rigid = forward ? default_rigidity : 0.0f;
+    return {params.field_weight, params.empty, {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
+}
+
+std::string box_text(const openvdb::BBoxd& box) {
+    return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
+}
+
+}  // namespace
+
+void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, const Context& context) {
+    // Most frames share one lattice.
+    const bool same = !lattices_.empty() && lattices_.back()->hash == frame.lattice->hash;
+    lattices_.push_back(same ? lattices_.back() : frame.lattice);
+    const auto &lattice = *lattices_.back(), &first = *lattices_.front();
+    if (lattice.shape != first.shape)
+        throw Failure(
+            fmt::format("the lattice has {} vertices here, but {} in the first frame", fmt::join(lattice.shape, " x "), fmt::join(first.shape, " x ")));
+    transform_.require("the energy", *frame.transform, context.frame());
+    if (frame.field_transform) field_transform_.require("the field", *frame.field_transform, context.frame());
+    if (params.count.value == 0) return;
+    any_met_ = any_met_ || frame.met;
+    if (frame.active) {
+        any_active_ = true;
+        active_box_.expand(*frame.active);
+    }
+    if (frame.attract) marks_.attract = marks_.attract.value_or(0) + *frame.attract;
+    if (frame.protect) marks_.protect = marks_.protect.value_or(0) + *frame.protect;
+    forward_ = !frame.field.empty();
+    if (!energy_) energy_.emplace(room(lattice.shape, params, context, budget(context)));
+    std::ranges::copy(frame.energy, energy_->slab(context.place()).begin());
+    if (energy_->has_field()) std::ranges::copy(frame.field, energy_->field(context.place()).begin());
+}
+
+void GatheredEnergy::require_met() const {
+    if (any_active_ && !any_met_)
+        throw Failure(
+            fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattices_.front()->description, box_text(active_box_)));
+}
+
+EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const {
+    EnergyVolume out(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
+    out.set_spread(params.spread.value_or(forward_ ? 3 : 0));
+    if (forward_) out.add_field(0, budget, context.work_folder());
+    return out;
+}
+
+EnergyVolume GatheredEnergy::whole(const SolverParams& params) {
+    auto out = std::move(*energy_);
+    for (auto t = lattices_.size(); t < out.frames(); ++t) {
+        std::ranges::copy(out.slab(0), out.slab(t).begin());
+        if (out.has_field()) std::ranges::copy(out.field(0), out.field(t).begin());
+    }
+    set_prices(out, Typical::of(out), prices_of(params, forward_));
+    return out;
+}
+
+EnergyVolume GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space, const Context& context) {
+    auto from = std::move(*energy_);
+    const auto& shape = lattices_.front()->shape;
+    const auto held = from.columns_per_frame() * from.stride() * from.frames() * sizeof(std::uint16_t), all = budget(context);
+    auto out = room(space.shape(), params, context, held > all ? all : all - held);
+    for (std::size_t t = 0; t < out.frames(); ++t) {
+        const auto place = space.place(t);
+        const auto before = space.carve_map(t);
+        const auto copy = [](std::span<const std::uint16_t> slab) { return std::vector<std::uint16_t>(slab.begin(), slab.end()); };
+        std::ranges::copy(carve_energy(copy(from.slab(place)), shape, params.axis, before.steps()), out.slab(t).begin());
+        if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps()), out.field(t).begin());
+    }
+    // Typical values of the whole lattice also hold for the space that earlier seams leave.
+    set_prices(out, Typical::of(from), prices_of(params, forward_));
+    return out;
+}
+
+EnergyVolume GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space, const Context& context) {
+    auto out = space.carved() ? carved(params, space, context) : whole(params);
+    energy_.reset();
+    if (out.has_field()) out.count_edges(context.memory_budget() / 3, context.work_folder());
+    if (marks_.protect || marks_.attract) out.find_marks();
+    return out;
+}
+
+}  // namespace fluidcarve

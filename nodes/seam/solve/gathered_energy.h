@@ -1,0 +1,59 @@
+#pragma once
+
+#include "graph/types/context.h"
+#include "nodes/field/same_transform.h"
+#include "nodes/seam/energy/frame.h"
+#include "nodes/seam/energy/marks.h"
+#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/solve/params.h"
+#include "nodes/seam/solve/space.h"
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The energy of a sequence while it is gathered, frame by frame. With it goes what else frames say: lattices, masks, active voxels.
+class GatheredEnergy {
+public:
+    /// Adds the frame of the context. Without a count of seams it only checks the frame.
+    /// @throws Failure if the frame's lattice has another shape, or a grid another transform, than in the first frame; as SlabStore
+    void add(const SolverParams& params, const FrameEnergy& frame, const Context& context);
+
+    const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }  ///< of the frames that were added
+    const MarkCounts& marks() const { return marks_; }                       ///< in all frames, before `after` is carved
+    /// Requires that the lattice of some frame meets active voxels, if there are any.
+    /// @throws Failure that says where both are
+    void require_met() const;
+    /// Hands over the energies and fields of all frames, brought into a space, with all that seams pay. Prices depend on the frames before
+    /// they are carved. Call it once, after the last frame, if seams are wanted.
+    /// @param space  made from lattices()
+    /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and SlabStore
+    EnergyVolume take(const SolverParams& params, const CarvedSpace& space, const Context& context);
+
+private:
+    /// A volume whose energies, and field if there is one, are all 0.
+    /// @param budget  bytes of energies that may be held in memory, and as many of the field
+    EnergyVolume room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const;
+    /// Bytes of the memory budget for the energies. The field, and the energies without its edges, take as much each.
+    std::uint64_t budget(const Context& context) const { return context.memory_budget() / (forward_ ? 3 : 1); }
+    /// The energy of the whole lattice with its prices, repeated in the frames that share it.
+    EnergyVolume whole(const SolverParams& params);
+    /// The energy with its prices in the space that earlier seams leave.
+    EnergyVolume carved(const SolverParams& params, const CarvedSpace& space, const Context& context);
+
+    std::vector<Ref<Lattice>> lattices_;
+    std::optional<EnergyVolume> energy_;  ///< of the whole lattice
+    OneTransform transform_, field_transform_;
+    MarkCounts marks_;
+    bool forward_ = false;  ///< whether there is a field
+    bool any_active_ = false;
+    bool any_met_ = false;
+    openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
+};
+
+}  // namespace fluidcarve

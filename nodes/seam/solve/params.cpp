@@ -1,0 +1,50 @@
+#include "nodes/seam/solve/params.h"
+
+#include "graph/types/node_type.h"
+#include "nodes/seams/seams.h"
+
+#include <fmt/format.h>
+#include <cmath>
+
+namespace fluidcarve {
+
+Shape ParamTraits<Anchor>::shape() { return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}}; }
+
+std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
+    for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
+        if (value.kind == Value::Kind::scalar && value.text == text({at, 0})) return Anchor{at, 0};
+    if (const auto vertex = reader.number(value, true)) return Anchor{Anchor::At::vertex, static_cast<int>(*vertex)};
+    return std::nullopt;
+}
+
+std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anchor); }
+
+void check_params(const SolverParams& params, NodeCheck& check) {
+    if (params.anchor.vertex < 0)
+        check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+    if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
+    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
+        if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
+            check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, window_text(*window)));
+    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' wants a 'window' beside it, below it on the axis");
+    if (params.pair_window && params.window && params.pair_window->low <= params.window->high)
+        check.fault("pair_window",
+                    fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", window_text(*params.pair_window),
+                                params.pair_window->high < params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
+    if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
+    const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
+    if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
+    if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out");
+    for (const auto* const name : {"field_weight", "empty"})
+        if (!forward && check.stated(name)) check.fault(name, fmt::format("parameter '{}' wants a `field`, in which content and edges are seen", name));
+    if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
+        check.fault("pair_window",
+                    "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
+    if (forward && (params.static_ || params.pair_static))
+        check.fault(params.static_ ? "static" : "pair_static",
+                    "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
+}
+
+std::string window_text(const Interval& window) { return fmt::format("[{:g}, {:g}]", window.low, window.high); }
+
+}  // namespace fluidcarve

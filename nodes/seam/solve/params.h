@@ -1,0 +1,71 @@
+#pragma once
+
+#include "graph/types/param.h"
+#include "nodes/lattice/lattice.h"
+#include "nodes/seam/energy/slab.h"
+#include "nodes/seams/anchor.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace fluidcarve {
+
+class NodeCheck;
+
+template <>
+struct ChoiceNames<Axis> {
+    static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v}};
+};
+
+template <>
+struct ChoiceNames<Measure> {
+    static constexpr std::array names = {std::pair{"vertex", Measure::vertex}, std::pair{"volume", Measure::volume}};
+};
+
+/// What a seam pays for.
+enum class Cost {
+    backward,  ///< the energy that it takes away
+    forward,   ///< also the edges that it leaves behind
+};
+
+template <>
+struct ChoiceNames<Cost> {
+    static constexpr std::array names = {std::pair{"backward", Cost::backward}, std::pair{"forward", Cost::forward}};
+};
+
+/// An anchor is `low`, `middle`, `high`, or a vertex.
+template <>
+struct ParamTraits<Anchor> {
+    static Shape shape();
+    static std::optional<Anchor> parse(const Value& value, ValueReader& reader);
+    static std::string text(const Anchor& anchor);
+};
+
+/// The parameters that all solver nodes have. declare_solver() says what each means.
+struct SolverParams {
+    Axis axis = Axis::u;
+    Count count;
+    Auto<Interval> window;
+    Auto<Interval> pair_window;
+    bool static_ = false;
+    bool pair_static = false;
+    Measure measure = Measure::vertex;
+    Auto<Cost> cost;
+    float field_weight = 1;
+    float empty = 0.9f;
+    Auto<float> rigidity;
+    Auto<float> rigidity_time;
+    Auto<int> spread;
+    Anchor anchor;
+    Auto<int> bound_passes;
+};
+
+/// Finds parameters that do not go together, and such that want an input or are at odds with one.
+void check_params(const SolverParams& params, NodeCheck& check);
+
+/// A window in words: "[2, 5]".
+std::string window_text(const Interval& window);
+
+}  // namespace fluidcarve

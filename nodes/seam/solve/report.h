@@ -1,0 +1,38 @@
+#pragma once
+
+#include "nodes/seam/energy/marks.h"
+#include "nodes/seam/search/find_seams.h"
+#include "nodes/seams/seams.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+/// The report of a seam set: axis, kind and shape; per seam energy, lower_bound, gap, wall_s (seconds) and zero_share (0..1); for pairs also
+/// pair_energy and pair_lower_bound. With masks, also the number of marked vertices that each seam passes: attracted, protected (none),
+/// pair_attracted, pair_protected; and the number of attracted ones that each seam leaves, attracted_left.
+namespace fluidcarve {
+
+/// The report of a set without seams.
+nlohmann::ordered_json empty_report(const Seams& seams);
+
+/// Describes the seams of a window in a report.
+/// @param prefix  of the report's names: empty or `pair_`
+/// @param marks   tells which masks there are
+void describe_seams(const FoundSeams& found, const std::string& prefix, const MarkCounts& marks, nlohmann::ordered_json& report);
+
+/// Seconds for each seam together with its pair, as far as they were found.
+/// @param before  report of an earlier search, which goes on; null: none
+std::vector<double> wall_seconds(const nlohmann::ordered_json& before, const FoundSeams& pairs, const FoundSeams& found);
+
+/// Shortens a report to the first `count` seams.
+void cut_report(nlohmann::ordered_json& report, std::size_t count);
+
+/// Warnings about the seams of a report.
+std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report);
+/// Warnings about masks that mark nothing.
+std::vector<std::string> mask_warnings(const MarkCounts& marks);
+
+}  // namespace fluidcarve

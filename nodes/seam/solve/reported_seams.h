@@ -1,0 +1,21 @@
+#pragma once
+
+#include "graph/types/payload.h"
+#include "nodes/seams/seams.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+
+namespace fluidcarve {
+
+/// A seam set with its report.
+struct ReportedSeams {
+    Ref<Seams> seams;  ///< null: none
+    nlohmann::ordered_json report;
+
+    /// The first `count` seams and pairs, as if no more had been asked for.
+    ReportedSeams first(std::size_t count) const;
+};
+
+}  // namespace fluidcarve

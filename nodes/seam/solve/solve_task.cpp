@@ -1,0 +1,128 @@
+#include "nodes/seam/solve/solve_task.h"
+
+#include "nodes/seam/search/bound.h"
+#include "nodes/seam/search/strip.h"
+#include "nodes/seam/solve/no_more.h"
+#include "nodes/seam/solve/report.h"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Up to this many energies, a bound takes no longer than a search.
+constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
+
+/// A search under way: the pairs that it has found, how far it is, and when it last handed over what there was.
+class TaskSearch {
+public:
+    TaskSearch(EnergyVolume& energy, const SearchSetup& setup, const Context& context)
+        : energy_(energy), task_(setup.task), setup_(setup), context_(context), taken_(bytes_taken()) {}
+
+    ReportedSeams run() {
+        // The pair window comes first: seams there do not move the window below.
+        if (task_.pairs) pairs_ = find(*task_.pairs);
+        return whole(find(task_.seams));
+    }
+
+private:
+    /// Bytes of energies and seams, which share the budget.
+    std::uint64_t bytes_taken() const {
+        const auto columns = energy_.columns_per_frame() * energy_.frames();
+        const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) * columns * sizeof(std::uint16_t);
+        const auto energies = static_cast<std::uint64_t>(columns) * energy_.stride() * sizeof(std::uint16_t) * (energy_.has_field() ? 3 : 1);
+        return energies + seams;
+    }
+
+    FoundSeams find(const SeamTask::Part& part) {
+        const double share = task_.pairs ? 0.5 : 1;
+        const auto tick = [&](double fraction) {
+            context_.check_cancelled();
+            context_.progress(done_ + share * fraction);
+        };
+        // Seams that do not fit beside the energies go to disk.
+        const bool fits = taken_ <= context_.memory_budget();
+        KeepSeam keep;
+        if (!fits) keep = [&](const SeamEntries& entries) { return SeamEntries::in_file(entries, context_.work_folder()); };
+        Continued continued;
+        if (const auto& before = setup_.before.seams) continued.before = part.pair ? before->pairs : before->seams;
+        continued.start_from = setup_.start_from;
+        continued.found = [&](const FoundSeams& now) {
+            // After the last seam, the whole set is delivered anyway.
+            if (part.pair || now.seams.size() < static_cast<std::size_t>(task_.count)) hold(now, part);
+        };
+        continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
+        continued.folder = context_.work_folder();
+        const auto find_bounded = [&](const EnergyVolume& energy, Window now, int number, const Tick& tell) { return bounded(energy, now, number, tell); };
+        try {
+            auto out = find_seams(energy_, part.kind, task_.count, part.window, find_bounded, tick, keep, part.static_, continued);
+            done_ += share;
+            return out;
+        } catch (const NoSeam& none) {
+            throw Failure(why_no_more(none, task_, part, setup_.space));
+        }
+    }
+
+    /// A seam of the solver, with a lower bound.
+    Seams::Seam bounded(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
+        auto seam = setup_.find(energy, window, number, tick);
+        const bool few = seam.at.size() * static_cast<std::size_t>(window.size()) <= most_entries_bounded;
+        if (!seam.lower_bound && (setup_.bound_passes || few))
+            seam.lower_bound = energy_bound(energy, seam.at, lower_bound(energy, window, setup_.bound_passes.value_or(0), tick));
+        return seam;
+    }
+
+    /// Delivers the seams found so far as a complete set.
+    void hold(const FoundSeams& now, const SeamTask::Part& part) {
+        if (Clock::now() - held_ < setup_.hold_after) return;
+        const auto so_far = part.pair ? only_pairs(now) : whole(now);
+        context_.report("seams", so_far.report);
+        context_.hold(Payload(so_far.seams));
+        held_ = Clock::now();
+    }
+
+    /// The set while its pairs are found. They come first, so there may be more of them than of the seams, which are those found before.
+    ReportedSeams only_pairs(const FoundSeams& pairs) const {
+        const auto& before = setup_.before;
+        auto set = std::make_shared<Seams>(setup_.empty);
+        if (before.seams) set->seams = before.seams->seams;
+        set->pairs = pairs.seams;
+        auto report = before.seams ? before.report : empty_report(*set);
+        describe_seams(pairs, "pair_", setup_.marks, report);
+        report["wall_s"] = wall_seconds(before.report, pairs, {});
+        return {std::move(set), std::move(report)};
+    }
+
+    /// The set with all its pairs.
+    ReportedSeams whole(const FoundSeams& found) const {
+        auto set = std::make_shared<Seams>(setup_.empty);
+        set->seams = found.seams;
+        set->pairs = pairs_.seams;
+        set->find_shifts();
+        auto report = empty_report(*set);
+        describe_seams(found, "", setup_.marks, report);
+        if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
+        report["wall_s"] = wall_seconds(setup_.before.report, pairs_, found);
+        return {std::move(set), std::move(report)};
+    }
+
+    EnergyVolume& energy_;
+    const SeamTask& task_;
+    const SearchSetup& setup_;
+    const Context& context_;
+    const std::uint64_t taken_;
+    FoundSeams pairs_;
+    double done_ = 0;  ///< share of the work, 0 to 1
+    Clock::time_point held_ = Clock::now();
+};
+
+}  // namespace
+
+ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context) { return TaskSearch(energy, setup, context).run(); }
+
+}  // namespace fluidcarve

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "graph/types/context.h"
+#include "nodes/seam/energy/marks.h"
+#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/search/find_seams.h"
+#include "nodes/seam/solve/reported_seams.h"
+#include "nodes/seam/solve/space.h"
+#include "nodes/seam/solve/task.h"
+
+#include <chrono>
+#include <optional>
+
+namespace fluidcarve {
+
+/// What a search goes by, besides its energy.
+struct SearchSetup {
+    const SeamTask& task;
+    const CarvedSpace& space;
+    const Seams& empty;           ///< empty_seams()
+    const ReportedSeams& before;  ///< found by an earlier run, no more than the task wants
+    const MarkCounts& marks;
+    const FindSeam& find;
+    const StartFrom& start_from;
+    std::optional<int> bound_passes;       ///< of lower_bound(); nothing: no passes, and no bound for large energies
+    std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
+};
+
+/// Finds all seams of a task. Meanwhile hands over those found so far, with their report.
+/// @param energy  used up
+/// @throws Failure saying why no more seams are possible; as find_seams()
+ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context);
+
+}  // namespace fluidcarve

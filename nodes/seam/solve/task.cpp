@@ -1,0 +1,68 @@
+#include "nodes/seam/solve/task.h"
+
+#include "nodes/seam/search/find_seams.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+namespace fluidcarve {
+
+namespace {
+
+/// How many vertices the axis has, and which: the end of a message.
+std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
+    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), space.carved() ? " once the seams of `after` are carved" : "", size - 1);
+}
+
+Window window_of(const std::string& name, const Auto<Interval>& window, Axis axis, int size, const CarvedSpace& space) {
+    if (!window) return {0, size - 1};
+    if (window->high > size - 1)
+        throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices_along(axis, size, space)));
+    return {static_cast<int>(window->low), static_cast<int>(window->high)};
+}
+
+}  // namespace
+
+SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
+    SeamTask out;
+    out.axis = params.axis;
+    out.shape = space.shape();
+    if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
+        throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices", fmt::join(out.shape, " x ")));
+    const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
+    out.count = std::abs(count);
+    const auto part = [&](bool pair, Seams::Kind kind, const Auto<Interval>& window, bool static_) {
+        SeamTask::Part part{pair, kind, {}, static_};
+        part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
+        require_room(kind, out.count, part.window, size);
+        return part;
+    };
+    out.seams = part(false, count > 0 ? Seams::Kind::insert : Seams::Kind::remove, params.window, params.static_);
+    if (params.anchor.vertex > size - 1)
+        throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices_along(params.axis, size, space)));
+    if (params.pair_window) out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
+    return out;
+}
+
+Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space) {
+    const auto& lattice = *space.lattices().front();
+    Seams out;
+    out.axis = task.axis;
+    out.kind = task.seams.kind;
+    out.closed = lattice.closed;
+    out.shape = task.shape;
+    out.frames = space.frames();
+    out.lattice = lattice.description;
+    if (params.window) out.window = task.seams.window;
+    if (task.pairs) out.pair_window = task.pairs->window;
+    out.anchor = params.anchor;
+    std::vector<std::string> hashes;
+    for (const auto& of_frame : space.lattices()) hashes.push_back(of_frame->hash);
+    const bool same = std::all_of(hashes.begin(), hashes.end(), [&](const auto& hash) { return hash == hashes.front(); });
+    out.lattice_hash = same ? hashes.front() : fmt::format("{}", fmt::join(hashes, ","));
+    return out;
+}
+
+}  // namespace fluidcarve
