@@ -124,7 +124,6 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
     input_bytes_ = std::move(inputs.most_bytes);
     keys_.reset();
     for (const auto frame : frames_) delivered_.push_back(!deliver || deliver->contains(frame));
-    for (const auto& node : pipeline.nodes) wants_.push_back(node.type->bind(node.params).wants);
 
     std::vector<std::string> paths;
     for (std::size_t n = 0; n < pipeline.nodes.size() && cache_.on(); ++n)
@@ -145,7 +144,8 @@ std::vector<bool> Preparation::reads(std::size_t n) const {
 bool Preparation::wants(std::size_t n, std::size_t place) const {
     static Context::Host silent;
     Context where(silent, frames_);
-    return !wants_[n] || wants_[n](where.at(place));
+    const auto& node = pipeline_.nodes[n];
+    return !node.type->wants || node.type->wants(node.params.get(), where.at(place));
 }
 
 std::vector<int> Preparation::delivered_frames() const {

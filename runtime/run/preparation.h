@@ -53,8 +53,7 @@ private:
     std::vector<Fault> missing_;
     std::map<std::size_t, std::map<int, int>> stand_ins_;
     std::map<std::size_t, std::uint64_t> input_bytes_;
-    std::vector<bool> every_;                                 ///< per node: whether it is needed in every frame of the sequence
-    std::vector<std::function<bool(const Context&)>> wants_;  ///< per node: whether it takes a frame; empty: takes all
+    std::vector<bool> every_;  ///< per node: whether it is needed in every frame of the sequence
     Cache cache_;
     FileHashes files_;
     Keys keys_;
