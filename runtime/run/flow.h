@@ -2,7 +2,7 @@
 
 #include "graph/pipeline.h"
 #include "runtime/keep/store.h"
-#include "runtime/plan/plan.h"
+#include "runtime/plan/schedule.h"
 #include "runtime/tell/profile.h"
 #include "runtime/tell/progress.h"
 #include "runtime/tell/report.h"

@@ -17,13 +17,9 @@ std::vector<Forecast::Stream> streams(const Pipeline& pipeline, const Plan& plan
     for (std::size_t p = 0; p < plan.passes.size(); ++p) {
         Forecast::Stream stream;
         std::vector<bool> runs(pipeline.nodes.size(), false);
-        for (const auto& actions : schedule.frames[p]) {
-            bool any = false;
-            for (std::size_t n = 0; n < actions.size(); ++n) {
-                any = any || actions[n] != Schedule::Action::none;
-                runs[n] = runs[n] || actions[n] == Schedule::Action::run;
-            }
-            stream.frames += any ? 1 : 0;
+        for (const auto& frame : schedule.frames[p]) {
+            for (std::size_t n = 0; n < runs.size(); ++n) runs[n] = runs[n] || frame.reads(n);
+            stream.frames += frame.empty() ? 0 : 1;
         }
         for (const auto n : plan.passes[p].per_frame)
             if (runs[n]) stream.nodes.push_back(pipeline.nodes[n].name);

@@ -176,33 +176,27 @@ Schedule Preparation::schedule(bool careful) {
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 
-Schedule Preparation::whole_schedule() const {
+Schedule Preparation::uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
     return make_schedule(pipeline_, plan_, delivered_, {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); }, nothing});
 }
 
 void Preparation::repeat_said(const Schedule& schedule, Report& report) {
     if (!cache_.on()) return;
-    const auto whole = whole_schedule();
-    const auto is = [](Schedule::Action action) { return action == Schedule::Action::run; };
+    const auto uncached = uncached_schedule();
+    const auto runs_once = [](const Schedule& in, std::size_t n) { return in.once[n] == Schedule::Action::run; };
     const auto repeat = [&](std::size_t n, const Said& said) {
         for (const auto& warning : said.warnings) report.warn(n, warning);
         for (const auto& [section, entry] : said.report) report.entry(n, section, entry);
     };
     for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto& node = pipeline_.nodes[n];
-        const bool streams = node.streams_in();
-        const auto first = streams ? plan_.gathered_in[n] + 1 : 0;
-        const auto runs = [&](const Schedule& in, std::size_t place) {
-            if (node.rate != Rate::frame) return is(in.once[n]);
-            for (auto pass = first; pass < in.frames.size(); ++pass)
-                if (is(in.frames[pass][place][n])) return true;
-            return false;
-        };
-        const auto takes = [&](const Schedule& in, std::size_t place) { return streams && plan_.needed[n] && is(in.frames[plan_.gathered_in[n]][place][n]); };
+        const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
+        const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
         for (std::size_t place = 0; place < frames_.size(); ++place) {
-            if (node.type->digest != typeid(void) && takes(whole, place) && !takes(schedule, place)) repeat(n, store_.said_of_digest(n, place));
-            if ((node.rate == Rate::frame || place == 0) && runs(whole, place) && !runs(schedule, place)) repeat(n, store_.said(n, place));
+            if (node.type->digest != typeid(void) && anew.taken_anew.contains(place) && !now.taken_anew.contains(place))
+                repeat(n, store_.said_of_digest(n, place));
+            if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place))) repeat(n, store_.said(n, place));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 #include "graph/types/registry.h"
 #include "runtime/keep/store.h"
-#include "runtime/plan/plan.h"
+#include "runtime/plan/schedule.h"
 #include "runtime/run/flow.h"
 #include "runtime/tell/report.h"
 
@@ -38,7 +38,7 @@ public:
     /// results that this run is yet to compute.
     Schedule careful_schedule();
     /// The schedule with an empty cache.
-    Schedule whole_schedule() const;
+    Schedule uncached_schedule() const;
     /// Adds to the report the warnings and entries of all cached results that the schedule uses.
     void repeat_said(const Schedule& schedule, Report& report);
 

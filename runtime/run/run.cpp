@@ -127,7 +127,7 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
             return true;
         }
         // The last attempt does not use the cache.
-        schedule = attempt + 1 == most_attempts ? prepared.whole_schedule() : prepared.careful_schedule();
+        schedule = attempt + 1 == most_attempts ? prepared.uncached_schedule() : prepared.careful_schedule();
     }
 }
 
@@ -168,7 +168,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
     if (!prepared.missing().empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
-    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
     std::fputs(json ? (to_json(outlook).dump(2) + "\n").c_str() : to_text(outlook).c_str(), stdout);
@@ -214,7 +214,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         prepared.repeat_said(schedule, report);
         // repeat_said found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
-        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
         if (request.wish.only)
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
