@@ -3,8 +3,8 @@
 #include "graph/pipeline.h"
 #include "runtime/keep/cache.h"
 #include "runtime/keep/keys.h"
+#include "runtime/keep/said.h"
 
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,21 +12,11 @@
 
 namespace fluidcarve {
 
-/// Warnings and report entries of a node body. They are cached with its result, and repeated when the result is taken from the cache.
-struct Said {
-    std::vector<std::string> warnings;
-    std::map<std::string, nlohmann::ordered_json> report;  ///< by section
-    bool empty() const { return warnings.empty() && report.empty(); }
-};
-
 /// The cached results of a pipeline's nodes, from former runs and from this one. Thread-safe.
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:
     Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files);
-
-    /// Key of the cache entry of a result.
-    Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
 
     /// Whether a result need not be computed: it is cached and, if it grows, large enough; or, for a writer, its files are up to date.
     bool knows(std::size_t node, std::size_t place);
@@ -51,12 +41,14 @@ public:
     void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs, const Said& said);
     void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const Said& said);
     /// Caches a growing result, unless the entry already holds more. @param part  whether the node is still working on it
-    void keep_grown(const Key& key, std::size_t node, const Payload& result, const Said& said, bool part);
+    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said, bool part);
 
     /// Paths of the files that a writer writes for the frame at a place.
     std::vector<std::string> outputs(std::size_t node, std::size_t place) const;
 
 private:
+    /// Key of the cache entry of a result.
+    Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
     struct Whole {
         std::vector<Payload> outputs;
         Said said;

@@ -32,7 +32,7 @@ struct Flow::Self {
         const Clock::time_point start = Clock::now();
         std::mutex mutex;
         Said said;
-        std::optional<Key> grows;  ///< key under which `hold` caches a growing result
+        bool grows = false;  ///< `hold` caches what there is of a growing result
         Clock::time_point next_hold{};
 
         bool cancelled() const override { return run.cancelled(); }
@@ -54,7 +54,7 @@ struct Flow::Self {
             const auto begin = Clock::now();
             if (!grows || begin < next_hold) return;
             const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
-            run.store.keep_grown(*grows, node, result, said, true);
+            run.store.keep_grown(node, 0, result, said, true);
             // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
             constexpr int pauses = 10;
             next_hold = Clock::now() + pauses * (Clock::now() - begin);
@@ -195,7 +195,7 @@ struct Flow::Self {
     /// Calls `finish` of a gatherer. If its result grows, it continues from the cached part of a former run.
     void end_gathering(std::size_t n, void* ports, Context& where, Line& line) {
         if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
-            line.grows = store.key(n, 0);
+            line.grows = true;
             const auto part = [&] {
                 const RunProfile::Span span(profile, "load", n, std::nullopt);
                 return store.part(n);
