@@ -14,15 +14,16 @@ constexpr std::size_t most_alternatives = 16;  ///< remembered contents of a wri
 
 }  // namespace
 
-Store::Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files)
-    : pipeline_(pipeline), frames_(frames), keys_(keys), cache_(cache), files_(files) {}
+Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files)
+    : pipeline_(pipeline), dependencies_(dependencies), keys_(keys), cache_(cache), files_(files) {}
 
 std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
     const auto& node = pipeline_.nodes[n];
     std::vector<std::string> out;
     for (const auto& spec : node.type->params)
         if (spec.shape.kind == Shape::Kind::output_path)
-            if (const auto& path = spec.path(node.params.get()); !path.text().empty()) out.push_back(path.at(frames_.at(node.rate == Rate::frame ? place : 0)));
+            if (const auto& path = spec.path(node.params.get()); !path.text().empty())
+                out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
     return out;
 }
 
@@ -82,12 +83,6 @@ Said Store::said(std::size_t n, std::size_t place) {
 Said Store::said_of_digest(std::size_t n, std::size_t place) const {
     const auto header = cache_.look(keys_.taken(n, place));
     return header ? said_in(*header) : Said{};
-}
-
-bool Store::inputs_changed(std::size_t n, std::size_t place) {
-    if (!cache_.on()) return false;
-    const auto files = keys_.files(n, place);
-    return std::any_of(files.begin(), files.end(), [&](const std::string& path) { return files_.changed(path); });
 }
 
 std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {

@@ -2,6 +2,8 @@
 
 #include "graph/pipeline.h"
 #include "runtime/keep/cache.h"
+#include "runtime/keep/dependencies.h"
+#include "runtime/keep/file_hashes.h"
 #include "runtime/keep/keys.h"
 #include "runtime/keep/said.h"
 
@@ -16,7 +18,7 @@ namespace fluidcarve {
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:
-    Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files);
+    Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files);
 
     /// Whether a result need not be computed: it is cached and, if it grows, large enough; or, for a writer, its files are up to date.
     bool knows(std::size_t node, std::size_t place);
@@ -29,7 +31,7 @@ public:
     Said said_of_digest(std::size_t node, std::size_t place) const;
 
     /// Whether a file that a node reads changed after the keys were computed.
-    bool inputs_changed(std::size_t node, std::size_t place);
+    bool inputs_changed(std::size_t node, std::size_t place) const { return cache_.on() && dependencies_.files_changed(node, place); }
 
     /// Cached outputs; nothing if they are missing or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
@@ -58,7 +60,7 @@ private:
     void keep_files(std::size_t node, std::size_t place, const Said& said);
 
     const Pipeline& pipeline_;
-    const std::vector<int>& frames_;
+    const Dependencies& dependencies_;
     Keys& keys_;
     Cache& cache_;
     FileHashes& files_;

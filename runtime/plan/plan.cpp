@@ -72,6 +72,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     std::vector<std::size_t> targets = pipeline.leaves();
     Plan out;
     out.targets.assign(count, false);
+    out.in_sequence.assign(count, false);
     out.gathered_in.assign(count, 0);
     if (!wish.to.empty()) {
         std::string fault;
@@ -120,7 +121,8 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
             mark_upstream(pipeline, n, flags);
         }
         for (const auto& needs : pass.gatherer_needs)
-            for (std::size_t n = 0; n < count; ++n) flags[n] = flags[n] || needs[n];
+            for (std::size_t n = 0; n < count; ++n)
+                if (needs[n]) flags[n] = out.in_sequence[n] = true;
         for (std::size_t n = 0; n < count; ++n)
             if (flags[n]) pass.per_frame.push_back(n);
     }

@@ -35,6 +35,7 @@ struct Plan {
     std::vector<bool> targets;             ///< per node: whether the wish asks for it
     std::optional<std::size_t> digested;   ///< a gatherer of which only the digests are wanted
     std::vector<bool> needed;              ///< per node: whether it is a target or upstream of one
+    std::vector<bool> in_sequence;         ///< per node: whether a gatherer needs it, and so in every frame, not only in delivered ones
     std::vector<std::size_t> gathered_in;  ///< per node: the pass in which it gathers, if it does
 };
 

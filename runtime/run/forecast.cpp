@@ -33,16 +33,15 @@ std::vector<Forecast::Stream> streams(const Pipeline& pipeline, const Plan& plan
 }  // namespace
 
 Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
-                  Keys& keys, const RunOptions& options) {
+                  const RunOptions& options) {
     const auto& plan = prepared.plan();
     Forecast out;
     out.pipeline = pipeline.name;
     out.frames = FrameSet(prepared.frames());
     out.delivered = FrameSet(prepared.delivered_frames());
     out.streams = streams(pipeline, plan, schedule);
-    const auto why = reasons(pipeline, shares, history, keys, prepared.frames(), [&](std::size_t n) { return prepared.reads(n); });
-    std::uint64_t input_bytes = 0;
-    for (const auto& [node, bytes] : prepared.input_bytes()) input_bytes = std::max(input_bytes, bytes);
+    const auto why = reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) { return prepared.reads(n); });
+    const auto input_bytes = prepared.inputs().frame_bytes;
     double work = 0;
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& share = shares[n];

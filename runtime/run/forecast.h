@@ -34,7 +34,7 @@ struct Forecast {
 };
 
 Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
-                  Keys& keys, const RunOptions& options);
+                  const RunOptions& options);
 
 /// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);

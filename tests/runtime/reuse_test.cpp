@@ -78,8 +78,8 @@ struct Shot {
         Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, unused);
         const auto schedule = prepared.schedule();
         const History history(request.options.cache ? request.options.work_folder : "", pipeline.name);
-        return to_json(forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history,
-                                prepared.keys(), request.options));
+        return to_json(
+            forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history, request.options));
     }
     std::string why(const std::string& node) const { return plan["nodes"][node].value("why", ""); }
 };
