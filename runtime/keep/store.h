@@ -14,7 +14,8 @@
 
 namespace fluidcarve {
 
-/// The cached results of a pipeline's nodes, from former runs and from this one. Thread-safe.
+/// The results of a pipeline's nodes, found by node and frame: the store knows which entry of the Cache is whose, and whether it still
+/// serves. It holds results of former runs and of this one. Thread-safe.
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:

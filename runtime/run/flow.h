@@ -26,7 +26,7 @@ struct RunOptions {
     std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes of cached results that remain after a run
 };
 
-/// Executes a plan: nodes that run once, and passes as TBB flow graphs. Holds all results that outlive a pass.
+/// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds all results that outlive a pass.
 class Flow {
 public:
     /// @param frames     frame numbers of the sequence, without the frames that readers leave out

@@ -1,5 +1,8 @@
 #include "runtime/run/preparation.h"
 
+#include <map>
+#include <utility>
+
 namespace fluidcarve {
 namespace {
 

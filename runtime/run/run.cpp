@@ -165,8 +165,8 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
-    const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, request.options);
-    std::fputs(json ? (to_json(outlook).dump(2) + "\n").c_str() : to_text(outlook).c_str(), stdout);
+    const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
+    std::fputs(json ? (to_json(forecast).dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     return exit_code::done;
 }
 
@@ -213,14 +213,14 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         if (request.wish.only)
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
-        const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, request.options);
-        if (request.verbose) std::fputs(to_text(outlook).c_str(), stderr);
+        const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
+        if (request.verbose) std::fputs(to_text(forecast).c_str(), stderr);
         if (report.faults().empty() && !request.options.keep_going)
             try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
         report.expect(to_do);
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
-            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), outlook, report);
+            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
             stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
             status.end(exit_of(report, cancelled(), stopped));
             remember_cost(pipeline, prepared, report, history);
