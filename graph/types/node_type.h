@@ -123,7 +123,6 @@ struct Behaviour {
     /// Hands a growing result of a former run, too small for this run, and its report entry to the node; called before `finish`.
     std::function<void(const Payload& result, const nlohmann::ordered_json& entry)> resume;
     std::function<void(void* ports, Context&)> finish;  ///< called once, after the last `add` and before any `run`
-    std::function<bool(const Context&)> wants;          ///< whether `add` needs the frame of the context; empty: always
 };
 
 /// The description of a node type, made by Declare.
@@ -143,7 +142,8 @@ struct NodeType {
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
-    std::function<bool(const void* params)> animates;  ///< whether results change per frame though no input or file does; empty: never
+    std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
+    std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
     std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
@@ -274,6 +274,8 @@ public:
             else if constexpr (detail::has_gathers<Node>) return Node::gathers(*static_cast<const Params*>(params));
             else return (void)params, true;
         };
+        if constexpr (detail::has_wants<Node>)
+            type_.wants = [](const void* params, const Context& context) { return Node::wants(*static_cast<const Params*>(params), context); };
         if constexpr (detail::has_animates<Node>) type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
         if constexpr (detail::has_check<Node>)
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
@@ -454,7 +456,6 @@ private:
                 if constexpr (detail::has_resume<Node>)
                     out.resume = [node](const Payload& result, const nlohmann::ordered_json& entry) { node->resume(result, entry); };
                 out.finish = [params, node](void* ports, Context& context) { node->finish(*params, *static_cast<Ports*>(ports), context); };
-                if constexpr (detail::has_wants<Node>) out.wants = [params](const Context& context) { return Node::wants(*params, context); };
             }
         }
         return out;

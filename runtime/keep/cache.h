@@ -14,9 +14,9 @@
 
 namespace fluidcarve {
 
-/// The cache of results in a work folder: one file per entry, named by its key. An entry is written to a temporary file with a
-/// checksum and then renamed. So any number of processes, on one machine or several, may share a folder without locks; they may
-/// compute the same result twice, but never damage an entry.
+/// The entries of a work folder, found by their keys alone: the cache knows files, but no nodes (Store). Each entry is a file, named by
+/// its key. It is written to a temporary file with a checksum and then renamed. So any number of processes, on one machine or several,
+/// may share a folder without locks; they may compute the same result twice, but never damage an entry.
 ///
 /// An entry has a header, a JSON object set by the caller, and perhaps payloads. `store` adds {"outputs": [...]} to the header of an
 /// entry with payloads.

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 namespace fluidcarve {
@@ -89,22 +90,20 @@ const json& History::of(const std::string& node) const {
     return found == nodes_.end() || !well_formed(*found) ? nothing : *found;
 }
 
-json History::made_of(const Pipeline& pipeline, std::size_t n, Keys& keys, const std::vector<int>& frames, const std::vector<bool>& reads) {
-    const auto& node = pipeline.nodes[n];
-    json out{{"type", node.type->name}, {"version", node.type->version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
-    if (const auto plugin = keys.plugin(n)) out["plugin"] = plugin->text();
-    for (const auto& param : node.type->params)
-        if (counts(param)) out["params"][param.name] = param.text(node.params.get());
-    for (std::size_t i = 0; i < node.inputs.size(); ++i) {
-        std::vector<std::string> sources;
-        for (const auto& link : node.inputs[i]) sources.push_back(pipeline.nodes[link.node].name + "." + pipeline.nodes[link.node].outputs[link.output].name);
-        if (!sources.empty()) out["inputs"][node.type->inputs[i].name] = fmt::format("{}", fmt::join(sources, ", "));
-    }
+json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencies& dependencies, const std::vector<bool>& reads) {
+    const auto of = dependencies.of(n);
+    json out{{"type", of.type}, {"version", of.version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
+    if (of.plugin) out["plugin"] = of.plugin->text();
+    for (const auto& param : of.params) out["params"][param.name] = param.text;
+    std::map<std::string, std::vector<std::string>> sources;
+    for (const auto& input : of.inputs) sources[input.name].push_back(pipeline.nodes[input.source].name + "." + input.output);
+    for (const auto& [name, all] : sources) out["inputs"][name] = fmt::format("{}", fmt::join(all, ", "));
+    const auto& frames = dependencies.frames();
     for (std::size_t place = 0; place < frames.size(); ++place) {
-        if (keys.files(n, place).empty()) break;
+        if (dependencies.files(n, place).empty()) break;
         if (!reads[place]) continue;
-        out["files"][std::to_string(frames[place])] = keys.contents(n, place).text();
-        if (node.rate != Rate::frame) break;
+        out["files"][std::to_string(frames[place])] = dependencies.contents(n, place).text();
+        if (pipeline.nodes[n].rate != Rate::frame) break;
     }
     return out;
 }
@@ -146,11 +145,11 @@ void History::save() const {
         out.close();
         if (out) file.commit();
     } catch (const Failure&) {
-        // Without the file a plan only lacks reasons and estimates.
+        // Without the file a forecast only lacks reasons and estimates.
     }
 }
 
-std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, Keys& keys, const std::vector<int>& frames,
+std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, const Dependencies& dependencies,
                                  const std::function<std::vector<bool>(std::size_t node)>& reads) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
@@ -160,7 +159,7 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         if (shares[n].frames == 0) continue;
         const auto& was = history.of(pipeline.nodes[n].name);
         fresh[n] = was.is_null();
-        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, keys, frames, reads(n)));
+        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, dependencies, reads(n)));
         for (const auto& links : pipeline.nodes[n].inputs)
             for (const auto& link : links) {
                 roots[n].insert(roots[link.node].begin(), roots[link.node].end());

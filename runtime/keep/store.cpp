@@ -1,6 +1,7 @@
 #include "runtime/keep/store.h"
 
 #include "graph/output_file.h"
+#include "runtime/keep/grown_result.h"
 
 #include <algorithm>
 
@@ -11,57 +12,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_alternatives = 16;  ///< remembered contents of a writer's files, per result
 
-Json to_json(const Said& said) {
-    Json out = Json::object();
-    if (!said.warnings.empty()) out["warnings"] = said.warnings;
-    for (const auto& [section, entry] : said.report) out["report"][section] = entry;
-    return out;
-}
-
-Said said_in(const Json& header) {
-    Said out;
-    out.warnings = header.value("warnings", out.warnings);
-    if (const auto report = header.find("report"); report != header.end())
-        for (const auto& [section, entry] : report->items()) out.report[section] = entry;
-    return out;
-}
-
-/// The extent of a cached growing result, from its header.
-std::optional<Extent> extent_in(const Json& header) {
-    const auto found = header.find("extent");
-    return found == header.end() ? std::nullopt : std::optional(Extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()});
-}
-
-std::size_t wished_for(const Node& node, const Extent& extent) { return node.type->growth->wanted(node.params.get(), extent.of); }
-
-/// The report entry of a growing result. Such a node reports to one section at most.
-Json& grown_entry(Said& said, Json& nothing) { return said.report.empty() ? nothing : said.report.begin()->second; }
-
-/// Cuts a growing result, its report entry and its warnings to `count` items.
-void cut(const Growth& growth, std::size_t count, Payload& result, Said& said) {
-    Json nothing = Json::object();
-    auto& entry = grown_entry(said, nothing);
-    const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
-    result = growth.first(result, count, entry);
-    std::erase_if(said.warnings, [&](const std::string& each) { return std::find(about_all.begin(), about_all.end(), each) != about_all.end(); });
-    if (growth.warnings)
-        for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
-}
-
-/// Whether a cached growing result is complete and has exactly the wanted count.
-bool fits(const Json& header, const Extent& extent, std::size_t count) { return extent.count == count && !header.contains("part"); }
-
 }  // namespace
 
-Store::Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files)
-    : pipeline_(pipeline), frames_(frames), keys_(keys), cache_(cache), files_(files) {}
+Store::Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files)
+    : pipeline_(pipeline), dependencies_(dependencies), keys_(keys), cache_(cache), files_(files) {}
 
 std::vector<std::string> Store::outputs(std::size_t n, std::size_t place) const {
     const auto& node = pipeline_.nodes[n];
     std::vector<std::string> out;
     for (const auto& spec : node.type->params)
         if (spec.shape.kind == Shape::Kind::output_path)
-            if (const auto& path = spec.path(node.params.get()); !path.text().empty()) out.push_back(path.at(frames_.at(node.rate == Rate::frame ? place : 0)));
+            if (const auto& path = spec.path(node.params.get()); !path.text().empty())
+                out.push_back(path.at(dependencies_.frames().at(node.rate == Rate::frame ? place : 0)));
     return out;
 }
 
@@ -72,8 +34,8 @@ bool Store::knows(std::size_t n, std::size_t place) {
     if (!header) return false;
     if (!node.outputs.empty()) {
         if (!header->contains("outputs")) return false;
-        const auto extent = extent_in(*header);
-        const bool enough = !node.type->growth || (extent && extent->count >= wished_for(node, *extent));
+        const auto grown = GrownResult::in(*header);
+        const bool enough = !node.type->growth || (grown && grown->enough_for(node));
         if (enough) cache_.touch(key(n, place));
         return enough;
     }
@@ -102,11 +64,9 @@ std::optional<Store::Whole> Store::whole(std::size_t n, std::size_t place) {
     if (!entry || entry->outputs.size() != node.outputs.size()) return std::nullopt;
     Whole out{std::move(entry->outputs), said_in(entry->header)};
     if (!node.type->growth) return out;
-    const auto extent = extent_in(entry->header);
-    if (!extent) return std::nullopt;
-    const auto wished = wished_for(node, *extent);
-    if (extent->count < wished) return std::nullopt;
-    if (!fits(entry->header, *extent, wished)) cut(*node.type->growth, wished, out.outputs.at(0), out.said);
+    const auto grown = GrownResult::in(entry->header);
+    if (!grown || !grown->enough_for(node)) return std::nullopt;
+    cut(node, *grown, out.outputs.at(0), out.said);
     return out;
 }
 
@@ -114,8 +74,8 @@ Said Store::said(std::size_t n, std::size_t place) {
     const auto& node = pipeline_.nodes[n];
     const auto header = cache_.look(key(n, place));
     if (!header) return {};
-    const auto extent = node.type->growth ? extent_in(*header) : std::nullopt;
-    if (!extent || fits(*header, *extent, wished_for(node, *extent))) return said_in(*header);
+    const auto grown = node.type->growth ? GrownResult::in(*header) : std::nullopt;
+    if (!grown || grown->fits(node)) return said_in(*header);
     auto found = whole(n, place);
     return found ? std::move(found->said) : Said{};
 }
@@ -123,12 +83,6 @@ Said Store::said(std::size_t n, std::size_t place) {
 Said Store::said_of_digest(std::size_t n, std::size_t place) const {
     const auto header = cache_.look(keys_.taken(n, place));
     return header ? said_in(*header) : Said{};
-}
-
-bool Store::inputs_changed(std::size_t n, std::size_t place) {
-    if (!cache_.on()) return false;
-    const auto files = keys_.files(n, place);
-    return std::any_of(files.begin(), files.end(), [&](const std::string& path) { return files_.changed(path); });
 }
 
 std::optional<std::vector<Payload>> Store::result(std::size_t n, std::size_t place) {
@@ -146,16 +100,14 @@ std::optional<Payload> Store::digest(std::size_t n, std::size_t place) {
 std::optional<std::pair<Payload, Json>> Store::part(std::size_t n) {
     auto entry = cache_.load(key(n, 0));
     if (!entry || entry->outputs.size() != 1 || !entry->outputs.front()) return std::nullopt;
-    auto said = said_in(entry->header);
-    Json nothing = Json::object();
-    return std::pair(std::move(entry->outputs.front()), grown_entry(said, nothing));
+    return std::pair(std::move(entry->outputs.front()), grown_entry(said_in(entry->header)));
 }
 
 void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
     const auto& node = pipeline_.nodes[n];
     if (node.kept && pipeline_.writes(n)) return keep_files(n, place, said);
     if (node.kept && !outputs.empty()) {
-        if (node.type->growth) return keep_grown(key(n, place), n, outputs.at(0), said, false);
+        if (node.type->growth) return keep_grown(n, place, outputs.at(0), said, false);
         cache_.store(key(n, place), to_json(said), outputs);
         return;
     }
@@ -186,21 +138,14 @@ void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
     if (pipeline_.nodes[n].digests_kept && digest) cache_.store(keys_.taken(n, place), to_json(said), {digest});
 }
 
-void Store::keep_grown(const Key& key, std::size_t n, const Payload& result, const Said& said, bool part) {
+void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said, bool part) {
     if (!cache_.on() || !result) return;
-    const auto extent = pipeline_.nodes[n].type->growth->extent(result);
-    // Of pairs of seams, those of one window are found first. So of two parts with as many seams the larger one holds more.
-    const auto bytes = cache_.registry().payload(result.type()).bytes(result);
-    if (const auto there = cache_.look(key)) {
-        const auto known = extent_in(*there);
-        const bool ends_part = !part && there->contains("part");
-        if (known && (known->count > extent.count || (known->count == extent.count && !ends_part && there->value("size", bytes) >= bytes))) return;
-    }
+    const GrownResult grown{pipeline_.nodes[n].type->growth->extent(result), cache_.registry().payload(result.type()).bytes(result), part};
+    if (const auto there = cache_.look(key(n, place)))
+        if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
     auto header = to_json(said);
-    header["size"] = bytes;
-    header["extent"] = {{"count", extent.count}, {"of", extent.of}};
-    if (part) header["part"] = true;
-    cache_.store(key, std::move(header), {result});
+    grown.describe(header);
+    cache_.store(key(n, place), std::move(header), {result});
 }
 
 }  // namespace fluidcarve

@@ -2,9 +2,11 @@
 
 #include "graph/pipeline.h"
 #include "runtime/keep/cache.h"
+#include "runtime/keep/dependencies.h"
+#include "runtime/keep/file_hashes.h"
 #include "runtime/keep/keys.h"
+#include "runtime/keep/said.h"
 
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,21 +14,12 @@
 
 namespace fluidcarve {
 
-/// Warnings and report entries of a node body. They are cached with its result, and repeated when the result is taken from the cache.
-struct Said {
-    std::vector<std::string> warnings;
-    std::map<std::string, nlohmann::ordered_json> report;  ///< by section
-    bool empty() const { return warnings.empty() && report.empty(); }
-};
-
-/// The cached results of a pipeline's nodes, from former runs and from this one. Thread-safe.
+/// The results of a pipeline's nodes, found by node and frame: the store knows which entry of the Cache is whose, and whether it still
+/// serves. It holds results of former runs and of this one. Thread-safe.
 /// A `place` is an index in the sequence of frames; it is ignored for nodes that deliver once.
 class Store {
 public:
-    Store(const Pipeline& pipeline, const std::vector<int>& frames, Keys& keys, Cache& cache, FileHashes& files);
-
-    /// Key of the cache entry of a result.
-    Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
+    Store(const Pipeline& pipeline, const Dependencies& dependencies, Keys& keys, Cache& cache, FileHashes& files);
 
     /// Whether a result need not be computed: it is cached and, if it grows, large enough; or, for a writer, its files are up to date.
     bool knows(std::size_t node, std::size_t place);
@@ -39,7 +32,7 @@ public:
     Said said_of_digest(std::size_t node, std::size_t place) const;
 
     /// Whether a file that a node reads changed after the keys were computed.
-    bool inputs_changed(std::size_t node, std::size_t place);
+    bool inputs_changed(std::size_t node, std::size_t place) const { return cache_.on() && dependencies_.files_changed(node, place); }
 
     /// Cached outputs; nothing if they are missing or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
@@ -51,12 +44,14 @@ public:
     void keep(std::size_t node, std::size_t place, const std::vector<Payload>& outputs, const Said& said);
     void keep_digest(std::size_t node, std::size_t place, const Payload& digest, const Said& said);
     /// Caches a growing result, unless the entry already holds more. @param part  whether the node is still working on it
-    void keep_grown(const Key& key, std::size_t node, const Payload& result, const Said& said, bool part);
+    void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said, bool part);
 
     /// Paths of the files that a writer writes for the frame at a place.
     std::vector<std::string> outputs(std::size_t node, std::size_t place) const;
 
 private:
+    /// Key of the cache entry of a result.
+    Key key(std::size_t node, std::size_t place) { return keys_.kept(node, place); }
     struct Whole {
         std::vector<Payload> outputs;
         Said said;
@@ -66,7 +61,7 @@ private:
     void keep_files(std::size_t node, std::size_t place, const Said& said);
 
     const Pipeline& pipeline_;
-    const std::vector<int>& frames_;
+    const Dependencies& dependencies_;
     Keys& keys_;
     Cache& cache_;
     FileHashes& files_;

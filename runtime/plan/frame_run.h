@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "runtime/plan/plan.h"
+#include "runtime/plan/schedule.h"
 
 #include <atomic>
 #include <cstddef>
@@ -12,18 +12,25 @@ namespace fluidcarve {
 
 /// The state of one frame during a pass. A node of the pass runs when its last input has arrived. Vectors are per pipeline node.
 struct FrameRun {
-    FrameRun(std::size_t place, std::size_t order, std::size_t nodes)
-        : place(place), order(order), outputs(nodes), waiting(nodes), readers(nodes), failed(nodes) {}
+    FrameRun(std::size_t place, std::size_t order, const Schedule::Frame& scheduled)
+        : place(place),
+          order(order),
+          scheduled(scheduled),
+          outputs(scheduled.results.size()),
+          waiting(outputs.size()),
+          readers(outputs.size()),
+          failed(outputs.size()) {}
 
     const std::size_t place;                    ///< index in the sequence
     const std::size_t order;                    ///< order of admission: 0, 1, 2, ...
+    const Schedule::Frame& scheduled;           ///< what the nodes do in this frame
     std::vector<std::vector<Payload>> outputs;  ///< `[node][output]`
     std::vector<std::atomic<int>> waiting;      ///< number of sources that have not delivered yet
     std::vector<std::atomic<int>> readers;      ///< number of nodes that have yet to read the outputs
-    std::vector<Schedule::Action> actions;      ///< what the node does in this frame
     std::vector<char> failed;                   ///< whether the node failed in this frame
     std::atomic<int> open{0};                   ///< number of end nodes that have not finished this frame
 };
+
 /// The edges between the nodes of one pass. All numbers are indices of pipeline nodes.
 struct Wiring {
     std::vector<std::size_t> units;                 ///< nodes of the pass: per-frame nodes, then gatherers

@@ -19,6 +19,7 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 
 using Token = std::shared_ptr<FrameRun>;
 using Action = Schedule::Action;
+using Take = Schedule::Take;
 
 }  // namespace
 
@@ -31,7 +32,7 @@ struct Flow::Self {
         const Clock::time_point start = Clock::now();
         std::mutex mutex;
         Said said;
-        std::optional<Key> grows;  ///< key under which `hold` caches a growing result
+        bool grows = false;  ///< `hold` caches what there is of a growing result
         Clock::time_point next_hold{};
 
         bool cancelled() const override { return run.cancelled(); }
@@ -53,7 +54,7 @@ struct Flow::Self {
             const auto begin = Clock::now();
             if (!grows || begin < next_hold) return;
             const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
-            run.store.keep_grown(*grows, node, result, said, true);
+            run.store.keep_grown(node, 0, result, said, true);
             // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
             constexpr int pauses = 10;
             next_hold = Clock::now() + pauses * (Clock::now() - begin);
@@ -194,7 +195,7 @@ struct Flow::Self {
     /// Calls `finish` of a gatherer. If its result grows, it continues from the cached part of a former run.
     void end_gathering(std::size_t n, void* ports, Context& where, Line& line) {
         if (pipeline.nodes[n].type->growth && pipeline.nodes[n].kept && pipeline.nodes[n].rate != Rate::frame) {
-            line.grows = store.key(n, 0);
+            line.grows = true;
             const auto part = [&] {
                 const RunProfile::Span span(profile, "load", n, std::nullopt);
                 return store.part(n);
@@ -237,16 +238,17 @@ struct Flow::Self {
 
     /// Runs or loads a per-frame node in one frame.
     void run(std::size_t n, FrameRun& frame, const Wiring& wiring, bool target) {
-        if (frame.actions[n] == Action::load) {
+        const auto action = frame.scheduled.results[n];
+        if (action == Action::load) {
             frame.failed[n] = cancelled() || !load(n, frame.place, frame.outputs[n]);
-        } else if (frame.actions[n] == Action::run && hopeless(n, frame, wiring)) {
+        } else if (action == Action::run && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
-        } else if (frame.actions[n] == Action::run) {
+        } else if (action == Action::run) {
             const auto& node = pipeline.nodes[n];
             const auto wants = [&](std::string_view output) {
                 if (node.kept && options.cache) return true;
                 for (const auto reader : wiring.readers[n]) {
-                    if (frame.actions[reader] != Action::run) continue;
+                    if (!frame.scheduled.reads(reader)) continue;
                     for (const auto& links : pipeline.nodes[reader].inputs)
                         for (const auto& link : links)
                             if (link.node == n && node.outputs[link.output].name == output) return true;
@@ -275,14 +277,15 @@ struct Flow::Self {
     /// the frame.
     void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
         if (!behaviours[n].digest) return;
-        if (frame.actions[n] == Action::load) {
+        const auto how = frame.scheduled.takes[n];
+        if (how == Take::kept) {
             const RunProfile::Span span(profile, "load", n, frames[frame.place]);
             if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
             else lost = true;
             frame.failed[n] = frame.outputs[n].empty();
-        } else if (frame.actions[n] == Action::run && hopeless(n, frame, wiring)) {
+        } else if (how == Take::anew && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
-        } else if (frame.actions[n] == Action::run) {
+        } else if (how == Take::anew) {
             Line line(*this, n);
             frame.failed[n] = !call(line, &frame, "digest", [&](void* ports, Context& where) { frame.outputs[n] = {behaviours[n].digest(ports, where)}; });
             report.took(n, frame.place, since(line.start), bytes(frame.outputs[n]));
@@ -308,8 +311,8 @@ struct Flow::Self {
     /// Hands one frame to a gatherer. @param all  whether the gatherer will finish @return false if the frame failed
     bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
         bool good = true;
-        if (frame.actions[n] != Action::none) {
-            good = !cancelled() && !frame.failed[n] && (frame.actions[n] == Action::load || !upstream_failed(n, frame, wiring));
+        if (const auto how = frame.scheduled.takes[n]; how != Take::none) {
+            good = !cancelled() && !frame.failed[n] && (how == Take::kept || !upstream_failed(n, frame, wiring));
             Line line(*this, n);
             if (good && all) good = take(line, frame);
             if (!behaviours[n].digest) {
@@ -337,7 +340,7 @@ struct Flow::Self {
     }
 
     void announce(const Plan& plan, const Schedule& schedule);
-    void run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule);
+    void run_pass(std::size_t p, const Plan& plan, const Schedule& schedule);
 };
 
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
@@ -360,9 +363,9 @@ void Flow::Self::announce(const Plan& plan, const Schedule& schedule) {
     for (std::size_t p = 0; p < plan.passes.size(); ++p) {
         const auto& pass = plan.passes[p];
         std::vector<std::size_t> adds(pipeline.nodes.size(), 0);
-        for (const auto& actions : schedule.frames[p]) {
-            for (const auto n : pass.per_frame) runs[n] += actions[n] == Action::run ? 1 : 0;
-            for (const auto n : pass.gatherers) adds[n] += actions[n] == Action::run || (actions[n] == Action::load && !behaviours[n].digest) ? 1 : 0;
+        for (const auto& frame : schedule.frames[p]) {
+            for (const auto n : pass.per_frame) runs[n] += frame.results[n] == Action::run ? 1 : 0;
+            for (const auto n : pass.gatherers) adds[n] += frame.takes[n] == Take::anew ? 1 : 0;
         }
         for (const auto n : pass.gatherers) {
             if (adds[n] > 0) steps[n].add = progress.add({pipeline.nodes[n].name, adds[n]});
@@ -384,20 +387,22 @@ void Flow::run(const Plan& plan, const Schedule& schedule) {
     for (std::size_t p = 0; p < plan.passes.size() && !self.stopped(); ++p) {
         self.progress.begin_pass(p);
         self.run_once(plan.passes[p].before, schedule);
-        if (!self.stopped()) self.run_pass(plan.passes[p], schedule.frames[p], plan, schedule);
+        if (!self.stopped()) self.run_pass(p, plan, schedule);
     }
     if (!self.stopped()) self.run_once(plan.after, schedule);
 }
 
 /// Streams the frames through one pass.
-void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action>>& actions, const Plan& plan, const Schedule& schedule) {
+void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& schedule) {
     namespace flow = tbb::flow;
     auto& self = *this;
+    const auto& pass = plan.passes[p];
+    const auto& frames_of_pass = schedule.frames[p];
     const auto wiring = wire(self.pipeline, pass);
     const auto nodes = self.pipeline.nodes.size();
     std::vector<std::size_t> places;
-    for (std::size_t place = 0; place < actions.size(); ++place)
-        if (std::any_of(actions[place].begin(), actions[place].end(), [](Action action) { return action != Action::none; })) places.push_back(place);
+    for (std::size_t place = 0; place < frames_of_pass.size(); ++place)
+        if (!frames_of_pass[place].empty()) places.push_back(place);
 
     flow::graph graph;
     std::size_t next = 0;
@@ -410,8 +415,7 @@ void Flow::Self::run_pass(const Pass& pass, const std::vector<std::vector<Action
     int ends = 0;
     for (const auto unit : wiring.units) ends += wiring.readers[unit].empty() ? 1 : 0;
     flow::function_node<std::size_t, Token> admit(graph, flow::unlimited, [&](std::size_t order) {
-        auto frame = std::make_shared<FrameRun>(places[order], order, nodes);
-        frame->actions = actions[places[order]];
+        auto frame = std::make_shared<FrameRun>(places[order], order, frames_of_pass[places[order]]);
         frame->open = ends;
         for (const auto unit : wiring.units) {
             frame->waiting[unit] = static_cast<int>(std::max<std::size_t>(1, wiring.sources[unit].size()));

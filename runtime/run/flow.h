@@ -2,7 +2,7 @@
 
 #include "graph/pipeline.h"
 #include "runtime/keep/store.h"
-#include "runtime/plan/plan.h"
+#include "runtime/plan/schedule.h"
 #include "runtime/tell/profile.h"
 #include "runtime/tell/progress.h"
 #include "runtime/tell/report.h"
@@ -26,7 +26,7 @@ struct RunOptions {
     std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes of cached results that remain after a run
 };
 
-/// Executes a plan: nodes that run once, and passes as TBB flow graphs. Holds all results that outlive a pass.
+/// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds all results that outlive a pass.
 class Flow {
 public:
     /// @param frames     frame numbers of the sequence, without the frames that readers leave out

@@ -12,41 +12,36 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<Forecast::Stream> streams(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule) {
-    std::vector<Forecast::Stream> out;
+std::vector<Forecast::Pass> passes_of(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule) {
+    std::vector<Forecast::Pass> out;
     for (std::size_t p = 0; p < plan.passes.size(); ++p) {
-        Forecast::Stream stream;
+        Forecast::Pass pass;
         std::vector<bool> runs(pipeline.nodes.size(), false);
-        for (const auto& actions : schedule.frames[p]) {
-            bool any = false;
-            for (std::size_t n = 0; n < actions.size(); ++n) {
-                any = any || actions[n] != Schedule::Action::none;
-                runs[n] = runs[n] || actions[n] == Schedule::Action::run;
-            }
-            stream.frames += any ? 1 : 0;
+        for (const auto& frame : schedule.frames[p]) {
+            for (std::size_t n = 0; n < runs.size(); ++n) runs[n] = runs[n] || frame.reads(n);
+            pass.frames += frame.empty() ? 0 : 1;
         }
         for (const auto n : plan.passes[p].per_frame)
-            if (runs[n]) stream.nodes.push_back(pipeline.nodes[n].name);
+            if (runs[n]) pass.nodes.push_back(pipeline.nodes[n].name);
         for (const auto n : plan.passes[p].gatherers)
-            if (runs[n] || schedule.gathers[n]) stream.gatherers.push_back(pipeline.nodes[n].name);
-        if (!stream.nodes.empty() || !stream.gatherers.empty()) out.push_back(std::move(stream));
+            if (runs[n] || schedule.gathers[n]) pass.gatherers.push_back(pipeline.nodes[n].name);
+        if (!pass.nodes.empty() || !pass.gatherers.empty()) out.push_back(std::move(pass));
     }
     return out;
 }
 
 }  // namespace
 
-Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
-                  Keys& keys, const RunOptions& options) {
+Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
+                       const History& history, const RunOptions& options) {
     const auto& plan = prepared.plan();
     Forecast out;
     out.pipeline = pipeline.name;
     out.frames = FrameSet(prepared.frames());
     out.delivered = FrameSet(prepared.delivered_frames());
-    out.streams = streams(pipeline, plan, schedule);
-    const auto why = reasons(pipeline, shares, history, keys, prepared.frames(), [&](std::size_t n) { return prepared.reads(n); });
-    std::uint64_t input_bytes = 0;
-    for (const auto& [node, bytes] : prepared.input_bytes()) input_bytes = std::max(input_bytes, bytes);
+    out.passes = passes_of(pipeline, plan, schedule);
+    const auto why = reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) { return prepared.reads(n); });
+    const auto input_bytes = prepared.inputs().frame_bytes;
     double work = 0;
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& share = shares[n];
@@ -106,11 +101,11 @@ std::string to_text(const Forecast& forecast) {
     out += table(rows) + "\n";
     if (std::all_of(forecast.lines.begin(), forecast.lines.end(), [](const auto& line) { return line.why.empty(); }))
         return out + "nothing to do: every result is there\n";
-    for (std::size_t n = 0; n < forecast.streams.size(); ++n) {
-        const auto& stream = forecast.streams[n];
-        out += fmt::format("pass {} of {}: {} frame{}{}{}{}\n", n + 1, forecast.streams.size(), stream.frames, stream.frames == 1 ? "" : "s",
-                           stream.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(stream.nodes, ", ")), stream.gatherers.empty() ? "" : "; gathers ",
-                           fmt::join(stream.gatherers, ", "));
+    for (std::size_t n = 0; n < forecast.passes.size(); ++n) {
+        const auto& pass = forecast.passes[n];
+        out += fmt::format("pass {} of {}: {} frame{}{}{}{}\n", n + 1, forecast.passes.size(), pass.frames, pass.frames == 1 ? "" : "s",
+                           pass.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(pass.nodes, ", ")), pass.gatherers.empty() ? "" : "; gathers ",
+                           fmt::join(pass.gatherers, ", "));
     }
     if (forecast.seconds > 0) out += fmt::format("time: about {}", duration_text(forecast.seconds));
     else out += "time: unknown";
@@ -129,7 +124,7 @@ Json to_json(const Forecast& forecast) {
         if (line.taken > 0) node["taken"] = {{"frames", line.taken}, {"cached", line.taken_cached}};
         if (!line.why.empty()) node["why"] = line.why;
     }
-    for (const auto& stream : forecast.streams) out["passes"].push_back({{"frames", stream.frames}, {"nodes", stream.nodes}, {"gathers", stream.gatherers}});
+    for (const auto& pass : forecast.passes) out["passes"].push_back({{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gatherers}});
     return out;
 }
 

@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-/// What a run will do, node by node, and its estimated time and memory.
+/// What a run will do, node by node and pass by pass, with its estimated time and memory. The verb `plan` prints it.
 struct Forecast {
     struct Line {
         std::string node, type;
@@ -20,21 +20,21 @@ struct Forecast {
         std::string why;                          ///< why the node runs; empty if it does not
         std::size_t taken = 0, taken_cached = 0;  ///< for a gatherer: frames that it takes; of these, from cached digests
     };
-    struct Stream {
+    struct Pass {
         std::size_t frames = 0;
         std::vector<std::string> nodes, gatherers;
     };
     std::string pipeline;
     FrameSet frames, delivered;
     std::vector<Line> lines;              ///< the nodes that the run needs
-    std::vector<Stream> streams;          ///< the passes in which a node runs
+    std::vector<Pass> passes;             ///< those in which a node runs
     double seconds = 0;                   ///< estimated time of the nodes that were measured before
     std::vector<std::string> unmeasured;  ///< nodes without a measured time
     std::uint64_t bytes = 0;              ///< estimated memory; 0: unknown
 };
 
-Forecast forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares, const History& history,
-                  Keys& keys, const RunOptions& options);
+Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
+                       const History& history, const RunOptions& options);
 
 /// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);

@@ -127,27 +127,22 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
             return true;
         }
         // The last attempt does not use the cache.
-        schedule = attempt + 1 == most_attempts ? prepared.whole_schedule() : prepared.careful_schedule();
+        schedule = attempt + 1 == most_attempts ? prepared.uncached_schedule() : prepared.careful_schedule();
     }
 }
 
-std::uint64_t input_bytes(const Preparation& prepared) {
-    std::uint64_t out = 0;
-    for (const auto& [node, bytes] : prepared.input_bytes()) out = std::max(out, bytes);
-    return out;
-}
-
-/// Stores the state of all nodes in the history, so that a later plan can say what changed.
-void remember(const Pipeline& pipeline, Preparation& prepared, const std::vector<Share>& shares, History& history) {
+/// Stores the state of all nodes in the history, so that a later forecast can say what changed.
+void remember(const Pipeline& pipeline, const Preparation& prepared, const std::vector<Share>& shares, History& history) {
     if (!history.on()) return;
     for (std::size_t n = 0; n < shares.size(); ++n)
-        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.keys(), prepared.frames(), prepared.reads(n)));
+        if (shares[n].frames > 0) history.set(pipeline.nodes[n].name, History::made_of(pipeline, n, prepared.dependencies(), prepared.reads(n)));
     history.save();
 }
 
 void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const Report& report, History& history) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s) history.set_cost(pipeline.nodes[n].name, cost, input_bytes(prepared));
+        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s)
+            history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);
     history.save();
 }
 
@@ -164,14 +159,14 @@ void tell_of_cache(const Cache& cache) {
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
-    for (const auto& fault : prepared.missing()) report.failed(fault);
+    for (const auto& fault : prepared.inputs().missing) report.failed(fault);
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
-    if (!prepared.missing().empty() || prepared.frames().empty()) return exit_code::input;
+    if (!prepared.inputs().missing.empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
-    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+    const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
-    const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
-    std::fputs(json ? (to_json(outlook).dump(2) + "\n").c_str() : to_text(outlook).c_str(), stdout);
+    const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
+    std::fputs(json ? (to_json(forecast).dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     return exit_code::done;
 }
 
@@ -198,7 +193,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     const auto told = report.warnings();
     // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
-        for (const auto& fault : prepared.missing()) report.failed(fault);
+        for (const auto& fault : prepared.inputs().missing) report.failed(fault);
     if (prepared.frames().empty()) {
         const auto& targets = prepared.plan().targets;
         const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
@@ -214,18 +209,18 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         prepared.repeat_said(schedule, report);
         // repeat_said found a damaged entry: its result must be computed again.
         if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
-        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule());
+        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
         if (request.wish.only)
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
-        const auto outlook = forecast(pipeline, prepared, schedule, to_do, history, prepared.keys(), request.options);
-        if (request.verbose) std::fputs(to_text(outlook).c_str(), stderr);
+        const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
+        if (request.verbose) std::fputs(to_text(forecast).c_str(), stderr);
         if (report.faults().empty() && !request.options.keep_going)
             try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
         report.expect(to_do);
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
-            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), outlook, report);
+            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
             stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
             status.end(exit_of(report, cancelled(), stopped));
             remember_cost(pipeline, prepared, report, history);

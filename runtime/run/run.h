@@ -22,14 +22,14 @@ struct RunRequest {
     Origins origins;                  ///< origins of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
     bool quiet = false;    ///< print failures only
-    bool verbose = false;  ///< print the plan before the run, and the time of each node after it
+    bool verbose = false;  ///< print the forecast before the run, and the time of each node after it
 };
 
-/// Prints to stdout what a run would do, and why. Of input files it reads the headers, and hashes the content.
+/// The verb `plan`: prints the forecast of a run to stdout. Of input files it reads the headers, and hashes the content.
 /// @return an exit code
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json);
 
-/// Runs a checked pipeline: looks at the inputs, plans, executes, reports. Prints to stderr.
+/// The verb `run`: runs a checked pipeline. Looks at the inputs, makes plan, schedule and forecast, executes, reports. Prints to stderr.
 /// @param cancelled  called often; true: stop soon
 /// @return an exit code
 int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled);

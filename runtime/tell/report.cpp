@@ -96,7 +96,7 @@ std::vector<std::size_t> Report::done() const {
 
 void Report::failed(Fault fault) {
     const std::lock_guard lock(mutex_);
-    // A run that plans again may meet the same failure again.
+    // A run that begins again may meet the same failure again.
     const auto same = [&](const Fault& known) { return known.node == fault.node && known.frame == fault.frame && known.message == fault.message; };
     if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
 }

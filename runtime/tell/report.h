@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "runtime/plan/plan.h"
+#include "runtime/plan/schedule.h"
 
 #include <nlohmann/json.hpp>
 

@@ -28,7 +28,7 @@ struct Shot {
     std::string yaml = pipeline_text;
     RunRequest request;
     int code = 0;
-    nlohmann::json report, plan;
+    nlohmann::json report, forecast;
 
     Shot() {
         fs::create_directories(folder);
@@ -48,7 +48,7 @@ struct Shot {
         return all.substr(std::min(all.size(), all.find(": ") + 2));
     }
 
-    /// What ran, sorted; a plan made before says the same of each node as the report does after.
+    /// What ran, sorted; a forecast made before says the same of each node as the report does after.
     std::vector<std::string> run(const std::function<bool()>& cancelled = [] { return false; }) {
         static const Registry registry = toy::registry();
         toy::log.reset();
@@ -61,11 +61,11 @@ struct Shot {
         REQUIRE(to_text(problems) == "");
         request.options.work_folder = folder + "/kept";
         request.report_path = folder + "/report.json";
-        plan = planned(pipeline, registry);
+        forecast = forecast_of(pipeline, registry);
         code = run_pipeline(pipeline, registry, request, cancelled);
         report = nlohmann::json::parse(Scratch::read(request.report_path));
         if (code == exit_code::done)
-            for (const auto& [name, node] : plan["nodes"].items()) {
+            for (const auto& [name, node] : forecast["nodes"].items()) {
                 INFO(name);
                 CHECK(report["nodes"][name]["frames"] == node["frames"]);
                 CHECK(report["nodes"][name]["cached"] == node["cached"]);
@@ -73,15 +73,15 @@ struct Shot {
         return toy::log.sorted();
     }
 
-    nlohmann::json planned(const Pipeline& pipeline, const Registry& registry) const {
+    nlohmann::json forecast_of(const Pipeline& pipeline, const Registry& registry) const {
         Report unused(pipeline);
         Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, unused);
         const auto schedule = prepared.schedule();
         const History history(request.options.cache ? request.options.work_folder : "", pipeline.name);
-        return to_json(forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.whole_schedule()), history, prepared.keys(),
-                                request.options));
+        return to_json(
+            make_forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history, request.options));
     }
-    std::string why(const std::string& node) const { return plan["nodes"][node].value("why", ""); }
+    std::string why(const std::string& node) const { return forecast["nodes"][node].value("why", ""); }
 };
 
 using Lines = std::vector<std::string>;
@@ -140,7 +140,7 @@ TEST_CASE("comments, descriptions, names of nodes and the place of the folder ch
     CHECK(shot.code == exit_code::done);
 }
 
-TEST_CASE("a changed parameter reruns its node and what follows, and the plan says from what to what") {
+TEST_CASE("a changed parameter reruns its node and what follows, and the forecast says from what to what") {
     Shot shot;
     shot.run();
     shot.replace("count: 2", "count: 2, offset: 1");
@@ -312,12 +312,12 @@ TEST_CASE("estimates come from earlier runs") {
     shot.replace("number: load}", "number: load, slow_ms: 20}");
     shot.request.options.threads = 1;
     shot.run();
-    CHECK(shot.plan["unmeasured"].size() == 4);
-    CHECK(shot.plan["seconds"] == 0);
+    CHECK(shot.forecast["unmeasured"].size() == 4);
+    CHECK(shot.forecast["seconds"] == 0);
     shot.replace("slow_ms: 20", "slow_ms: 21");
     shot.run();
-    CHECK(shot.plan["unmeasured"].empty());
-    CHECK(shot.plan["seconds"].get<double>() > 0.09);
+    CHECK(shot.forecast["unmeasured"].empty());
+    CHECK(shot.forecast["seconds"].get<double>() > 0.09);
 }
 
 TEST_CASE("a file that changes while the run is on is told, and nothing that was made of it is kept") {

@@ -28,14 +28,13 @@ std::vector<std::size_t> shown_of(const std::string& count, int total) {
     value.text = count;
     ValueReader reader(problems, "frames", type.param("frames")->range);
     type.param("frames")->parse(params.get(), value, reader);
-    const auto behaviour = type.bind(params);
     std::vector<int> frames;
     for (int n = 0; n < total; ++n) frames.push_back(1001 + n);
     Context::Host host;
     Context context(host, frames);
     std::vector<std::size_t> out;
     for (std::size_t place = 0; place < frames.size(); ++place)
-        if (behaviour.wants(context.at(place))) out.push_back(place);
+        if (type.wants(params.get(), context.at(place))) out.push_back(place);
     return out;
 }
 

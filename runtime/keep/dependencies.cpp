@@ -1,0 +1,57 @@
+#include "runtime/keep/dependencies.h"
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+Dependencies::OfNode Dependencies::of(std::size_t n) const {
+    const auto& node = pipeline_.nodes[n];
+    const auto& type = *node.type;
+    OfNode out{type.name, type.version, std::nullopt, {}, {}};
+    if (const auto plugin = pipeline_.plugins.find(type.name); plugin != pipeline_.plugins.end()) {
+        const auto content = files_.of(plugin->second);
+        out.plugin = content ? content->key : Key{};
+    }
+    for (const auto& param : type.params) {
+        if (param.shape.kind == Shape::Kind::input_path || param.shape.kind == Shape::Kind::output_path) continue;
+        const auto text = param.text(node.params.get());
+        const bool grows = type.growth && type.growth->param == param.name;
+        out.params.push_back({param.name, text, grows ? type.growth->rest(node.params.get()) : text});
+    }
+    for (std::size_t i = 0; i < node.inputs.size(); ++i)
+        for (std::size_t l = 0; l < node.inputs[i].size(); ++l) {
+            const auto& link = node.inputs[i][l];
+            out.inputs.push_back({type.inputs[i].name, node.input_names[i][l], link.node, pipeline_.nodes[link.node].outputs[link.output].name});
+        }
+    return out;
+}
+
+std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const {
+    const auto& node = pipeline_.nodes[n];
+    int frame = frames_.at(place);
+    if (const auto of_node = stands_in_.find(n); of_node != stands_in_.end())
+        if (const auto other = of_node->second.find(frame); other != of_node->second.end()) frame = other->second;
+    std::vector<std::string> out;
+    for (const auto& spec : node.type->params) {
+        if (spec.shape.kind != Shape::Kind::input_path) continue;
+        const auto& path = spec.path(node.params.get());
+        if (!path.text().empty()) out.push_back(path.at(frame));
+    }
+    return out;
+}
+
+Key Dependencies::contents(std::size_t n, std::size_t place) const {
+    ContentHash hash;
+    for (const auto& path : files(n, place)) {
+        const auto content = files_.of(path);
+        hash.key(content ? content->key : Key{});
+    }
+    return hash.digest();
+}
+
+bool Dependencies::files_changed(std::size_t n, std::size_t place) const {
+    const auto paths = files(n, place);
+    return std::any_of(paths.begin(), paths.end(), [&](const std::string& path) { return files_.changed(path); });
+}
+
+}  // namespace fluidcarve

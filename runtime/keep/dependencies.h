@@ -1,0 +1,60 @@
+#pragma once
+
+#include "graph/pipeline.h"
+#include "runtime/keep/content_hash.h"
+#include "runtime/keep/file_hashes.h"
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it a run can say what changed since the
+/// last one (History). Thread-safe.
+class Dependencies {
+public:
+    /// A parameter. Paths are no dependencies: what is in the files counts.
+    struct Param {
+        std::string name, text;
+        std::string rest;  ///< the part that belongs to the cache key: all of it, but for the count of a growing result (Growth::rest)
+    };
+    /// A connected input; one of a list is a dependency of its own.
+    struct Input {
+        std::string name, link_name;  ///< names of the port, and of the link at a named input
+        std::size_t source = 0;       ///< the node that it reads
+        std::string output;           ///< name of the source's output
+    };
+    /// What does not differ from frame to frame.
+    struct OfNode {
+        std::string type;
+        int version = 1;
+        std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose author may have forgotten to raise the version
+        std::vector<Param> params;
+        std::vector<Input> inputs;
+    };
+
+    /// @param frames     frame numbers of the sequence, without the frames that readers leave out
+    /// @param stands_in  per node: frame to the frame whose file it uses instead of its own
+    Dependencies(const Pipeline& pipeline, const std::vector<int>& frames, const std::map<std::size_t, std::map<int, int>>& stands_in, FileHashes& files)
+        : pipeline_(pipeline), frames_(frames), stands_in_(stands_in), files_(files) {}
+
+    const std::vector<int>& frames() const { return frames_; }
+    OfNode of(std::size_t node) const;
+    /// Paths of the files that a node reads for the frame at a place (an index in `frames`).
+    std::vector<std::string> files(std::size_t node, std::size_t place) const;
+    /// Hash of the content of these files; zero if one can't be read.
+    Key contents(std::size_t node, std::size_t place) const;
+    /// Whether one of these files changed after its content was hashed.
+    bool files_changed(std::size_t node, std::size_t place) const;
+
+private:
+    const Pipeline& pipeline_;
+    const std::vector<int>& frames_;
+    const std::map<std::size_t, std::map<int, int>>& stands_in_;
+    FileHashes& files_;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,53 @@
+#include "runtime/keep/grown_result.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t wanted_by(const Node& node, const Extent& extent) { return node.type->growth->wanted(node.params.get(), extent.of); }
+
+}  // namespace
+
+std::optional<GrownResult> GrownResult::in(const Json& header) {
+    const auto found = header.find("extent");
+    if (found == header.end()) return std::nullopt;
+    const Extent extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()};
+    // Without a size it counts as no smaller than any other.
+    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()), header.contains("part")};
+}
+
+void GrownResult::describe(Json& header) const {
+    header["size"] = bytes;
+    header["extent"] = {{"count", extent.count}, {"of", extent.of}};
+    if (part) header["part"] = true;
+}
+
+bool GrownResult::enough_for(const Node& node) const { return extent.count >= wanted_by(node, extent); }
+
+bool GrownResult::fits(const Node& node) const { return !part && extent.count == wanted_by(node, extent); }
+
+bool GrownResult::holds(const GrownResult& other) const {
+    if (extent.count != other.extent.count) return extent.count > other.extent.count;
+    // Of pairs of seams, those of one window are found first. So of two parts with as many seams the larger one holds more.
+    return (!part || other.part) && bytes >= other.bytes;
+}
+
+void cut(const Node& node, const GrownResult& all, Payload& result, Said& said) {
+    if (all.fits(node)) return;
+    const auto& growth = *node.type->growth;
+    auto entry = grown_entry(said);
+    const auto about_all = growth.warnings ? growth.warnings(entry) : std::vector<std::string>();
+    result = growth.first(result, wanted_by(node, all.extent), entry);
+    if (!said.report.empty()) said.report.begin()->second = entry;
+    std::erase_if(said.warnings, [&](const std::string& each) { return std::find(about_all.begin(), about_all.end(), each) != about_all.end(); });
+    if (growth.warnings)
+        for (auto& warning : growth.warnings(entry)) said.warnings.push_back(std::move(warning));
+}
+
+Json grown_entry(const Said& said) { return said.report.empty() ? Json::object() : said.report.begin()->second; }
+
+}  // namespace fluidcarve

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Warnings and report entries of a node body. They are cached with its result, and repeated when the result is taken from the cache.
+struct Said {
+    std::vector<std::string> warnings;
+    std::map<std::string, nlohmann::ordered_json> report;  ///< by section
+    bool empty() const { return warnings.empty() && report.empty(); }
+};
+
+/// {"warnings"?, "report"?}: the header of a cache entry begins so.
+nlohmann::ordered_json to_json(const Said& said);
+/// What the header of a cache entry holds of it.
+Said said_in(const nlohmann::ordered_json& header);
+
+}  // namespace fluidcarve

@@ -1,0 +1,161 @@
+#include "runtime/plan/schedule.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+using Action = Schedule::Action;
+using Take = Schedule::Take;
+
+/// Makes a Schedule: starts at the targets and follows inputs that are not cached.
+class Scheduler {
+public:
+    Scheduler(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known)
+        : pipeline_(pipeline), plan_(plan), delivered_(delivered), known_(known) {
+        out_.once.assign(pipeline.nodes.size(), Action::none);
+        out_.gathers.assign(pipeline.nodes.size(), 0);
+    }
+
+    Schedule make() {
+        clear_frames();
+        for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
+            if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) once(n);
+        for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) deliver(pass);
+        // The first round found everything that must run. In the second round later passes load what earlier passes cache.
+        earlier_kept_ = true;
+        clear_frames();
+        for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
+            for (const auto n : plan_.passes[pass].gatherers)
+                if (out_.gathers[n]) take(n);
+            deliver(pass);
+        }
+        return std::move(out_);
+    }
+
+private:
+    void clear_frames() {
+        const auto nodes = pipeline_.nodes.size();
+        const Schedule::Frame nothing{std::vector(nodes, Action::none), std::vector(nodes, Take::none)};
+        out_.frames.assign(plan_.passes.size(), std::vector(delivered_.size(), nothing));
+    }
+
+    /// Schedules the targets of a pass that run per frame.
+    void deliver(std::size_t pass) {
+        for (std::size_t place = 0; place < delivered_.size(); ++place) {
+            if (!delivered_[place]) continue;
+            for (const auto n : plan_.passes[pass].delivers)
+                if (!known_.result(n, place)) frame(n, place, pass);
+            if (plan_.digested && plan_.gathered_in[*plan_.digested] == pass) take(*plan_.digested, place);
+        }
+    }
+
+    void once(std::size_t n) {
+        auto& action = out_.once[n];
+        if (action != Action::none) return;
+        action = known_.result(n, 0) ? Action::load : Action::run;
+        if (action == Action::load) return;
+        if (pipeline_.nodes[n].streams_in()) gather(n);
+        else inputs(n, 0, 0);
+    }
+
+    void frame(std::size_t n, std::size_t place, std::size_t pass) {
+        auto& action = out_.frames[pass][place].results[n];
+        if (action != Action::none) return;
+        action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
+        if (action == Action::load) return;
+        if (pipeline_.nodes[n].streams_in()) gather(n);
+        inputs(n, place, pass);
+    }
+
+    bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
+        if (!earlier_kept_ || !pipeline_.nodes[n].kept || !known_.keeps(n, place)) return false;
+        return std::any_of(out_.frames.begin(), out_.frames.begin() + static_cast<std::ptrdiff_t>(pass),
+                           [&](const auto& earlier) { return earlier[place].results[n] != Action::none; });
+    }
+
+    void gather(std::size_t n) {
+        if (out_.gathers[n]) return;
+        out_.gathers[n] = 1;
+        take(n);
+        for (const auto& links : pipeline_.nodes[n].inputs)
+            for (const auto& link : links)
+                if (pipeline_.nodes[link.node].rate != Rate::frame) once(link.node);
+    }
+
+    void take(std::size_t n) {
+        for (std::size_t place = 0; place < delivered_.size(); ++place)
+            if (known_.wants(n, place)) take(n, place);
+    }
+
+    void take(std::size_t n, std::size_t place) {
+        const auto pass = plan_.gathered_in[n];
+        auto& how = out_.frames[pass][place].takes[n];
+        if (how != Take::none) return;
+        how = known_.digest(n, place) ? Take::kept : Take::anew;
+        if (how == Take::anew) inputs(n, place, pass);
+    }
+
+    void inputs(std::size_t n, std::size_t place, std::size_t pass) {
+        for (const auto& links : pipeline_.nodes[n].inputs)
+            for (const auto& link : links) {
+                if (pipeline_.nodes[link.node].rate == Rate::frame) frame(link.node, place, pass);
+                else once(link.node);
+            }
+    }
+
+    const Pipeline& pipeline_;
+    const Plan& plan_;
+    const std::vector<bool>& delivered_;
+    const Known& known_;
+    Schedule out_;
+    bool earlier_kept_ = false;
+};
+
+}  // namespace
+
+bool Schedule::Frame::empty() const {
+    return std::all_of(results.begin(), results.end(), [](Action action) { return action == Action::none; }) &&
+           std::all_of(takes.begin(), takes.end(), [](Take take) { return take == Take::none; });
+}
+
+Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known) {
+    return Scheduler(pipeline, plan, delivered, known).make();
+}
+
+NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
+    NodeFrames out;
+    for (const auto& pass : schedule.frames)
+        for (std::size_t place = 0; place < pass.size(); ++place) {
+            if (pass[place].results[n] == Action::run) out.run.insert(place);
+            if (pass[place].takes[n] == Take::anew) out.taken_anew.insert(place);
+            if (pass[place].takes[n] == Take::kept) out.taken_kept.insert(place);
+        }
+    return out;
+}
+
+std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Schedule& schedule, const Schedule& uncached) {
+    std::vector<Share> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
+        auto& share = out[n];
+        share.taken_anew = now.taken_anew.size();
+        share.taken_kept = now.taken_kept.size();
+        if (plan.digested == n) {
+            share.frames = anew.taken_anew.size();
+            share.runs = share.taken_anew;
+            share.only_takes = true;
+        } else if (node.rate == Rate::frame) {
+            share.frames = anew.run.size();
+            share.runs = now.run.size();
+        } else if (uncached.once[n] == Action::run) {
+            share.frames = node.streams_in() ? anew.taken_anew.size() : 1;
+            share.runs = schedule.once[n] == Action::run ? share.frames : 0;
+        }
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

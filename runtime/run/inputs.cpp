@@ -1,0 +1,88 @@
+#include "runtime/run/inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace fluidcarve {
+namespace {
+
+/// Collects what one reader says of its files.
+class SurveyOf : public Survey {
+public:
+    /// @param needed  frames that the run will read; nothing: all
+    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
+        : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
+    const std::vector<int>& frames() const override { return frames_; }
+    bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
+    bool wants(std::string_view output) const override { return wanted_.contains(output); }
+    void stands_in(int frame, int file) override { stand_ins[frame] = file; }
+    void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
+    void leave_out(int frame) override { left_out.insert(frame); }
+    void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
+    void warn(const std::string& message) override { warnings.push_back(message); }
+
+    std::map<int, int> stand_ins;
+    std::uint64_t most_bytes = 0;
+    std::set<int> left_out;
+    std::vector<std::pair<int, std::string>> lost;
+    std::vector<std::string> warnings;
+
+private:
+    const std::vector<int>& frames_;
+    const std::optional<FrameSet>& needed_;
+    const std::set<std::string, std::less<>> wanted_;
+};
+
+/// Names of a node's outputs that the run reads or caches.
+std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node, bool cache) {
+    std::set<std::string, std::less<>> out;
+    if (cache && pipeline.nodes[node].kept)
+        for (const auto& output : pipeline.nodes[node].outputs) out.insert(output.name);
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        for (const auto& links : pipeline.nodes[n].inputs)
+            for (const auto& link : links)
+                if (needed[n] && link.node == node) out.insert(pipeline.nodes[node].outputs[link.output].name);
+    return out;
+}
+
+}  // namespace
+
+Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report) {
+    Inputs out;
+    std::set<int> left_out;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (!plan.needed[n] || !node.type->survey) continue;
+        const std::vector<int> once{pipeline.frames.frames().front()};
+        const std::optional<FrameSet> read = node.rate == Rate::fixed || plan.in_sequence[n] ? std::nullopt : deliver;
+        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, plan.needed, n, cache));
+        node.type->survey(node.params.get(), of);
+        for (const auto& warning : of.warnings) report.warn(n, warning);
+        out.stand_ins[n] = of.stand_ins;
+        out.frame_bytes = std::max(out.frame_bytes, of.most_bytes);
+        for (const auto& [frame, message] : of.lost)
+            if (of.needs(frame))
+                out.missing.push_back(
+                    {node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+        std::vector<int> asked;
+        for (const auto frame : of.left_out)
+            if (deliver && deliver->contains(frame)) asked.push_back(frame);
+        if (!asked.empty()) report.warn(n, fmt::format("left out for want of a file, though -f names them: {}", FrameSet(asked).text()));
+        left_out.insert(of.left_out.begin(), of.left_out.end());
+    }
+    for (const auto frame : pipeline.frames.frames())
+        if (!left_out.contains(frame)) out.frames.push_back(frame);
+    // With frames left out, the nearest file of a frame may be another one: find the stand-ins again.
+    for (auto& [n, stand_ins] : out.stand_ins) {
+        if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
+        const std::optional<FrameSet> none = FrameSet();
+        SurveyOf again(out.frames, none, {});
+        pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
+        stand_ins = again.stand_ins;
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

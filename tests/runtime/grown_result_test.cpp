@@ -1,0 +1,83 @@
+#include "runtime/keep/grown_result.h"
+#include "tests/support/toy_nodes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace fluidcarve;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A node that wants so many of the numbers.
+struct Wanting {
+    explicit Wanting(int count) {
+        const auto params = std::make_shared<toy::Top::Params>();
+        params->count = count;
+        node.params = params;
+        type.growth = toy::Top::growth();
+        type.growth->warnings = [](const Json& entry) {
+            const auto steps = entry.at("steps").size();
+            return steps > 1 ? std::vector{fmt::format("{} numbers", steps)} : std::vector<std::string>();
+        };
+        node.type = &type;
+    }
+    NodeType type;
+    Node node;
+};
+
+GrownResult result_of(std::size_t count, std::uint64_t bytes = 0, bool part = false) { return {{count, 0}, bytes, part}; }
+
+}  // namespace
+
+TEST_CASE("a header says how much of a growing result there is") {
+    auto header = Json::object();
+    CHECK(!GrownResult::in(header));
+    GrownResult{{3, 7}, 50, true}.describe(header);
+    CHECK(header.dump() == R"({"size":50,"extent":{"count":3,"of":7},"part":true})");
+    const auto read = GrownResult::in(header);
+    REQUIRE(read);
+    CHECK(read->extent.count == 3);
+    CHECK(read->extent.of == 7);
+    CHECK(read->bytes == 50);
+    CHECK(read->part);
+}
+
+TEST_CASE("a result serves smaller wishes, but fits only if it is complete and as large as the wish") {
+    const Wanting two(2);
+    CHECK(!result_of(1).enough_for(two.node));
+    CHECK(result_of(2).enough_for(two.node));
+    CHECK(result_of(3).enough_for(two.node));
+    CHECK(result_of(2).fits(two.node));
+    CHECK(!result_of(2, 0, true).fits(two.node));
+    CHECK(!result_of(3).fits(two.node));
+}
+
+TEST_CASE("a kept result makes way for a larger one, and a part for the whole") {
+    CHECK(result_of(3).holds(result_of(2)));
+    CHECK(!result_of(2).holds(result_of(3)));
+    CHECK(result_of(2, 10).holds(result_of(2, 10)));
+    CHECK(!result_of(2, 10).holds(result_of(2, 20)));
+    CHECK(!result_of(2, 10, true).holds(result_of(2, 10)));
+    CHECK(result_of(2, 10, true).holds(result_of(2, 10, true)));
+    CHECK(result_of(2, 10).holds(result_of(2, 10, true)));
+}
+
+TEST_CASE("a result is cut with its report entry and the warnings that depend on the count") {
+    const Payload all(std::make_shared<toy::Text>(toy::Text{"9 4 1 "}));
+    const Said of_all{{"a small number", "3 numbers"}, {{"tops", Json::parse(R"({"steps":["9","4","1"]})")}}};
+    const auto cut_to = [&](int count) {
+        auto result = all;
+        auto said = of_all;
+        cut(Wanting(count).node, result_of(3), result, said);
+        return std::pair(result.as<toy::Text>()->value, said);
+    };
+    CHECK(cut_to(3).first == "9 4 1 ");
+    CHECK(cut_to(3).second.warnings == of_all.warnings);
+    const auto [two, said_of_two] = cut_to(2);
+    CHECK(two == "9 4 ");
+    CHECK(said_of_two.warnings == std::vector<std::string>{"a small number", "2 numbers"});
+    CHECK(grown_entry(said_of_two).dump() == R"({"steps":["9","4"]})");
+    CHECK(cut_to(1).second.warnings == std::vector<std::string>{"a small number"});
+    CHECK(grown_entry(Said{}).dump() == "{}");
+}

@@ -1,0 +1,100 @@
+#include "runtime/plan/schedule.h"
+#include "tests/support/scratch.h"
+#include "tests/support/toy_nodes.h"
+
+#include <catch2/catch.hpp>
+
+#include <fmt/ranges.h>
+
+using namespace fluidcarve;
+
+namespace {
+
+Pipeline pipeline_of(const std::string& nodes, const Registry& registry) {
+    const Scratch scratch;
+    Problems problems;
+    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-2\nnodes:\n" + nodes);
+    auto out = build_pipeline(read_document(path, {}, problems), registry, problems);
+    REQUIRE(to_text(problems) == "");
+    return out;
+}
+
+/// A line for each frame of a pass in which nodes do something.
+std::string text(const Schedule& schedule, const Pipeline& pipeline) {
+    std::string out;
+    for (std::size_t pass = 0; pass < schedule.frames.size(); ++pass)
+        for (std::size_t place = 0; place < schedule.frames[pass].size(); ++place) {
+            const auto& frame = schedule.frames[pass][place];
+            std::vector<std::string> does;
+            for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+                const auto& name = pipeline.nodes[n].name;
+                if (frame.results[n] != Schedule::Action::none) does.push_back((frame.results[n] == Schedule::Action::run ? "run " : "load ") + name);
+                if (frame.takes[n] != Schedule::Take::none) does.push_back((frame.takes[n] == Schedule::Take::anew ? "into " : "kept into ") + name);
+            }
+            CHECK(frame.empty() == does.empty());
+            if (!does.empty()) out += fmt::format("{}.{}: {}\n", pass, place, fmt::join(does, ", "));
+        }
+    return out;
+}
+
+const auto yes = [](std::size_t, std::size_t) { return true; };
+const auto no = [](std::size_t, std::size_t) { return false; };
+
+const std::string shares_of_squares = R"(  load: {type: toy.load, path: in.##}
+  square: {type: toy.square, number: load}
+  share: {type: toy.share, number: square}
+  print: {type: toy.print, number: share, path: out.##}
+)";
+
+}  // namespace
+
+TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the next") {
+    const Registry registry = toy::registry();
+    const auto pipeline = pipeline_of(shares_of_squares, registry);
+    const auto plan = make_plan(pipeline, {});
+    const auto uncached = make_schedule(pipeline, plan, {true, false}, {no, no, yes, no});
+    CHECK(text(uncached, pipeline) == R"(0.0: run load, run square, into share
+0.1: run load, run square, into share
+1.0: run load, run square, run share, run print
+)");
+    CHECK(uncached.gathers == std::vector<char>{0, 0, 1, 0});
+    const auto share = frames_of(uncached, 2);
+    CHECK(share.run == std::set<std::size_t>{0});
+    CHECK(share.taken_anew == std::set<std::size_t>{0, 1});
+    CHECK(share.taken_kept.empty());
+
+    // `square` is kept: the second pass loads what the first computes.
+    const auto keeping = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes});
+    CHECK(text(keeping, pipeline) == R"(0.0: run load, run square, into share
+0.1: run load, run square, into share
+1.0: load square, run share, run print
+)");
+
+    const auto of_share = [](std::size_t node, std::size_t) { return node == 2; };
+    const auto cached = make_schedule(pipeline, plan, {true, false}, {of_share, no, yes, no});
+    CHECK(text(cached, pipeline) == "1.0: load share, run print\n");
+    const auto all = shares(pipeline, plan, cached, uncached);
+    CHECK(all[1].frames == 2);
+    CHECK(all[1].runs == 0);
+    CHECK(all[3].frames == 1);
+    CHECK(all[3].runs == 1);
+}
+
+TEST_CASE("a gatherer takes a cached digest without the frame") {
+    const Registry registry = toy::registry();
+    const auto pipeline = pipeline_of("  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n", registry);
+    const auto first = [](std::size_t, std::size_t place) { return place == 0; };
+    const auto plan = make_plan(pipeline, {});
+    const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, no});
+    CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");
+    CHECK(schedule.once[1] == Schedule::Action::run);
+    const auto share = shares(pipeline, plan, schedule, make_schedule(pipeline, plan, {true, true}, {no, no, yes, no})).at(1);
+    CHECK(share.taken_kept == 1);
+    CHECK(share.taken_anew == 1);
+    CHECK(share.frames == 2);
+
+    const auto digests = make_plan(pipeline, {"top.number", "", false});
+    const auto some = make_schedule(pipeline, digests, {false, true}, {no, no, yes, no});
+    CHECK(text(some, pipeline) == "0.1: run load, into top\n");
+    CHECK(some.gathers == std::vector<char>{0, 0});
+}
