@@ -1,5 +1,6 @@
 #include "graph/document.h"
 
+#include "graph/input_file.h"
 #include "graph/text/yaml_reader.h"
 #include "graph/types/param.h"
 
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -101,20 +101,16 @@ public:
 
 private:
     std::shared_ptr<const Source> open(const std::string& path, const Mark& from) {
-        std::error_code error;
-        std::ifstream in(path, std::ios::binary);
-        if (!in || fs::is_directory(path, error)) {
-            const auto why = fs::is_directory(path, error) ? "it is a folder" : fs::exists(path, error) ? "it is not readable" : "it does not exist";
-            add(problems_, from, fmt::format("cannot read {}: {}", path, why));
-            return nullptr;
-        }
         auto source = std::make_shared<Source>();
         source->name = path;
         source->folder = fs::path(path).parent_path().string();
-        // One byte more than read_yaml accepts: it then reports that the file is too large.
-        source->text.resize((1 << 20) + 1);
-        in.read(source->text.data(), static_cast<std::streamsize>(source->text.size()));
-        source->text.resize(static_cast<std::size_t>(in.gcount()));
+        try {
+            // One byte more than read_yaml accepts: it then reports that the file is too large.
+            source->text = InputFile(path, {.what = "a pipeline"}).head(most_yaml_bytes + 1);
+        } catch (const Unreadable& unreadable) {
+            add(problems_, from, fmt::format("cannot read {}: it {}", path, unreadable.fault));
+            return nullptr;
+        }
         return source;
     }
 

@@ -13,7 +13,6 @@
 namespace fluidcarve {
 namespace {
 
-constexpr std::size_t most_bytes = 1 << 20;
 constexpr std::size_t most_levels = 64;
 constexpr std::size_t most_values = 100'000;
 
@@ -139,8 +138,8 @@ private:
 
 Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems) {
     const Mark whole{source, 0, 0};
-    if (source->text.size() > most_bytes) {
-        problems.push_back({whole, "the file holds more than 1 MiB: not a pipeline", {}, {}});
+    if (source->text.size() > most_yaml_bytes) {
+        problems.push_back({whole, fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20), {}, {}});
         return {};
     }
     const auto binary = [](unsigned char c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; };

@@ -1,16 +1,13 @@
 #include "nodes/image/image.h"
 
+#include "graph/input_file.h"
 #include "graph/text/problem.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 namespace fluidcarve {
 
@@ -46,15 +43,7 @@ const ImageFormat* format_of_name(const std::string& path) {
 }
 
 const ImageFormat& format_of_file(const std::string& path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) refuse(fmt::format("{} does not exist", path));
-    if (!std::filesystem::is_regular_file(status)) refuse(fmt::format("{} is not a file", path));
-    std::ifstream file(path, std::ios::binary);
-    if (!file) refuse(fmt::format("cannot open {}: {}", path, std::strerror(errno)));
-    std::array<char, 8> first{};
-    file.read(first.data(), first.size());
-    const std::string begin(first.data(), static_cast<std::size_t>(file.gcount()));
+    const auto begin = InputFile(path, {.what = "an image", .folder = "is not a file"}).head(8);
     for (const auto& format : formats())
         for (const auto& start : format.starts)
             if (begin.starts_with(start)) return format;

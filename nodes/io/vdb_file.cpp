@@ -1,5 +1,6 @@
 #include "nodes/io/vdb_file.h"
 
+#include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "nodes/io/openvdb_types.h"
@@ -19,7 +20,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <span>
 #include <sstream>
@@ -152,13 +152,9 @@ public:
 
 private:
     void open() {
-        std::error_code error;
-        const auto status = std::filesystem::status(path_, error);
-        if (!std::filesystem::exists(status)) refuse(fmt::format("{} does not exist", path_));
-        if (!std::filesystem::is_regular_file(status)) refuse(fmt::format("{} is not a file", path_));
-        size_ = std::filesystem::file_size(path_, error);
+        size_ = InputFile(path_, {.what = "a volume", .folder = "is not a file"}).size();
         stream_.open(path_, std::ios_base::binary);
-        if (error || !stream_) refuse(fmt::format("cannot open {}: {}", path_, error ? error.message() : std::strerror(errno)));
+        if (!stream_) refuse(fmt::format("cannot open {}: {}", path_, std::strerror(errno)));
         // OpenVDB never checks for short reads.
         stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/mesh/file_text.h"
+#include "nodes/geometry_file/file_text.h"
 #include "nodes/mesh/mesh.h"
 
 namespace fluidcarve {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/geometry_file/ply.h"
 #include "nodes/io/origin.h"
 
 #include <openvdb/Types.h>
@@ -20,7 +21,7 @@ struct Mesh {
     /// Numbers attached to vertices, faces or corners.
     struct Attribute {
         enum class On { vertices, faces, corners };
-        enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+        using Type = PlyType;
         static constexpr std::uint32_t none = ~std::uint32_t{0};
 
         std::string name;  ///< "uv", "normal", "colour", or the name in the file

@@ -38,6 +38,13 @@ const Format& format_of(const std::string& path) {
     return *std::find_if(formats.begin(), formats.end(), [ending = ending_of(path)](const Format& each) { return each.ending == ending; });
 }
 
+/// @param most  reads only so many bytes from the beginning
+FileText text_of_mesh(const std::string& path, std::size_t most = FileText::all) {
+    FileText out(InputFile(path, {.what = "a mesh", .missing = "can't be opened"}), most);
+    if (out.left() == 0) out.fault_in_all("the file is empty");
+    return out;
+}
+
 }  // namespace
 
 std::string ending_fault(const std::string& path) {
@@ -48,7 +55,7 @@ std::string ending_fault(const std::string& path) {
 
 MeshFile read_mesh(const std::string& path) {
     const auto& format = format_of(path);
-    FileText file(path);
+    auto file = text_of_mesh(path);
     MeshFile out;
     out.mesh = format.read(file, out.losses);
     return out;
@@ -57,12 +64,12 @@ MeshFile read_mesh(const std::string& path) {
 void probe_mesh(const std::string& path) {
     constexpr std::size_t most_heads = 1 << 16;
     const auto& format = format_of(path);
-    FileText head(path, most_heads);
+    auto head = text_of_mesh(path, most_heads);
     try {
         format.probe(head);
     } catch (const Failure&) {
         if (!head.ran_out()) throw;
-        FileText file(path);
+        auto file = text_of_mesh(path);
         format.probe(file);
     }
 }

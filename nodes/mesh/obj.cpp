@@ -1,3 +1,4 @@
+#include "nodes/geometry_file/obj.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
@@ -96,12 +97,11 @@ private:
         pool.numbers = numbers;
     }
 
-    /// Converts an index of the file to one from 0. In the file it counts from 1, or backwards from the last entry if negative. An index
-    /// beyond the last entry is allowed: the entry may follow later.
+    /// The index from 0 of an entry, which may follow later.
     std::uint32_t index(std::string_view word, std::size_t size) const {
-        const long stated = file_.whole(word), from = stated > 0 ? stated - 1 : static_cast<long>(size) + stated;
-        if (stated == 0 || from < 0 || from >= static_cast<long>(Attribute::none)) file_.fault(fmt::format("{} is none of the {} above", quoted(word), size));
-        return static_cast<std::uint32_t>(from);
+        const auto out = obj_index(file_.whole(word), size);
+        if (!out || *out >= Attribute::none) file_.fault(fmt::format("{} is none of the {} above", quoted(word), size));
+        return static_cast<std::uint32_t>(*out);
     }
 
     void take_face() {

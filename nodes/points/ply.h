@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nodes/geometry_file/ply.h"
+
 #include <openvdb/Types.h>
 
 #include <cstddef>
@@ -8,13 +10,6 @@
 #include <vector>
 
 namespace fluidcarve {
-
-/// The number types of PLY.
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-std::size_t size_of(PlyType type);
-
-enum class PlyEncoding { ascii, little, big };
 
 /// The vertices of a PLY file, column by column, in the file's order and space.
 struct PlyPoints {
@@ -42,7 +37,7 @@ struct PlyPoints {
     std::size_t bytes() const;
 };
 
-/// Whether a file begins like a PLY file.
+/// Whether a file begins like a PLY file. @throws Failure (input) if it can't be read
 bool is_ply(const std::string& path);
 
 /// Reads a PLY file.

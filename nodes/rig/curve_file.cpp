@@ -1,15 +1,17 @@
 #include "nodes/rig/curve_file.h"
 
 #include "graph/text/problem.h"
+#include "nodes/geometry_file/file_text.h"
+#include "nodes/geometry_file/obj.h"
+#include "nodes/geometry_file/ply.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -22,66 +24,18 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-Words split(std::string_view line, std::string_view separators) {
-    Words out;
-    for (std::size_t begin = 0; (begin = line.find_first_not_of(separators, begin)) != std::string_view::npos;) {
-        const auto end = std::min(line.find_first_of(separators, begin), line.size());
-        out.push_back(line.substr(begin, end - begin));
-        begin = end;
-    }
-    return out;
+constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+
+bool is_number(std::string_view word) {
+    const auto number = number_of<double>(word);
+    return number && std::isfinite(*number);
 }
 
-template <class Number>
-std::optional<Number> parsed(std::string_view text) {
-    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    Number out{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-    const bool good = error == std::errc{} && end == text.data() + text.size();
-    return good && std::isfinite(static_cast<double>(out)) ? std::optional(out) : std::nullopt;
+/// The point in three columns of a line.
+Vec3d point_in(const FileText& file, const Words& words, const std::array<std::size_t, 3>& columns) {
+    if (words.size() <= *std::max_element(columns.begin(), columns.end())) file.fault("this point lacks a coordinate");
+    return {file.number(words[columns[0]]), file.number(words[columns[1]]), file.number(words[columns[2]])};
 }
-
-/// Reads a text file line by line.
-class Lines {
-public:
-    explicit Lines(const std::string& path) : path_(path), in_(path, std::ios::binary) {
-        std::error_code ignored;
-        if (std::filesystem::is_directory(path, ignored)) throw Failure(path + " is a folder", Failure::Kind::input);
-        if (!in_) throw Failure(path + " can't be opened", Failure::Kind::input);
-    }
-
-    bool next() {
-        if (!std::getline(in_, line_)) return false;
-        if (!line_.empty() && line_.back() == '\r') line_.pop_back();
-        ++number_;
-        return true;
-    }
-    const std::string& line() const { return line_; }
-    int number() const { return number_; }
-
-    [[noreturn]] void fault(const std::string& message) const { fault_at(number_, message); }
-    [[noreturn]] void fault_at(int number, const std::string& message) const {
-        throw Failure(fmt::format("{}:{}: {}", path_, number, message), Failure::Kind::input);
-    }
-    [[noreturn]] void fault_in_all(const std::string& message) const { throw Failure(fmt::format("{}: {}", path_, message), Failure::Kind::input); }
-
-    double coordinate(std::string_view word) const {
-        const auto number = parsed<double>(word);
-        if (!number) fault(fmt::format("'{}' is no number", word.substr(0, 40)));
-        return *number;
-    }
-    /// The point in three columns of a line.
-    Vec3d point(const Words& words, const std::array<std::size_t, 3>& columns) const {
-        if (words.size() <= *std::max_element(columns.begin(), columns.end())) fault("this point lacks a coordinate");
-        return {coordinate(words[columns[0]]), coordinate(words[columns[1]]), coordinate(words[columns[2]])};
-    }
-
-private:
-    std::string path_;
-    std::ifstream in_;
-    std::string line_;
-    int number_ = 0;
-};
 
 /// Joins pieces of a line between numbered points.
 class Chain {
@@ -98,7 +52,7 @@ public:
 
     /// Indices of the points along the joined line.
     /// @throws Failure (input) if the line has branches or several parts
-    std::vector<std::size_t> points(const Lines& file) const {
+    std::vector<std::size_t> points(const FileText& file) const {
         for (const auto& [point, ends] : joined_)
             if (ends.size() > 2)
                 file.fault_at(edges_[ends[2].edge], fmt::format("a third line ends at vertex {}: a rig is one line without branches", point + 1));
@@ -137,23 +91,22 @@ private:
     std::map<std::size_t, std::vector<End>> joined_;
 };
 
-std::vector<Vec3d> read_obj(Lines& file) {
+std::vector<Vec3d> read_obj(FileText& file) {
     std::vector<Vec3d> vertices;
     Chain chain;
     const auto vertex = [&](std::string_view word) {
-        const auto index = parsed<long>(word.substr(0, word.find('/')));
-        const auto count = static_cast<long>(vertices.size());
-        if (!index || *index == 0 || *index > count || *index < -count)
-            file.fault(fmt::format("'{}' is none of the {} vertices above", word.substr(0, 40), count));
-        return static_cast<std::size_t>(*index > 0 ? *index - 1 : count + *index);
+        const auto stated = number_of<long>(word.substr(0, word.find('/')));
+        const auto out = stated ? obj_index(*stated, vertices.size()) : std::nullopt;
+        if (!out || *out >= vertices.size()) file.fault(fmt::format("{} is none of the {} vertices above", quoted(word), vertices.size()));
+        return *out;
     };
     while (file.next()) {
-        const auto words = split(file.line(), " \t");
+        const auto words = words_of(file.line());
         if (words.empty()) continue;
-        if (words[0] == "v") vertices.push_back(file.point(words, {1, 2, 3}));
+        if (words[0] == "v") vertices.push_back(point_in(file, words, {1, 2, 3}));
         if (words[0] != "l") continue;
         if (words.size() < 3) file.fault("a line needs at least two vertices");
-        for (std::size_t n = 2; n < words.size(); ++n) chain.add(vertex(words[n - 1]), vertex(words[n]), file.number());
+        for (std::size_t n = 2; n < words.size(); ++n) chain.add(vertex(words[n - 1]), vertex(words[n]), file.line_number());
     }
     if (chain.empty()) file.fault_in_all("there is no line in it (element 'l'): export a curve as lines, not as faces");
     std::vector<Vec3d> out;
@@ -161,56 +114,47 @@ std::vector<Vec3d> read_obj(Lines& file) {
     return out;
 }
 
-std::vector<Vec3d> read_ply(Lines& file) {
+std::vector<Vec3d> read_ply(FileText& file) {
     if (!file.next() || file.line() != "ply") file.fault("this is no PLY file: its first line is not 'ply'");
-    struct Element {
-        std::string name;
-        unsigned long count;
-        std::vector<std::string> properties;
-    };
-    std::vector<Element> elements;
-    while (true) {
+    using Kind = PlyStatement::Kind;
+    PlyHeader header;
+    for (auto kind = Kind::comment; kind != Kind::end;) {
         if (!file.next()) file.fault("the header has no 'end_header'");
-        const auto words = split(file.line(), " \t");
-        if (words.empty()) continue;
-        if (words[0] == "end_header") break;
-        if (words[0] == "format" && (words.size() < 2 || words[1] != "ascii")) file.fault("only PLY files of format ascii can be read here");
-        if (words[0] == "element") {
-            const auto count = words.size() == 3 ? parsed<unsigned long>(words[2]) : std::nullopt;
-            if (!count) file.fault("an element needs a name and a count");
-            elements.push_back({std::string(words[1]), *count, {}});
-        }
-        if (words[0] == "property" && !elements.empty()) elements.back().properties.emplace_back(words.back());
-        if (words[0] == "property" && !elements.empty() && elements.back().name == "vertex" && words.size() != 3)
+        const auto statement = header.take(file.line());
+        kind = statement.kind;
+        if (kind == Kind::format && statement.word(1) != name_of(PlyEncoding::ascii)) file.fault("only PLY files of format ascii can be read here");
+        if (kind == Kind::element && (statement.words.size() != 3 || statement.wrong)) file.fault("an element needs a name and a count");
+        if (kind == Kind::property && !header.elements.empty() && header.elements.back().name == "vertex" && statement.words.size() != 3)
             file.fault("a vertex with a list among its properties can't be read here");
     }
-    for (const auto& element : elements) {
+    for (const auto& element : header.elements) {
         std::array<std::size_t, 3> columns{};
         if (element.name == "vertex")
             for (std::size_t c = 0; c < 3; ++c) {
-                const auto found = std::find(element.properties.begin(), element.properties.end(), std::string(1, "xyz"[c]));
+                const auto found = std::find_if(element.properties.begin(), element.properties.end(),
+                                                [&](const PlyHeader::Property& each) { return each.name == std::string(1, "xyz"[c]); });
                 if (found == element.properties.end()) file.fault(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
                 columns[c] = static_cast<std::size_t>(found - element.properties.begin());
             }
         std::vector<Vec3d> out;
-        for (unsigned long n = 0; n < element.count; ++n) {
+        for (std::size_t n = 0; n < element.count; ++n) {
             if (!file.next()) file.fault(fmt::format("the file ends after {} of {} lines of element '{}'", n, element.count, element.name));
-            if (element.name == "vertex") out.push_back(file.point(split(file.line(), " \t"), columns));
+            if (element.name == "vertex") out.push_back(point_in(file, words_of(file.line()), columns));
         }
         if (element.name == "vertex") return out;
     }
     file.fault_in_all("there is no element 'vertex' in it");
 }
 
-std::vector<Vec3d> read_csv(Lines& file) {
+std::vector<Vec3d> read_csv(FileText& file) {
     std::array<std::size_t, 3> columns{0, 1, 2};
     std::vector<Vec3d> out;
     for (bool first = true; file.next();) {
-        const auto text = std::string_view(file.line()).substr(0, file.line().find('#'));
-        const auto words = split(text, ",; \t");
+        const auto text = file.line().substr(0, file.line().find('#'));
+        const auto words = words_of(text, ",; \t");
         if (words.empty()) continue;
         // A header is a first line that does not begin with a number.
-        if (first && !parsed<double>(words[0])) {
+        if (first && !is_number(words[0])) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto named = [&](std::string_view word) { return word.size() == 1 && (word[0] == "xyz"[c] || word[0] == "XYZ"[c]); };
                 const auto found = std::find_if(words.begin(), words.end(), named);
@@ -218,7 +162,7 @@ std::vector<Vec3d> read_csv(Lines& file) {
                 columns[c] = static_cast<std::size_t>(found - words.begin());
             }
         } else {
-            out.push_back(file.point(words, columns));
+            out.push_back(point_in(file, words, columns));
         }
         first = false;
     }
@@ -234,7 +178,7 @@ std::vector<Vec3d> read_curve(const std::string& path) {
         if (letter >= 'A' && letter <= 'Z') letter += 'a' - 'A';
     if (ending != ".obj" && ending != ".ply" && ending != ".csv")
         throw Failure(fmt::format("{}: a curve is read from .obj, .ply or .csv, not from '{}'", path, ending), Failure::Kind::input);
-    Lines file(path);
+    FileText file(InputFile(path, {.what = "a curve", .most = most_bytes, .missing = "can't be opened"}));
     return ending == ".obj" ? read_obj(file) : ending == ".ply" ? read_ply(file) : read_csv(file);
 }
 

@@ -15,7 +15,7 @@ namespace fluidcarve {
 ///         semicolons or blanks; empty lines and text behind a # are skipped
 ///
 /// @return in the file's units
-/// @throws Failure (input) naming file and line if the file can't be read, has another format, or holds no such line
+/// @throws Failure (input) naming file and line if the file can't be read, is larger than 64 MiB, has another format, or holds no such line
 std::vector<openvdb::Vec3d> read_curve(const std::string& path);
 
 }  // namespace fluidcarve

@@ -42,7 +42,8 @@ bool settled(const struct stat& file) {
 }  // namespace
 
 std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
-    const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    // Without O_NONBLOCK, a pipe would not open before its writer does.
+    const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat before {};
     if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode)) return std::nullopt;
     const auto stamp = stamp_of(before);

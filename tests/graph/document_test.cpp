@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
 #include <cstdlib>
 
 using namespace fluidcarve;
@@ -142,6 +143,24 @@ TEST_CASE("a folder or a missing file is named, and nothing else is wrong with i
     CHECK(refusal(scratch / "none.yaml") == "cannot read " + scratch / "none.yaml" + ": it does not exist\n");
     CHECK(refusal(scratch.write("empty.yaml", "")) ==
           scratch / "empty.yaml" + ": the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+}
+
+TEST_CASE("a pipe or a device is no pipeline, and keeps nobody waiting") {
+    const Scratch scratch;
+    const auto pipe = scratch / "pipe.yaml";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    const std::string refused = ": it is a pipe or a device; a pipeline is read from a regular file\n";
+    for (const auto& path : {pipe, std::string("/dev/zero")}) {
+        Problems problems;
+        read_document(path, {}, problems);
+        CHECK(to_text(problems) == "cannot read " + path + refused);
+    }
+    std::filesystem::create_symlink("/dev/zero", scratch / "zero.yaml");
+    std::filesystem::create_directory(scratch / "folder");
+    for (const std::string name : {"pipe.yaml", "zero.yaml"})
+        CHECK(read(scratch, "fluidcarve: 1\nextends: " + name + "\n").text ==
+              "p.yaml:2:10: cannot read " + name + refused + "extends: " + name + "\n         ^\n");
+    CHECK(read(scratch, "fluidcarve: 1\nextends: folder\n").text == "p.yaml:2:10: cannot read folder: it is a folder\nextends: folder\n         ^\n");
 }
 
 TEST_CASE("a file of any size is refused by its limit, and not read to its end") {

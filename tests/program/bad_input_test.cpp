@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
 #include <algorithm>
 #include <filesystem>
 #include <regex>
@@ -115,6 +116,9 @@ TEST_CASE("a file that is no pipeline is refused") {
     require(bench.run("--set a=1"), 2, "cannot read p.yaml: it does not exist\n");
     fs::create_directory(bench.scratch / "p.yaml");
     require(bench.run(), 2, "cannot read p.yaml: it is a folder\n");
+    fs::remove(bench.scratch / "p.yaml");
+    REQUIRE(mkfifo((bench.scratch / "p.yaml").c_str(), 0600) == 0);
+    require(bench.run(), 2, "cannot read p.yaml: it is a pipe or a device; a pipeline is read from a regular file\n");
 }
 
 TEST_CASE("an -f that names no frame of the sequence is refused") {

@@ -43,6 +43,8 @@ TEST_CASE("files of the same content have the same key, whatever their names and
     CHECK(key_of(scratch.write("empty", "")));
     CHECK_FALSE(key_of(scratch / "none"));
     CHECK_FALSE(key_of(scratch.path()));
+    REQUIRE(mkfifo((scratch / "pipe").c_str(), 0600) == 0);
+    CHECK_FALSE(key_of(scratch / "pipe"));
 }
 
 TEST_CASE("a file that changed a moment ago is not remembered by its times, since it may change again unseen") {

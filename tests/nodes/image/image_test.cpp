@@ -9,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -431,6 +432,8 @@ TEST_CASE("files that are no images are told before a run, with the reason") {
     };
     CHECK(told(scratch / "a.png") == scratch / "a.png" + " does not exist");
     CHECK(told(scratch.path()) == scratch.path() + " is not a file");
+    REQUIRE(mkfifo((scratch / "pipe.png").c_str(), 0600) == 0);
+    CHECK(told(scratch / "pipe.png") == scratch / "pipe.png" + " is a pipe or a device; an image is read from a regular file");
     CHECK(told(scratch.write("a.png", "")) == scratch / "a.png" + " is empty");
     CHECK(told(scratch.write("a.png", "PNG it is not")) == scratch / "a.png" + " is no image of a kind that is read: PNG, EXR, JPEG, TIFF");
     // By its bytes, whatever its name.

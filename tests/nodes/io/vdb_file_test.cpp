@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <csignal>
 
 using namespace fluidcarve;
@@ -228,6 +229,8 @@ TEST_CASE("what is wrong with a file is said in words") {
     is("none.vdb", " does not exist");
     std::filesystem::create_directory(scratch / "folder.vdb");
     is("folder.vdb", " is not a file");
+    REQUIRE(mkfifo((scratch / "pipe.vdb").c_str(), 0600) == 0);
+    is("pipe.vdb", " is a pipe or a device; a volume is read from a regular file");
     scratch.write("text.vdb", "not a volume at all");
     is("text.vdb", " is not a VDB file");
     scratch.write("empty.vdb", "");

@@ -101,6 +101,47 @@ TEST_CASE("malformed PLY files are refused before anything is allocated for what
     for (const std::size_t less : {1, 2, 13, 30}) CHECK(fault(whole.substr(0, whole.size() - less)).find("cut off or damaged") != std::string::npos);
 }
 
+TEST_CASE("counts and lengths beyond a mesh's file are refused before anything is allocated for them") {
+    const Scratch scratch;
+    const std::string huge = "1152921504606846976", axes = "property float x\nproperty float y\nproperty float z\n";
+    for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        INFO(format);
+        const auto fault = [&](const std::string& vertices, const std::string& faces, const std::string& data) {
+            return fault_of(scratch, "a.ply",
+                            "ply\nformat " + format + " 1.0\nelement vertex " + vertices + "\n" + axes + "element face " + faces +
+                                "\nproperty list int int vertex_indices\nend_header\n" + data);
+        };
+        const std::string few(100, ' ');
+        CHECK(fault(huge, "0", few) == " the header promises " + huge + " entries of 'vertex', for which the file is too short: it is cut off or damaged");
+        CHECK(fault("0", huge, few) == " the header promises " + huge + " entries of 'face', for which the file is too short: it is cut off or damaged");
+        CHECK(fault("-1", "0", few) == "3: '-1' is no count");
+        CHECK(fault("1", "-" + huge, few) == "7: '-" + huge + "' is no count");
+        const bool ascii = format == "ascii", big = format == "binary_big_endian";
+        for (const std::int32_t length : {2147483647, -2147483647})
+            CHECK_THAT(fault("0", "1", (ascii ? std::to_string(length) : bytes(length, big)) + few),
+                       Catch::Contains("entries can't be: the file is cut off or damaged"));
+    }
+    CHECK_THAT(fault_of(scratch, "a.off", "OFF\n" + huge + " 0 0\n"), Catch::Contains("for which the file is too short"));
+    CHECK_THAT(fault_of(scratch, "a.off", "OFF\n0 " + huge + " 0\n"), Catch::Contains("for which the file is too short"));
+    CHECK(fault_of(scratch, "a.off", "OFF\n-3 1 0\n") == "2: '-3' is no count");
+    CHECK_THAT(fault_of(scratch, "a.off", "OFF\n1 1 0\n0 0 0\n" + huge + " 0 0 0\n"), Catch::Contains("has only 3 numbers behind the count"));
+    CHECK(fault_of(scratch, "a.obj", "v 0 0 0\nf 1 1 " + huge + "\n") == "2: '" + huge + "' is none of the 1 above");
+    CHECK(fault_of(scratch, "a.obj", "v 0 0 0\nf 1 1 -9223372036854775808\n") == "2: '-9223372036854775808' is none of the 1 above");
+}
+
+TEST_CASE("a mesh is read from a regular file, and nothing keeps it waiting") {
+    const Scratch scratch;
+    std::filesystem::create_symlink("/dev/zero", scratch / "zero.ply");
+    std::filesystem::create_directory(scratch / "folder.ply");
+    const auto pipe = scratch / "pipe.ply";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    for (const auto& path : {pipe, scratch / "zero.ply"}) {
+        CHECK_THROWS_WITH(read_mesh(path), path + " is a pipe or a device; a mesh is read from a regular file");
+        CHECK_THROWS_WITH(probe_mesh(path), path + " is a pipe or a device; a mesh is read from a regular file");
+    }
+    CHECK_THROWS_WITH(read_mesh(scratch / "folder.ply"), scratch / "folder.ply" + " is a folder");
+}
+
 TEST_CASE("malformed OFF and STL files are refused") {
     const Scratch scratch;
     const auto off = [&](const std::string& text) { return fault_of(scratch, "a.off", text); };

@@ -11,8 +11,10 @@
 #include <openvdb/points/PointDataGrid.h>
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 
@@ -166,4 +168,52 @@ TEST_CASE("a PLY file that is damaged is refused with the reason") {
           "FILE is cut off: it states 1 vertices of 12 or more bytes, but has 11 bytes after its header; copy or write it again");
     CHECK(refused(header + std::string(13, '\0')) == "FILE is damaged: it goes on after the 1 vertices that it states");
     CHECK(refused(header + std::string(8, '\0') + "\x7f\x80" + std::string(2, '\0')) == "FILE is damaged: the position of vertex 0 is not finite");
+}
+
+TEST_CASE("a PLY header of points may be long, and is read again as a whole") {
+    const Scratch scratch;
+    std::string text = "ply\nformat binary_little_endian 1.0\n";
+    for (int n = 0; n < 5000; ++n) text += "comment of no use\n";
+    text += "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + std::string(12, '\0');
+    const auto points = read(scratch.write("a.ply", text));
+    CHECK(points.positions() == std::vector{Vec3d(0)});
+    CHECK(points.ply->comments.size() == 5000);
+    CHECK(points.ply->columns.size() == 3);
+}
+
+TEST_CASE("points in bytes are read whole, however many pieces they take") {
+    const Scratch scratch;
+    std::vector<Vec3d> all;
+    for (int n = 0; n < 100000; ++n) all.emplace_back(n, -n, 0.5 * n);
+    auto ply = ply_at(all);
+    for (const auto encoding : {PlyEncoding::little, PlyEncoding::big}) {
+        ply.encoding = encoding;
+        write_ply(scratch / "a.ply", ply);
+        CHECK((read(scratch / "a.ply").positions() == all));
+    }
+}
+
+TEST_CASE("counts beyond a file of points are refused before anything is allocated for them") {
+    const Scratch scratch;
+    for (const std::string format : {"ascii", "binary_little_endian"}) {
+        const auto refused = [&](const std::string& count) {
+            return refusal(scratch.write("a.ply", "ply\nformat " + format + " 1.0\nelement vertex " + count +
+                                                      "\nproperty double x\nproperty double y\nproperty double z\nend_header\n1 2 3\n"));
+        };
+        CHECK(refused("1152921504606846976") == "FILE is damaged: it states 1152921504606846976 vertices; the most is 4294967295");
+        CHECK_THAT(refused("4294967295"), Catch::StartsWith("FILE is cut off: it states 4294967295 vertices"));
+        CHECK(refused("-1152921504606846976") == "FILE is damaged: its header counts '-1152921504606846976' of an element");
+    }
+}
+
+TEST_CASE("points are read from a regular file, and nothing keeps them waiting") {
+    const Scratch scratch;
+    const auto pipe = scratch / "pipe.ply";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::filesystem::create_symlink("/dev/zero", scratch / "zero.ply");
+    for (const auto& path : {pipe, scratch / "zero.ply"}) {
+        CHECK(refusal(path) == "FILE is a pipe or a device; a file of points is read from a regular file");
+        CHECK(failure_of([&] { look_at_points(path, ""); }) == path + " is a pipe or a device; a file of points is read from a regular file");
+    }
+    CHECK(refusal(scratch.path()) == "FILE is not a file");
 }

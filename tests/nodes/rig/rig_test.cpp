@@ -11,7 +11,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
 #include <cmath>
+#include <filesystem>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
@@ -160,6 +162,34 @@ TEST_CASE("a curve that can't be read names file and line") {
     CHECK(fault_in(folder, "a.txt", "1 2 3\n") == ": a curve is read from .obj, .ply or .csv, not from '.txt'");
     const auto absent = folder / "absent.csv";
     CHECK(failure_of([&] { read_curve(absent); }) == absent + " can't be opened");
+}
+
+TEST_CASE("a curve is read from a regular file of a bounded size, and nothing keeps it waiting") {
+    const Scratch folder;
+    const auto refused = [](const std::string& path) { return failure_of([&] { read_curve(path); }).substr(path.size()); };
+    const auto pipe = folder / "pipe.csv";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::filesystem::create_symlink("/dev/zero", folder / "zero.obj");
+    std::filesystem::create_directory(folder / "folder.ply");
+    CHECK(refused(pipe) == " is a pipe or a device; a curve is read from a regular file");
+    CHECK(NodeBench(rig_curve(), "{path: " + pipe + "}").survey({1}).absent.at(1) == pipe + " is a pipe or a device; a curve is read from a regular file");
+    CHECK(refused(folder / "zero.obj") == " is a pipe or a device; a curve is read from a regular file");
+    CHECK(refused(folder / "folder.ply") == " is a folder");
+    const auto large = folder.write("large.csv", "");
+    std::filesystem::resize_file(large, (std::uintmax_t{64} << 20) + 1);
+    CHECK(refused(large) == " has 67108865 bytes; a curve has at most 64 MiB");
+}
+
+TEST_CASE("a curve that promises more than its file holds is refused where the file ends") {
+    const Scratch folder;
+    const auto counted = [&](const std::string& count) {
+        return fault_in(folder, "a.ply",
+                        "ply\nformat ascii 1.0\nelement vertex " + count + "\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n");
+    };
+    CHECK(counted("1152921504606846976") == ":8: the file ends after 1 of 1152921504606846976 lines of element 'vertex'");
+    for (const std::string count : {"-1", "18446744073709551616", "1.5"}) CHECK(counted(count) == ":3: an element needs a name and a count");
+    CHECK(fault_in(folder, "a.obj", "v 0 0 0\nl 1 1152921504606846976\n") == ":2: '1152921504606846976' is none of the 1 vertices above");
+    CHECK(fault_in(folder, "a.obj", "v 0 0 0\nl 1 -9223372036854775808\n") == ":2: '-9223372036854775808' is none of the 1 vertices above");
 }
 
 TEST_CASE("rig.curve closes where its file does, unless told otherwise, and stands where it is put") {

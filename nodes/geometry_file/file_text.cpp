@@ -1,46 +1,16 @@
-#include "nodes/mesh/file_text.h"
+#include "nodes/geometry_file/file_text.h"
 
 #include "graph/text/problem.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <optional>
-#include <system_error>
 
 namespace fluidcarve {
-namespace {
 
-constexpr std::string_view blanks = " \t\r\v\f";
-
-template <class Number>
-std::optional<Number> parsed(std::string_view word) {
-    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    Number out{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
-    return error == std::errc{} && end == word.data() + word.size() ? std::optional(out) : std::nullopt;
-}
-
-}  // namespace
-
-FileText::FileText(std::string path, std::size_t most) : path_(std::move(path)) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path_, error);
-    if (std::filesystem::is_directory(status)) throw Failure(path_ + " is a folder", Failure::Kind::input);
-    // Opening a pipe would block until another process writes to it.
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-        throw Failure(path_ + " is a pipe or a device; a mesh is read from a regular file", Failure::Kind::input);
-    std::ifstream in(path_, std::ios::binary);
-    size_ = std::filesystem::file_size(path_, error);
-    if (!in || error) throw Failure(path_ + " can't be opened", Failure::Kind::input);
-    text_.resize(std::min<std::size_t>(size_, most));
-    if (!in.read(text_.data(), static_cast<std::streamsize>(text_.size()))) throw Failure(path_ + " can't be read", Failure::Kind::input);
-    if (text_.empty()) fault_in_all("the file is empty");
-}
+FileText::FileText(const InputFile& file, std::size_t most)
+    : path_(file.path()), text_(file.size() > most ? file.head(most) : file.whole()), size_(file.size()) {}
 
 bool FileText::next() {
     const auto found = text_.find('\n', next_);
@@ -93,20 +63,30 @@ double FileText::number(std::string_view word) const {
 }
 
 double FileText::any_number(std::string_view word) const {
-    const auto out = parsed<double>(word);
+    const auto out = number_of<double>(word);
     if (!out) fault(fmt::format("{} is no number", quoted(word)));
     return *out;
 }
 
 long FileText::whole(std::string_view word) const {
-    const auto out = parsed<long>(word);
+    const auto out = number_of<long>(word);
     if (!out) fault(fmt::format("{} is no whole number", quoted(word)));
     return *out;
 }
 
-void FileText::fault(const std::string& message) const { throw Failure(fmt::format("{}:{}: {}", path_, number_, message), Failure::Kind::input); }
+void FileText::fault_at(int line, const std::string& message) const { throw Failure(fmt::format("{}:{}: {}", path_, line, message), Failure::Kind::input); }
 
 void FileText::fault_in_all(const std::string& message) const { throw Failure(fmt::format("{}: {}", path_, message), Failure::Kind::input); }
+
+std::vector<std::string_view> words_of(std::string_view line, std::string_view separators) {
+    std::vector<std::string_view> out;
+    for (std::size_t begin = 0; (begin = line.find_first_not_of(separators, begin)) != std::string_view::npos;) {
+        const auto end = std::min(line.find_first_of(separators, begin), line.size());
+        out.push_back(line.substr(begin, end - begin));
+        begin = end;
+    }
+    return out;
+}
 
 std::string quoted(std::string_view word) {
     std::string out = "'";

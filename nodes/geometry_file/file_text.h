@@ -1,8 +1,14 @@
 #pragma once
 
+#include "graph/input_file.h"
+
+#include <charconv>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -12,8 +18,8 @@ public:
     static constexpr auto all = static_cast<std::size_t>(-1);
 
     /// @param most  reads only so many bytes from the beginning
-    /// @throws Failure (input) if it is not a regular file, can't be read or is empty
-    explicit FileText(std::string path, std::size_t most = all);
+    /// @throws Unreadable if the file can't be read
+    explicit FileText(const InputFile& file, std::size_t most = all);
 
     const std::string& path() const { return path_; }
 
@@ -22,6 +28,10 @@ public:
     /// Whether next() met the end of the bytes read, but not of the file.
     bool ran_out() const { return ran_out_; }
     std::string_view line() const { return line_; }
+    /// Number of the line, from 1; 0 before the first.
+    int line_number() const { return number_; }
+    /// Whether a line end follows the line; the last line may have none.
+    bool line_ends() const { return next_ > 0 && text_[next_ - 1] == '\n'; }
     /// The next word of the line, or empty. @param comment  a word that begins with this character ends the line; 0: none
     std::string_view word(char comment = 0);
     /// The next word of this or a later line. @throws Failure if there is none
@@ -47,7 +57,8 @@ public:
     long whole(std::string_view word) const;
 
     /// @throws Failure (input) naming file and line
-    [[noreturn]] void fault(const std::string& message) const;
+    [[noreturn]] void fault(const std::string& message) const { fault_at(number_, message); }
+    [[noreturn]] void fault_at(int line, const std::string& message) const;
     /// @throws Failure (input) naming only the file
     [[noreturn]] void fault_in_all(const std::string& message) const;
 
@@ -58,6 +69,20 @@ private:
     int number_ = 0;
     bool ran_out_ = false, has_comments_ = false;
 };
+
+constexpr std::string_view blanks = " \t\r\v\f";
+
+/// The words of a line. @param separators  characters between words
+std::vector<std::string_view> words_of(std::string_view line, std::string_view separators = blanks);
+
+/// The number that a word is as a whole, perhaps behind a `+`; nothing if it is none, or too large for its type.
+template <class Number>
+std::optional<Number> number_of(std::string_view word) {
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+    Number out{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
+    return error == std::errc{} && end == word.data() + word.size() ? std::optional(out) : std::nullopt;
+}
 
 /// A word of a file for messages: in quotes, at most 40 characters, others than printable ASCII as `?`.
 std::string quoted(std::string_view word);
