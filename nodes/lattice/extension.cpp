@@ -12,9 +12,11 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
     below_ = below;
     above_ = above;
     planes_ = lattice.shape[2];
-    const auto whole = extended_below(lattice, {axis == Axis::u ? below : 0, axis == Axis::v ? below : 0});
+    std::array<int, 2> before{};
+    before[dimension(axis)] = below;
+    const auto whole = extended_below(lattice, before);
     auto extent = whole.shape;
-    extent[static_cast<std::size_t>(axis)] += above;
+    extent[dimension(axis)] += above;
 
     const auto note = [frame](Worst& worst, std::size_t extended, std::size_t own, int plane) {
         if (extended > own && extended - own > worst.count) worst = {extended - own, plane, frame};
@@ -38,7 +40,7 @@ std::string Extension::fault() const {
                                   below_ == 0   ? "last"
                                   : above_ == 0 ? "first"
                                                 : "first and last",
-                                  axis_ == Axis::u ? "u" : "v");
+                                  to_text(axis_));
     if (folds_.count > 0) out += fmt::format(" {} cells are folded{}", folds_.count, where(folds_));
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));

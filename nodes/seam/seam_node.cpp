@@ -109,7 +109,7 @@ SeamNode::Task SeamNode::task_of(const Params& params, const Ports& io, const La
     if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
         throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices", fmt::join(out.shape, " x ")));
     const int size = out.shape[static_cast<std::size_t>(params.axis)], count = params.count.of(size);
-    out.kind = count > 0 ? Seams::Kind::insert : Seams::Kind::remove;
+    out.kind = kind_asked(count);
     out.count = std::abs(count);
     out.window = window_of("window", params.window, size, params.axis, !io.after.empty());
     require_room(out.kind, out.count, out.window, size);
