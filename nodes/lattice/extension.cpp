@@ -1,5 +1,7 @@
 #include "nodes/lattice/extension.h"
 
+#include "graph/text/words.h"
+
 #include <fmt/format.h>
 
 namespace fluidcarve {
@@ -35,12 +37,12 @@ std::string Extension::where(const Worst& worst) const {
 
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
-    std::string out = fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there",
-                                  below_ + above_ == 1 ? "1 seam" : fmt::format("{} seams", below_ + above_),
-                                  below_ == 0   ? "last"
-                                  : above_ == 0 ? "first"
-                                                : "first and last",
-                                  to_text(axis_));
+    std::string out =
+        fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there", counted(static_cast<std::size_t>(below_ + above_), "seam"),
+                    below_ == 0   ? "last"
+                    : above_ == 0 ? "first"
+                                  : "first and last",
+                    to_text(axis_));
     if (folds_.count > 0) out += fmt::format(" {} cells are folded{}", folds_.count, where(folds_));
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));

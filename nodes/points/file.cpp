@@ -1,14 +1,14 @@
 #include "nodes/points/file.h"
-#include "nodes/io/openvdb_types.h"
 
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
+#include "nodes/io/openvdb_types.h"
 #include "nodes/io/profile.h"
 #include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace fluidcarve {
 namespace {
@@ -104,11 +104,7 @@ void look_at_points(const std::string& path, const std::string& grid) {
 
 openvdb::GridBase::ConstPtr in_grid(const Points& points) { return points.grid ? points.grid : placed(grid_of(*points.ply), points.placement); }
 
-bool names_ply(const std::string& path) {
-    auto ending = std::filesystem::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return ending == ".ply";
-}
+bool names_ply(const std::string& path) { return ending_of(path) == ".ply"; }
 
 Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement) {
     Unsaid out;
