@@ -331,7 +331,7 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec, const
     try {
         header = read_vdb_header(output.aside());
     } catch (const Failure&) {
-        throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
+        throw output.not_whole();
     }
     const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
         return written.name == grid->getName() && written.type == grid->type();

@@ -66,9 +66,7 @@ std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, c
     OutputFile output(path);
     std::ofstream out(output.aside(), std::ios::binary);
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    if (!out) throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
-    output.commit();
+    output.commit(out);
     return losses;
 }
 
