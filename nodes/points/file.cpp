@@ -80,16 +80,17 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
         out.placement = placement;
         return out;
     }
-    const auto header = read_vdb_header(path);
-    const auto& entry = header.grids[place_of(header, grid)];
-    const auto found = read_vdb_grid(path, entry.unique_name);
+    VdbFile file(path);
+    const auto& header = file.header();
+    const auto place = place_of(header, grid);
+    const auto found = file.read(place);
     require_sound(*found, path);
     auto by = placement;
     const auto* const from = detected_profile(header);
     if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = Vec3d(-0.5);
     out.grid = placed(found, by);
     out.metadata = header.metadata;
-    out.codec = entry.codec;
+    out.codec = header.grids[place].codec;
     return out;
 }
 
@@ -110,8 +111,7 @@ Unsaid write_points(const std::string& path, const Points& points, const Volume*
     Unsaid out;
     if (!names_ply(path)) {
         const auto grid = in_grid(points);
-        write_vdb(path, together(points, grid, beside), Codec::as_read, placement);
-        const auto* const seen_as = detected_profile(read_vdb_header(path));
+        const auto* const seen_as = detected_profile(write_vdb(path, together(points, grid, beside), Codec::as_read, placement));
         const bool off = !offset_of(*grid).isZero(), seen_off = seen_as && seen_as->points_off;
         if (off != seen_off) out.offset = off ? "half_voxel" : "none";
         return out;
