@@ -22,6 +22,11 @@ std::string size_text(std::uint64_t bytes) {
 
 std::string counted(std::size_t count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
+std::string either(const std::vector<std::string>& all) {
+    if (all.size() == 1) return all[0];
+    return fmt::format("{} or {}", fmt::join(all.begin(), all.end() - 1, ", "), all.back());
+}
+
 std::string ending_of(std::string_view path) {
     auto out = std::filesystem::path(path).extension().string();
     for (auto& letter : out)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -15,6 +16,8 @@ std::string duration_text(double seconds);
 std::string size_text(std::uint64_t bytes);
 /// A count with its noun: "1 seam", "6 seams".
 std::string counted(std::size_t count, std::string_view what);
+/// "a", "a or b", "a, b or c". @param all  one or more
+std::string either(const std::vector<std::string>& all);
 /// The ending of a file's name in small letters: ".obj"; empty: it has none.
 std::string ending_of(std::string_view path);
 

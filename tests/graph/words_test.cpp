@@ -13,6 +13,12 @@ TEST_CASE("times, sizes and counts in words") {
     CHECK(counted(1, "seam") == "1 seam");
 }
 
+TEST_CASE("alternatives in words") {
+    CHECK(either({"a"}) == "a");
+    CHECK(either({"a", "b"}) == "a or b");
+    CHECK(either({"a", "b", "c"}) == "a, b or c");
+}
+
 TEST_CASE("the ending of a file's name, in small letters") {
     CHECK(ending_of("/a.b/mesh.0001.OBJ") == ".obj");
     CHECK(ending_of("a.d/mesh") == "");
