@@ -14,7 +14,8 @@ namespace {
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
     if (!asked) return std::nullopt;
     const int count = asked->of(last.carved());
-    if (count != 0 && kind_asked(count) == Seams::Kind::remove && last.kind == Seams::Kind::insert) throw Failure(fmt::format("count {} removes, but the seams insert", count));
+    if (count != 0 && kind_asked(count) == Seams::Kind::remove && last.kind == Seams::Kind::insert)
+        throw Failure(fmt::format("count {} removes, but the seams insert", count));
     return static_cast<std::size_t>(std::abs(count));
 }
 
