@@ -1,8 +1,9 @@
 #include "graph/document.h"
 
 #include "graph/input_file.h"
+#include "graph/text/words.h"
 #include "graph/text/yaml_reader.h"
-#include "graph/types/param.h"
+#include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
 
@@ -18,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_extends = 16;
-const std::vector<std::string> top_fields{"fluidcarve", "plugins", "params", "env", "extends", "frames", "nodes"};
-const std::vector<std::string> param_fields{"type", "default", "min", "max", "doc"};
 
 std::vector<std::string> names(const Value& map) {
     std::vector<std::string> out;
@@ -116,8 +115,8 @@ private:
 
     void check_top(const Value& root) {
         for (const auto& field : root.fields)
-            if (std::find(top_fields.begin(), top_fields.end(), field.name) == top_fields.end())
-                add(problems_, field.mark, fmt::format("a pipeline has no field '{}'{}", field.name, did_you_mean(field.name, top_fields)));
+            if (!find_field(top_fields, field.name))
+                add(problems_, field.mark, fmt::format("a pipeline has no field '{}'{}", field.name, did_you_mean(field.name, names_of(top_fields))));
         const auto* const version = root.find("fluidcarve");
         if (!version) add(problems_, root.mark, "the format version is missing: the file must state 'fluidcarve: 1'");
         else if (version->value.kind != Value::Kind::scalar || version->value.text != "1")
@@ -181,10 +180,10 @@ private:
         if (param.kind != Value::Kind::map)
             return add(problems_, param.mark, fmt::format("param '{}' wants {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
         for (const auto& each : param.fields)
-            if (std::find(param_fields.begin(), param_fields.end(), each.name) == param_fields.end())
-                add(problems_, each.mark, fmt::format("a param has no field '{}'{}", each.name, did_you_mean(each.name, param_fields)));
+            if (!find_field(param_fields, each.name))
+                add(problems_, each.mark, fmt::format("a param has no field '{}'{}", each.name, did_you_mean(each.name, names_of(param_fields))));
         const auto* const type = param.find("type");
-        if (!type) return add(problems_, mark, fmt::format("param '{}' needs a type: bool, int, float, vector, string, path or count", name));
+        if (!type) return add(problems_, mark, fmt::format("param '{}' needs a type: {}", name, either(names_of(param_types()))));
 
         Range range;
         for (const auto& [bound, into] : {std::pair{"min", &range.min}, std::pair{"max", &range.max}})
@@ -209,20 +208,10 @@ private:
 
     bool fits(const Value::Field& type, const Value& value, const std::string& name, Range range) {
         ValueReader reader(problems_, fmt::format("param '{}'", name), range);
-        const auto is = [&](const char* wanted) { return type.value.kind == Value::Kind::scalar && type.value.text == wanted; };
-        if (is("bool")) return ParamTraits<bool>::parse(value, reader).has_value();
-        if (is("int")) return ParamTraits<int>::parse(value, reader).has_value();
-        if (is("float")) return ParamTraits<double>::parse(value, reader).has_value();
-        if (is("vector")) return ParamTraits<Vec3>::parse(value, reader).has_value();
-        if (is("string")) return ParamTraits<std::string>::parse(value, reader).has_value();
-        if (is("path")) return ParamTraits<OutputPath>::parse(value, reader).has_value();
-        if (is("count")) {
-            const auto count = ParamTraits<Count>::parse(value, reader);
-            return count && (count->percent || reader.number(value, true));
-        }
+        for (const auto& known : param_types())
+            if (type.value.kind == Value::Kind::scalar && type.value.text == known.name) return known.takes(value, reader);
         add(problems_, type.value.mark,
-            fmt::format("param '{}' has no type {}{}", name, type.value.describe(),
-                        did_you_mean(type.value.text, {"bool", "int", "float", "vector", "string", "path", "count"})));
+            fmt::format("param '{}' has no type {}{}", name, type.value.describe(), did_you_mean(type.value.text, names_of(param_types()))));
         return false;
     }
 

@@ -10,14 +10,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 
 namespace fluidcarve {
@@ -41,19 +42,51 @@ const std::string& realm() {
     return name;
 }
 
+/// The name of a temporary file: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
+std::string aside_name(const fs::path& target, unsigned serial) {
+    return fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), realm(), getpid(), serial, target.extension().string());
+}
+
+/// The process that a temporary file is named after.
+struct Owner {
+    std::string realm;
+    int process = 0;  ///< 0: none that there can be
+};
+
+/// Reads what aside_name() wrote; nothing for any other name.
+std::optional<Owner> owner_of(std::string_view name) {
+    const auto all = [](std::string_view text, std::string_view characters) {
+        return !text.empty() && text.find_first_not_of(characters) == std::string_view::npos;
+    };
+    // Without and with an extension, which may itself be ".part".
+    for (auto rest : {name, name.substr(0, name.rfind('.'))}) {
+        const auto last = [&rest] {
+            const auto dot = rest.rfind('.');
+            const auto out = rest.substr(dot + 1);
+            rest = rest.substr(0, dot);
+            return out;
+        };
+        if (last() != "part") continue;
+        const auto serial = last(), process = last(), realm = last();
+        if (!rest.starts_with('.') || !all(serial, "0123456789") || !all(process, "0123456789") || realm.size() != 16 || !all(realm, "0123456789abcdef"))
+            continue;
+        Owner out{std::string(realm)};
+        std::from_chars(process.data(), process.data() + process.size(), out.process);
+        return out;
+    }
+    return std::nullopt;
+}
+
 /// Removes temporary files of killed processes from a folder, once per folder. Only files of this realm, whose process is gone.
 void remove_orphans(const fs::path& folder) {
     static std::set<fs::path> seen;
     if (!seen.insert(folder).second) return;
-    const auto mark = "." + realm() + ".";
     std::error_code error;
     for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-        const auto name = each->path().filename().string();
-        const auto part = name.rfind(".part"), at = name.rfind(mark, part);
-        if (!name.starts_with('.') || part == std::string::npos || at == std::string::npos) continue;
-        const int process = std::atoi(name.c_str() + at + mark.size());
+        const auto owner = owner_of(each->path().filename().string());
+        if (!owner || owner->realm != realm() || owner->process == 0) continue;
         std::error_code ignored;
-        if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) fs::remove(each->path(), ignored);
+        if (kill(owner->process, 0) != 0 && errno == ESRCH) fs::remove(each->path(), ignored);
     }
 }
 
@@ -133,7 +166,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     // id may have left a file of the same name; then try the next.
     int file = -1;
     do {
-        aside_ = (folder / fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), realm(), getpid(), serial++, target.extension().string())).string();
+        aside_ = (folder / aside_name(target, serial++)).string();
         file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (file < 0 && errno == EEXIST);
     if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));
@@ -157,6 +190,16 @@ void OutputFile::commit() {
     if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
     unfinished.erase(aside_);
 }
+
+void OutputFile::commit(std::ofstream& stream) {
+    stream.close();
+    if (!stream) throw not_whole();
+    commit();
+}
+
+Failure OutputFile::not_whole() const { return Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path_)); }
+
+bool OutputFile::is_aside(std::string_view name) { return owner_of(name).has_value(); }
 
 std::uint64_t OutputFile::number_at(const std::string& path) {
     const std::lock_guard lock(unfinished_mutex);

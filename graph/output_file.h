@@ -1,6 +1,9 @@
 #pragma once
 
+#include "graph/text/problem.h"
+
 #include <cstdint>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -21,9 +24,15 @@ public:
     const std::string& aside() const { return aside_; }
     /// Renames the temporary file to the path. Verify the content first. @throws Failure if it can't be renamed
     void commit();
+    /// Closes a stream into the temporary file, then commits. @throws Failure also if the stream did not take all
+    void commit(std::ofstream& stream);
+    /// What a writer throws that finds its temporary file cut off.
+    Failure not_whole() const;
 
     /// Inode of the file that this process last renamed to `path`; 0: none.
     static std::uint64_t number_at(const std::string& path);
+    /// Whether a file of this name is a temporary file, of whatever process.
+    static bool is_aside(std::string_view name);
     /// Removes the temporary files of all outputs that are not committed. To be called before a hard exit.
     static void remove_unfinished();
 

@@ -1,5 +1,7 @@
 #include "graph/pipeline.h"
 
+#include "graph/types/file_fields.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -103,7 +105,7 @@ private:
         draft.node.inputs.resize(node_type->inputs.size());
         draft.node.input_names.resize(node_type->inputs.size());
         for (const auto& each : value.fields) {
-            if (is_common_field(each.name)) continue;
+            if (find_field(common_fields, each.name)) continue;
             if (!node_type->input(each.name) && !node_type->param(each.name)) {
                 const auto fields = node_type->field_names();
                 add(problems_, each.mark, fmt::format("{} has no parameter '{}'{}", node_type->name, each.name, did_you_mean(each.name, fields)));

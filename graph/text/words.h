@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -11,5 +14,11 @@ std::string three_digits(double value);
 std::string duration_text(double seconds);
 /// "512 B", "12.3 kB", "4.56 MB", "7.89 GB", in steps of 1000.
 std::string size_text(std::uint64_t bytes);
+/// A count with its noun: "1 seam", "6 seams".
+std::string counted(std::size_t count, std::string_view what);
+/// "a", "a or b", "a, b or c". @param all  one or more
+std::string either(const std::vector<std::string>& all);
+/// The ending of a file's name in small letters: ".obj"; empty: it has none.
+std::string ending_of(std::string_view path);
 
 }  // namespace fluidcarve

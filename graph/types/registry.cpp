@@ -1,5 +1,8 @@
 #include "graph/types/registry.h"
 
+#include "graph/text/words.h"
+#include "graph/types/file_fields.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,8 +20,6 @@ const ParamSpec* NodeType::param(std::string_view name) const {
     return found == params.end() ? nullptr : &*found;
 }
 
-bool is_common_field(std::string_view name) { return std::find(common_fields.begin(), common_fields.end(), name) != common_fields.end(); }
-
 std::vector<std::string> NodeType::field_names() const {
     std::vector<std::string> out;
     for (const auto& input : inputs) out.push_back(input.name);
@@ -32,7 +33,7 @@ void Registry::add(NodeType type) {
     if (type.doc.empty()) refuse("no doc");
     std::vector<std::string> seen;
     const auto take = [&](const std::string& name, const std::string& doc) {
-        if (name.empty() || is_common_field(name)) refuse(fmt::format("'{}' can't name a field", name));
+        if (name.empty() || find_field(common_fields, name)) refuse(fmt::format("'{}' can't name a field", name));
         if (doc.empty()) refuse(fmt::format("'{}' has no doc", name));
         if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse(fmt::format("two fields are called '{}'", name));
         seen.push_back(name);
@@ -92,10 +93,7 @@ std::string Registry::accepted_names(std::type_index to) const {
     std::vector<std::string> all{payload(to).name};
     for (const auto& known : conversions_)
         if (known.to == to) all.push_back(payload(known.from).name);
-    if (all.size() == 1) return all[0];
-    const auto last = all.back();
-    all.pop_back();
-    return fmt::format("{} or {}", fmt::join(all, ", "), last);
+    return either(all);
 }
 
 }  // namespace fluidcarve

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <array>
 #include <functional>
 #include <map>
 #include <string>
@@ -23,10 +22,6 @@ struct FileInspector {
     /// The result of `look` as text for people.
     std::function<std::string(const nlohmann::ordered_json&)> text;
 };
-
-/// Fields that every node may state besides its inputs and parameters: its type, whether its results are cached, a note for people.
-inline constexpr std::array<std::string_view, 3> common_fields{"type", "cache", "doc"};
-bool is_common_field(std::string_view name);
 
 /// The node types, payload types, conversions and file inspectors that a pipeline may use. A plain value that the program, or a
 /// test, fills.

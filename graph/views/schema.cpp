@@ -1,9 +1,12 @@
 #include "graph/views/schema.h"
 
+#include "graph/types/file_fields.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <map>
 
 namespace fluidcarve {
 namespace {
@@ -95,6 +98,23 @@ Json field_of(const InputSpec& input, const Registry& registry) {
     return out;
 }
 
+/// Properties of an object, described. @param forms  the form of each field, by its name
+Json properties_of(std::span<const FileField> fields, const std::map<std::string_view, Json>& forms) {
+    auto out = Json::object();
+    for (const auto& field : fields) {
+        auto& property = out[std::string(field.name)] = forms.at(field.name);
+        property["description"] = field.doc;
+    }
+    return out;
+}
+
+/// Fields of every node whose form does not depend on its type.
+std::vector<std::string> plain_fields() {
+    auto out = names_of(common_fields);
+    std::erase(out, "type");
+    return out;
+}
+
 /// Schema of the fields that a node of the type may have.
 Json fields_of(const NodeType& type, const Registry& registry) {
     Json properties{{"type", {{"const", type.name}, {"description", type.doc}}}};
@@ -105,7 +125,7 @@ Json fields_of(const NodeType& type, const Registry& registry) {
         if (param.required) continue;
         if (auto fallback = default_of(param); !fallback.is_null()) property["default"] = std::move(fallback);
     }
-    for (const auto* const name : {"cache", "doc"}) properties[name] = defined(name);
+    for (const auto& name : plain_fields()) properties[name] = defined(name);
     return {{"type", "object"}, {"description", type.doc}, {"properties", std::move(properties)}, {"additionalProperties", false}};
 }
 
@@ -121,7 +141,7 @@ Json required_of(const NodeType& type) {
 /// The same for a file with `extends`: each field may also be null.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
-    for (const auto* const name : {"cache", "doc"}) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
+    for (const auto& name : plain_fields()) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
     for (const auto& name : type.field_names()) properties[name] = any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
     return {{"properties", std::move(properties)}, {"additionalProperties", false}};
 }
@@ -134,7 +154,7 @@ Json if_type(const std::string& name, Json then) {
 Json node_of(const Registry& registry, bool whole) {
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};
-    out["properties"] = {{"type", {{"enum", registry.node_names()}, {"description", "What the node does; `fluidcarve nodes` lists all types."}}}};
+    out["properties"] = {{"type", {{"enum", registry.node_names()}, {"description", find_field(common_fields, "type")->doc}}}};
     out["allOf"] = Json::array();
     for (const auto& [name, type] : registry.nodes())
         out["allOf"].push_back(
@@ -143,25 +163,14 @@ Json node_of(const Registry& registry, bool whole) {
 }
 
 Json param_of(bool whole) {
-    const auto shape = [](Shape::Kind kind) { return Shape{kind, {}, {}}; };
-    const std::pair<const char*, Shape> types[] = {{"bool", shape(Shape::Kind::boolean)}, {"int", shape(Shape::Kind::integer)},
-                                                   {"float", shape(Shape::Kind::number)}, {"vector", shape(Shape::Kind::vector)},
-                                                   {"string", shape(Shape::Kind::text)},  {"path", shape(Shape::Kind::output_path)},
-                                                   {"count", shape(Shape::Kind::count)}};
-    auto names = Json::array();
     auto defaults = Json::array();
-    for (const auto& [name, form] : types) {
-        names.push_back(name);
-        defaults.push_back(if_type(name, {{"properties", {{"default", value_of(form, any_number())}}}}));
-    }
+    for (const auto& type : param_types()) defaults.push_back(if_type(type.name, {{"properties", {{"default", value_of(type.shape, any_number())}}}}));
     Json out{{"type", whole ? Json("object") : Json::array({"object", "null"})}};
     if (whole) out["required"] = {"type"};
-    out["properties"] = {
-        {"type", {{"enum", names}, {"description", "What values the param takes; count is a whole number or a percentage of the carved axis."}}},
-        {"default", {{"description", "The value, where neither the environment nor --set gives another."}}},
-        {"min", {{"type", "number"}, {"description", "The least value."}}},
-        {"max", {{"type", "number"}, {"description", "The greatest value."}}},
-        {"doc", {{"type", "string"}, {"description", "What the param is for."}}}};
+    const Json bound{{"type", "number"}};
+    out["properties"] = properties_of(
+        param_fields,
+        {{"type", Json{{"enum", names_of(param_types())}}}, {"default", Json::object()}, {"min", bound}, {"max", bound}, {"doc", Json{{"type", "string"}}}});
     out["additionalProperties"] = false;
     out["allOf"] = std::move(defaults);
     return out;
@@ -179,28 +188,23 @@ std::string schema(const Registry& registry) {
         {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
         {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
         {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
-        {"doc", {{"description", "Words for people."}, {"type", "string"}}},
+        {"doc", {{"description", find_field(common_fields, "doc")->doc}, {"type", "string"}}},
         {"param", param_of(true)},
         {"param_change", param_of(false)},
         {"node", node_of(registry, true)},
         {"node_change", node_of(registry, false)}};
-    definitions["cache"]["description"] =
-        "Whether results are kept in the work folder; of a writer, whether files that are current stay. Left out: as is worth it.";
+    definitions["cache"]["description"] = find_field(common_fields, "cache")->doc;
     for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
 
-    Json properties{
-        {"fluidcarve", {{"const", 1}, {"description", "Format version."}}},
-        {"plugins",
-         {{"type", Json::array({"array", "null"})},
-          {"items", {{"type", "string"}}},
-          {"description", "Files with node types of their own, loaded by --allow-plugins; `fluidcarve schema --plugin FILE` knows these types too."}}},
-        {"params", {{"type", "object"}, {"description", "What a shot may change, by --set NAME=VALUE; used as ${name}."}}},
-        {"env", {{"type", "array"}, {"items", {{"type", "string"}}}, {"description", "Environment variables that ${NAME} may name."}}},
-        {"extends", {{"type", "string"}, {"description", "A pipeline file that this one changes, by name: params, nodes and their fields."}}},
-        {"frames",
-         {{"anyOf", Json::array({Json{{"type", "integer"}}, Json{{"type", "string"}, {"pattern", frames}}, defined("insertion"), Json{{"type", "null"}}})},
-          {"description", "The sequence: 1001-1084, 1-10,20-30, 1-100x2. Without it there is one frame, 1."}}},
-        {"nodes", {{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}, {"description", "name: {type: ..., <port or parameter>: ...}"}}}};
+    auto properties =
+        properties_of(top_fields, {{"fluidcarve", Json{{"const", 1}}},
+                                   {"plugins", Json{{"type", Json::array({"array", "null"})}, {"items", {{"type", "string"}}}}},
+                                   {"params", Json{{"type", "object"}}},
+                                   {"env", Json{{"type", "array"}, {"items", {{"type", "string"}}}}},
+                                   {"extends", Json{{"type", "string"}}},
+                                   {"frames", Json{{"anyOf", Json::array({Json{{"type", "integer"}}, Json{{"type", "string"}, {"pattern", frames}},
+                                                                          defined("insertion"), Json{{"type", "null"}}})}}},
+                                   {"nodes", Json{{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}}}});
 
     const Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
                    {"title", "fluidcarve pipeline"},

@@ -2,11 +2,15 @@
 
 #include "graph/input_file.h"
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 namespace fluidcarve {
@@ -35,8 +39,7 @@ std::string shown_formats() {
 }  // namespace
 
 const ImageFormat* format_of_name(const std::string& path) {
-    auto ending = std::filesystem::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const auto ending = ending_of(path);
     for (const auto& format : formats())
         if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end()) return &format;
     return nullptr;

@@ -53,7 +53,7 @@ struct ImageWrite {
             if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little with each round; PNG, TIFF and EXR keep them");
             OutputFile output(path);
             module.write(output.aside(), image, params.quality);
-            verify(module, output.aside(), image, *wish.format, warn);
+            verify(module, output, image, *wish.format, warn);
             output.commit();
         } catch (const Failure& failure) {
             const std::string reason = failure.what();
@@ -63,14 +63,14 @@ struct ImageWrite {
 
 private:
     /// Reads the file back, to find write errors such as a full disk, and attributes that the format does not hold.
-    static void verify(const ImageModule& module, const std::string& path, const Image& written, const ImageFormat& format,
+    static void verify(const ImageModule& module, const OutputFile& output, const Image& written, const ImageFormat& format,
                        const std::function<void(const std::string&)>& warn) {
         Image read;
         try {
-            read = module.read(path, written.format);
+            read = module.read(output.aside(), written.format);
         } catch (const Failure&) {}
         if (read.data.width != written.data.width || read.data.height != written.data.height || read.channels.size() != written.channels.size())
-            throw Failure("the file did not come out whole; is the disk full?");
+            throw output.not_whole();
         std::vector<std::string> lost;
         for (const auto& attribute : written.attributes)
             if (!attribute.name.starts_with("oiio:") && !holds(read, attribute.name)) lost.push_back(attribute.name);

@@ -182,8 +182,9 @@ void note_file(const Volume& volume, const VdbHeader& header, const Profile* pro
 }
 
 Json look(const std::string& path) {
-    const auto header = read_vdb_header(path);
-    const auto volume = read_vdb(path);
+    VdbFile from(path);
+    const auto& header = from.header();
+    const auto volume = from.read();
     const auto* const profile = detected_profile(header);
     Json out{{"file", path}, {"bytes", std::filesystem::file_size(path)}, {"version", header.version}, {"compression", volume.codec}};
     out["profile"] = profile ? Json(profile->name) : Json(nullptr);

@@ -7,13 +7,9 @@
 namespace fluidcarve {
 namespace {
 
-bool has(const VdbHeader& header, const std::string& name) {
-    return std::any_of(header.grids.begin(), header.grids.end(), [&](const auto& grid) { return grid.name == name || grid.unique_name == name; });
-}
-
 bool has_or_triplet(const VdbHeader& header, const std::string& name) {
     const auto parts = triplet_names(name);
-    return has(header, name) || std::all_of(parts.begin(), parts.end(), [&](const auto& part) { return has(header, part); });
+    return header.find(name) || std::all_of(parts.begin(), parts.end(), [&](const auto& part) { return header.find(part).has_value(); });
 }
 
 /// Whether a file has grid names or metadata that only this application writes.

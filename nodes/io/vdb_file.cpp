@@ -55,11 +55,13 @@ private:
 
 std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
 
-/// An open .vdb file with its header. It does not use OpenVDB's header reader, which trusts lengths in the file, stops at unknown grid
-/// types, and sorts the grids by name.
-class OpenVdb : private openvdb::io::Archive {
+}  // namespace
+
+/// The file's stream and the places of its grids. It does not use OpenVDB's header reader, which trusts lengths in the file, stops at
+/// unknown grid types, and sorts the grids by name.
+class VdbFile::Stream : private openvdb::io::Archive {
 public:
-    explicit OpenVdb(const std::string& path) : path_(path) {
+    explicit Stream(const std::string& path) : path_(path) {
         register_openvdb_types();
         open();
         try {
@@ -287,17 +289,44 @@ private:
     std::uint32_t codecs_seen_ = 0;
 };
 
-VdbHeader header_of(OpenVdb& file) {
+VdbFile::VdbFile(const std::string& path) : stream_(std::make_unique<Stream>(path)) {}
+VdbFile::~VdbFile() = default;
+
+const VdbHeader& VdbFile::header() {
+    if (header_) return *header_;
     VdbHeader out;
-    out.path = file.path();
-    out.version = file.version();
-    out.metadata = file.metadata();
-    for (const auto& grid : file.grids()) {
-        out.grids.push_back({OpenVdb::shown(grid), grid.gridName(), grid.gridType(), nullptr, {}, {}});
-        file.describe(grid, out.grids.back());
+    out.path = stream_->path();
+    out.version = stream_->version();
+    out.metadata = stream_->metadata();
+    for (const auto& grid : stream_->grids()) {
+        out.grids.push_back({Stream::shown(grid), grid.gridName(), grid.gridType(), nullptr, {}, {}});
+        stream_->describe(grid, out.grids.back());
     }
+    return header_.emplace(std::move(out));
+}
+
+Volume VdbFile::read() {
+    const auto& all = stream_->grids();
+    std::vector<openvdb::GridBase::Ptr> grids;
+    for (const auto& grid : all) grids.push_back(stream_->read(grid));
+    for (std::size_t n = 0; n < grids.size(); ++n)
+        if (const auto& grid = all[n]; grid.isInstance())
+            grids[n]->setTree(grids[static_cast<std::size_t>(&stream_->parent_of(grid) - all.data())]->baseTreePtr());
+    Volume out;
+    out.grids.assign(grids.begin(), grids.end());
+    out.metadata = stream_->metadata();
+    out.codec = codec_of(stream_->codecs_seen());
     return out;
 }
+
+openvdb::GridBase::Ptr VdbFile::read(std::size_t place) {
+    const auto& from = stream_->grids()[place];
+    auto grid = stream_->read(from);
+    if (from.isInstance()) grid->setTree(stream_->read(stream_->parent_of(from))->baseTreePtr());
+    return grid;
+}
+
+namespace {
 
 std::uint32_t flags(const std::string& codec) {
     using namespace openvdb::io;
@@ -324,10 +353,15 @@ std::string name(Codec codec, const Volume& volume) {
 
 }  // namespace
 
-std::size_t VdbHeader::place(const std::string& name) const {
+std::optional<std::size_t> VdbHeader::find(const std::string& name) const {
     for (const auto key : {&Entry::name, &Entry::unique_name})
         for (std::size_t n = 0; n < grids.size(); ++n)
             if (grids[n].*key == name) return n;
+    return std::nullopt;
+}
+
+std::size_t VdbHeader::place(const std::string& name) const {
+    if (const auto found = find(name)) return *found;
     const auto known = names();
     const auto best = nearest(name, known);
     refuse(fmt::format("{} has no grid '{}'; it has {}{}", path, name, known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
@@ -340,34 +374,16 @@ std::vector<std::string> VdbHeader::names() const {
     return out;
 }
 
-VdbHeader read_vdb_header(const std::string& path) {
-    OpenVdb file(path);
-    return header_of(file);
-}
+VdbHeader read_vdb_header(const std::string& path) { return VdbFile(path).header(); }
 
-Volume read_vdb(const std::string& path) {
-    OpenVdb file(path);
-    std::vector<openvdb::GridBase::Ptr> grids;
-    for (const auto& grid : file.grids()) grids.push_back(file.read(grid));
-    for (std::size_t n = 0; n < grids.size(); ++n)
-        if (const auto& grid = file.grids()[n]; grid.isInstance())
-            grids[n]->setTree(grids[static_cast<std::size_t>(&file.parent_of(grid) - file.grids().data())]->baseTreePtr());
-    Volume out;
-    out.grids.assign(grids.begin(), grids.end());
-    out.metadata = file.metadata();
-    out.codec = codec_of(file.codecs_seen());
-    return out;
-}
+Volume read_vdb(const std::string& path) { return VdbFile(path).read(); }
 
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name) {
-    OpenVdb file(path);
-    const auto& from = file.grids()[header_of(file).place(name)];
-    auto grid = file.read(from);
-    if (from.isInstance()) grid->setTree(file.read(file.parent_of(from))->baseTreePtr());
-    return grid;
+    VdbFile file(path);
+    return file.read(file.header().place(name));
 }
 
-void write_vdb(const std::string& path, const Volume& volume, Codec codec, const Placement* placement) {
+VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec, const Placement* placement) {
     register_openvdb_types();
     std::vector<openvdb::GridBase::ConstPtr> grids;
     for (const auto& grid : volume.grids)
@@ -396,7 +412,7 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec, const
     try {
         header = read_vdb_header(output.aside());
     } catch (const Failure&) {
-        throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
+        throw output.not_whole();
     }
     const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
         return written.name == grid->getName() && written.type == grid->type();
@@ -404,6 +420,8 @@ void write_vdb(const std::string& path, const Volume& volume, Codec codec, const
     if (!std::equal(header.grids.begin(), header.grids.end(), grids.begin(), grids.end(), same))
         throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path, fmt::join(header.names(), ", "), volume.names()));
     output.commit();
+    header.path = path;
+    return header;
 }
 
 }  // namespace fluidcarve

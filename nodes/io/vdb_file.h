@@ -4,7 +4,8 @@
 #include "nodes/payloads.h"
 
 #include <cstddef>
-#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,24 +26,43 @@ struct VdbHeader {
     openvdb::MetaMap metadata;  ///< metadata of the file
     std::vector<Entry> grids;   ///< in file order
 
-    /// Index in `grids` of the first grid with this name, else of the grid with this unique name.
-    /// @throws Failure (input) listing the grids, if there is none
+    /// Index in `grids` of the first grid with this name, else of the grid with this unique name; nothing if there is none.
+    std::optional<std::size_t> find(const std::string& name) const;
+    /// The same. @throws Failure (input) listing the grids, if there is none
     std::size_t place(const std::string& name) const;
     /// Unique names, in file order.
     std::vector<std::string> names() const;
 };
 
-/// Reads the header and checks that the file is complete; OpenVDB reads a truncated file without an error.
-/// @throws Failure (input) if the file is missing, unreadable, not a VDB file, truncated, or too new for the library
+/// An open .vdb file. However much is read of it, its header is walked only once.
+class VdbFile {
+public:
+    /// Opens the file and checks that it is complete; OpenVDB reads a truncated file without an error.
+    /// @throws Failure (input) if the file is missing, unreadable, not a VDB file, truncated, or too new for the library
+    explicit VdbFile(const std::string& path);
+    ~VdbFile();
+
+    /// The header, read at the first call. @throws Failure (input) if the metadata or transform of a grid is damaged
+    const VdbHeader& header();
+    /// Reads all grids, in the order of VdbHeader::grids, without delayed loading. Shared trees stay shared. Half floats become floats, and
+    /// the grid's half flag is set. A grid of an unknown type becomes a RawGrid.
+    /// @throws Failure (input) naming the grid that can't be read
+    Volume read();
+    /// Reads one grid only. @param place  index in VdbHeader::grids @throws Failure (input) as read()
+    openvdb::GridBase::Ptr read(std::size_t place);
+
+private:
+    class Stream;
+    std::unique_ptr<Stream> stream_;
+    std::optional<VdbHeader> header_;
+};
+
+/// VdbFile::header of a file.
 VdbHeader read_vdb_header(const std::string& path);
-
-/// Reads all grids, in the order of VdbHeader::grids, without delayed loading. Shared trees stay shared. Half floats become floats, and
-/// the grid's half flag is set. A grid of an unknown type becomes a RawGrid.
-/// @throws Failure (input) as read_vdb_header, or naming the grid that can't be read
+/// VdbFile::read of a file.
 Volume read_vdb(const std::string& path);
-
 /// Reads one grid only. @param name  as in VdbHeader::place
-/// @throws Failure (input) as VdbHeader::place and read_vdb
+/// @throws Failure (input) as VdbHeader::place and VdbFile
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name);
 
 /// Compression of a file. All are lossless.
@@ -57,7 +77,8 @@ enum class Codec {
 /// Everything but the writer's own statistics (metadata `file_*`) reads back as it was. Grids are written as they were in their file
 /// (origin.h): placements are undone, merged triplets become three grids.
 /// @param placement  the placement to undo in all grids; null: that of each grid's reader
+/// @return the header, as it was read back
 /// @throws Failure if the file can't be written or is not complete, or a RawGrid does not fit the codec
-void write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read, const Placement* placement = nullptr);
+VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec = Codec::as_read, const Placement* placement = nullptr);
 
 }  // namespace fluidcarve

@@ -98,22 +98,22 @@ std::string short_type(std::string type) {
     return type.substr(before.size(), type.size() - before.size() - after.size());
 }
 
-/// The header of one file, in which it finds the grids that a pipeline names.
+/// An open file, in whose header it finds the grids that a pipeline names.
 class Contents {
 public:
     Contents(const std::string& path, Application application)
-        : header_(read_vdb_header(path)),
+        : file_(path),
+          header_(file_.header()),
           profile_(application == Application::detect ? detected_profile(header_) : profile(ParamTraits<Application>::text(application))) {}
 
+    VdbFile& file() { return file_; }
     const VdbHeader& header() const { return header_; }
 
     /// Indices in the header of the grids for an output: one, or three for a triplet.
     /// @throws Failure (input) if there is no such grid, or it has another type
     std::vector<std::size_t> places(const std::string& output, const GridChoice& choice) const {
-        const auto name = choice.name.empty() ? name_in_file(header_, profile_, output) : choice.name;
-        const auto has = [&](const std::string& each) {
-            return std::any_of(header_.grids.begin(), header_.grids.end(), [&](const auto& grid) { return grid.name == each || grid.unique_name == each; });
-        };
+        const auto name = choice.name.empty() ? name_in_file(header(), profile_, output) : choice.name;
+        const auto has = [&](const std::string& each) { return header().find(each).has_value(); };
         const auto parts = triplet_names(name);
         if (choice.kind == GridKind::vector && !has(name) && std::all_of(parts.begin(), parts.end(), has))
             return {place(parts[0], GridKind::scalar), place(parts[1], GridKind::scalar), place(parts[2], GridKind::scalar)};
@@ -161,7 +161,8 @@ private:
                       Failure::Kind::input);
     }
 
-    VdbHeader header_;
+    VdbFile file_;
+    const VdbHeader& header_;
     const Profile* profile_;
 };
 
@@ -242,8 +243,7 @@ struct VdbRead {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto path = file_of(params.path, params.missing, context);
-        const Contents contents(path, params.profile);
+        Contents contents(file_of(params.path, params.missing, context), params.profile);
         const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
         std::map<std::string, std::vector<std::size_t>> places;
         for (const auto& [output, choice] : params.grids)
@@ -251,7 +251,7 @@ struct VdbRead {
 
         std::map<std::size_t, openvdb::GridBase::ConstPtr> grids;
         if (context.wants("volume")) {
-            auto volume = std::make_shared<Volume>(read_vdb(path));
+            auto volume = std::make_shared<Volume>(contents.file().read());
             for (std::size_t n = 0; n < volume->grids.size(); ++n) grids[n] = volume->grids[n];
             for (auto& grid : volume->grids) grid = placed(grid, contents.placement_of(*grid, placement));
             io.volume = std::move(volume);
@@ -260,7 +260,7 @@ struct VdbRead {
             std::vector<openvdb::GridBase::ConstPtr> made_of;
             for (const auto n : all) {
                 auto& grid = grids[n];
-                if (!grid) grid = read_vdb_grid(path, contents.header().grids[n].unique_name);
+                if (!grid) grid = contents.file().read(n);
                 made_of.push_back(grid);
             }
             io.grids[output] = contents.typed(made_of, params.grids.at(output), placement);

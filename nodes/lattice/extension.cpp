@@ -1,5 +1,7 @@
 #include "nodes/lattice/extension.h"
 
+#include "graph/text/words.h"
+
 #include <fmt/format.h>
 
 namespace fluidcarve {
@@ -12,9 +14,11 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
     below_ = below;
     above_ = above;
     planes_ = lattice.shape[2];
-    const auto whole = extended_below(lattice, {axis == Axis::u ? below : 0, axis == Axis::v ? below : 0});
+    std::array<int, 2> before{};
+    before[dimension(axis)] = below;
+    const auto whole = extended_below(lattice, before);
     auto extent = whole.shape;
-    extent[static_cast<std::size_t>(axis)] += above;
+    extent[dimension(axis)] += above;
 
     const auto note = [frame](Worst& worst, std::size_t extended, std::size_t own, int plane) {
         if (extended > own && extended - own > worst.count) worst = {extended - own, plane, frame};
@@ -33,12 +37,12 @@ std::string Extension::where(const Worst& worst) const {
 
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
-    std::string out = fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there",
-                                  below_ + above_ == 1 ? "1 seam" : fmt::format("{} seams", below_ + above_),
-                                  below_ == 0   ? "last"
-                                  : above_ == 0 ? "first"
-                                                : "first and last",
-                                  axis_ == Axis::u ? "u" : "v");
+    std::string out =
+        fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there", counted(static_cast<std::size_t>(below_ + above_), "seam"),
+                    below_ == 0   ? "last"
+                    : above_ == 0 ? "first"
+                                  : "first and last",
+                    to_text(axis_));
     if (folds_.count > 0) out += fmt::format(" {} cells are folded{}", folds_.count, where(folds_));
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));

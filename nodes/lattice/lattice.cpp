@@ -33,6 +33,8 @@ bool near(const Vec3d& a, const Vec3d& b, double tolerance) { return (a - b).len
 
 }  // namespace
 
+std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }
+
 bool Lattice::is_box() const {
     if (planes.empty() || closed) return false;
     const auto& first = planes.front();

@@ -11,6 +11,8 @@ namespace fluidcarve {
 /// The dimension of a lattice that is carved.
 enum class Axis { u = 0, v = 1 };
 
+/// "u" or "v".
+std::string to_text(Axis axis);
 /// Place of a carved axis among a vertex's coordinates: 0 or 1.
 constexpr std::size_t dimension(Axis axis) { return static_cast<std::size_t>(axis); }
 /// Place of the other of the two, along which columns stand beside each other.

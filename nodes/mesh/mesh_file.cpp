@@ -2,13 +2,13 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -24,13 +24,6 @@ struct Format {
 };
 constexpr std::array formats = {Format{".obj", read_obj, [](FileText&) {}, obj_text}, Format{".ply", read_ply, probe_ply, ply_text},
                                 Format{".off", read_off, probe_off, off_text}, Format{".stl", read_stl, probe_stl, stl_text}};
-
-std::string ending_of(const std::string& path) {
-    auto out = std::filesystem::path(path).extension().string();
-    for (auto& letter : out)
-        if (letter >= 'A' && letter <= 'Z') letter += 'a' - 'A';
-    return out;
-}
 
 const Format& format_of(const std::string& path) {
     const auto fault = ending_fault(path);
@@ -80,9 +73,7 @@ std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, c
     OutputFile output(path);
     std::ofstream out(output.aside(), std::ios::binary);
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    if (!out) throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
-    output.commit();
+    output.commit(out);
     return losses;
 }
 

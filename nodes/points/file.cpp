@@ -1,14 +1,14 @@
 #include "nodes/points/file.h"
-#include "nodes/io/openvdb_types.h"
 
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
+#include "nodes/io/openvdb_types.h"
 #include "nodes/io/profile.h"
 #include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace fluidcarve {
 namespace {
@@ -80,16 +80,17 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
         out.placement = placement;
         return out;
     }
-    const auto header = read_vdb_header(path);
-    const auto& entry = header.grids[place_of(header, grid)];
-    const auto found = read_vdb_grid(path, entry.unique_name);
+    VdbFile file(path);
+    const auto& header = file.header();
+    const auto place = place_of(header, grid);
+    const auto found = file.read(place);
     require_sound(*found, path);
     auto by = placement;
     const auto* const from = detected_profile(header);
     if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = Vec3d(-0.5);
     out.grid = placed(found, by);
     out.metadata = header.metadata;
-    out.codec = entry.codec;
+    out.codec = header.grids[place].codec;
     return out;
 }
 
@@ -104,18 +105,13 @@ void look_at_points(const std::string& path, const std::string& grid) {
 
 openvdb::GridBase::ConstPtr in_grid(const Points& points) { return points.grid ? points.grid : placed(grid_of(*points.ply), points.placement); }
 
-bool names_ply(const std::string& path) {
-    auto ending = std::filesystem::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return ending == ".ply";
-}
+bool names_ply(const std::string& path) { return ending_of(path) == ".ply"; }
 
 Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement) {
     Unsaid out;
     if (!names_ply(path)) {
         const auto grid = in_grid(points);
-        write_vdb(path, together(points, grid, beside), Codec::as_read, placement);
-        const auto* const seen_as = detected_profile(read_vdb_header(path));
+        const auto* const seen_as = detected_profile(write_vdb(path, together(points, grid, beside), Codec::as_read, placement));
         const bool off = !offset_of(*grid).isZero(), seen_off = seen_as && seen_as->points_off;
         if (off != seen_off) out.offset = off ? "half_voxel" : "none";
         return out;

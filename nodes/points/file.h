@@ -17,7 +17,7 @@ enum class PointOffset {
 
 /// Reads a PLY file, recognised by its first bytes, or one point grid of a VDB file.
 /// @param grid  name of the point grid; empty: the only one
-/// @throws Failure (input) as read_ply, read_vdb_grid and require_sound; if there is no point grid, or several and no name
+/// @throws Failure (input) as read_ply, VdbFile and require_sound; if there is no point grid, or several and no name
 Points read_points(const std::string& path, const std::string& grid, PointOffset offset, const Placement& placement);
 
 /// Checks without reading the points that a file is complete and holds points.

@@ -294,9 +294,7 @@ void write_ply(const std::string& path, const PlyPoints& points) {
         text.clear();
     }
     file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (!file) throw Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path));
-    output.commit();
+    output.commit(file);
 }
 
 }  // namespace fluidcarve

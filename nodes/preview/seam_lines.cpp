@@ -127,7 +127,8 @@ private:
 
 bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transform& space, View view) {
     const Vec3d middle(0.5 * (lattice.shape[0] - 1), 0.5 * (lattice.shape[1] - 1), 0.5 * (lattice.shape[2] - 1));
-    const auto step = axis == Axis::u ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
+    Vec3d step(0);
+    step[static_cast<int>(axis)] = 1;
     const auto along = space.worldToIndex(lattice.position(middle + step)) - space.worldToIndex(lattice.position(middle));
     return std::abs(along[static_cast<int>(view)]) > 0.9 * along.length();
 }

@@ -1,5 +1,6 @@
 #include "nodes/preview/sheet_rows.h"
 
+#include "graph/text/words.h"
 #include "nodes/preview/difference.h"
 #include "nodes/preview/slice.h"
 
@@ -26,9 +27,8 @@ std::string size_text(const openvdb::CoordBBox& box) {
 }
 
 std::string seams_text(const Seams& seams) {
-    const auto count = seams.seams.size();
     const bool removes = seams.kind == Seams::Kind::remove;
-    return fmt::format("{} seam{} {} across {}{}", count, count == 1 ? "" : "s", removes ? "removed" : "inserted", to_text(seams.axis),
+    return fmt::format("{} {} across {}{}", counted(seams.seams.size(), "seam"), removes ? "removed" : "inserted", to_text(seams.axis),
                        !seams.paired() ? ""
                        : removes       ? ", as many inserted above"
                                        : ", as many removed above");
@@ -166,7 +166,7 @@ SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& 
 
     SheetPage out;
     out.title = wish_.grid;
-    out.summary = fmt::format("{} of {} frame{}", count, total, total == 1 ? "" : "s");
+    out.summary = fmt::format("{} of {}", count, counted(total, "frame"));
     if (frames_.front().data.seams) out.summary += "; " + seams_text(*frames_.front().data.seams);
     out.view = wish_.view;
     for (const auto& frame : frames_) out.frames.push_back(frame.data.name);

@@ -14,7 +14,8 @@ namespace {
 std::optional<std::size_t> seams_of(const Auto<Count>& asked, const Seams& last) {
     if (!asked) return std::nullopt;
     const int count = asked->of(last.carved());
-    if (count < 0 && last.kind == Seams::Kind::insert) throw Failure(fmt::format("count {} removes, but the seams insert", count));
+    if (count != 0 && kind_asked(count) == Seams::Kind::remove && last.kind == Seams::Kind::insert)
+        throw Failure(fmt::format("count {} removes, but the seams insert", count));
     return static_cast<std::size_t>(std::abs(count));
 }
 
@@ -28,7 +29,7 @@ void require_still(const Seams& seams) {
 }
 
 void require_reach(const Softness& softness, const Seams& seams, const Lattice& lattice) {
-    const int size = lattice.shape[static_cast<std::size_t>(seams.axis)];
+    const int size = lattice.shape[dimension(seams.axis)];
     // The default softness is no fault, even in a small lattice.
     if (softness.vertices > std::max<double>(size, default_soft))
         throw Failure(

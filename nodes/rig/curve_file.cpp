@@ -1,6 +1,7 @@
 #include "nodes/rig/curve_file.h"
 
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
 #include "nodes/geometry_file/file_text.h"
 #include "nodes/geometry_file/obj.h"
 #include "nodes/geometry_file/ply.h"
@@ -173,9 +174,7 @@ std::vector<Vec3d> read_csv(FileText& file) {
 }  // namespace
 
 std::vector<Vec3d> read_curve(const std::string& path) {
-    auto ending = std::filesystem::path(path).extension().string();
-    for (auto& letter : ending)
-        if (letter >= 'A' && letter <= 'Z') letter += 'a' - 'A';
+    const auto ending = ending_of(path);
     if (ending != ".obj" && ending != ".ply" && ending != ".csv")
         throw Failure(fmt::format("{}: a curve is read from .obj, .ply or .csv, not from '{}'", path, ending), Failure::Kind::input);
     FileText file(InputFile(path, {.what = "a curve", .most = most_bytes, .missing = "can't be opened"}));

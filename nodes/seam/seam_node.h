@@ -51,7 +51,7 @@ public:
     void resume(const Payload& result, const nlohmann::ordered_json& entry);
 
     /// Seams are a result that grows (Growth): the first seams do not depend on how many are asked for.
-    static std::string rest(const Params& params) { return to_text(params.count.value > 0 ? Seams::Kind::insert : Seams::Kind::remove); }
+    static std::string rest(const Params& params) { return to_text(kind_asked(params.count.value)); }
     static Extent extent(const Payload& result);
     static std::size_t wanted(const Params& params, std::size_t vertices);
     static Payload first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry);

@@ -38,7 +38,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
     const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->seams.size(); };
     std::array<int, 2> origin{};
     for (std::size_t n = 0; n < sets.size(); ++n) {
-        const auto axis = static_cast<std::size_t>(sets[n]->axis);
+        const auto axis = dimension(sets[n]->axis);
         origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->seams.size()));
         below_[axis] = std::max(below_[axis], -origin[axis]);
     }
@@ -53,7 +53,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
                                       sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
         const auto used = used_of(n);
         if (used > set.seams.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.seams.size()));
-        auto& begin = origin[static_cast<std::size_t>(set.axis)];
+        auto& begin = origin[dimension(set.axis)];
         if (used > 0) {
             auto& step = steps_.emplace_back(set, t, used, origin);
             if (softness) soften(step, set, t, softness);

@@ -47,7 +47,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
                 for (int n = 0; n < static_cast<int>(count); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
             };
             add(seams.seams, inserts_, start_);
-            if (paired_) add(seams.pairs, !inserts_, start_ + (inserts_ ? this->count() : -this->count()));
+            if (paired_) add(seams.pairs, !inserts_, start_ + growth());
         }
     });
     first_moved_ = start_ == origin_ ? high() + 1 : low();
@@ -67,17 +67,16 @@ void CarveStep::set_soft(std::shared_ptr<const SmoothDisplacement> soft, int fir
 }
 
 std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
-    const double whole = origin_ - start_, net = inserts_ ? -count() : count();
-    const auto last_of = [&](const Window& window, bool inserts) { return window.last + (inserts ? count() : -count()); };
+    const double whole = origin_ - start_, net = -growth();
     if (!paired_) {
         const auto window = seams.window.value_or(Window{0, before_ - 1});
-        return {{{start_ + window.first, start_ + last_of(window, inserts_)}, whole, whole + net}};
+        return {{{start_ + window.first, start_ + window.last + growth()}, whole, whole + net}};
     }
     std::array<Window, 2> out{Window{high(), low()}, Window{high(), low()}};
     if (seams.window && seams.pair_window) {
-        const int moved = start_ + (inserts_ ? count() : -count());
-        out = {Window{start_ + seams.window->first, start_ + last_of(*seams.window, inserts_)},
-               Window{moved + seams.pair_window->first, moved + last_of(*seams.pair_window, !inserts_)}};
+        const int moved = start_ + growth();
+        out = {Window{start_ + seams.window->first, start_ + seams.window->last + growth()},
+               Window{moved + seams.pair_window->first, moved + seams.pair_window->last - growth()}};
     } else {
         // A file may state no windows. They then begin and end where the seams do.
         for (std::size_t c = 0; c < bounds_.size(); c += 2 * count_)

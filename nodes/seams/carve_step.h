@@ -34,7 +34,7 @@ public:
     bool closed() const { return closed_; }  ///< whether plane slices() is plane 0 again
     int count() const { return static_cast<int>(count_); }
     int before() const { return before_; }  ///< vertices along the axis before the carve
-    int after() const { return paired_ ? before_ : inserts_ ? before_ + count() : before_ - count(); }
+    int after() const { return paired_ ? before_ : before_ + growth(); }
     int laterals() const { return laterals_; }
     int first_lateral() const { return first_lateral_; }
     int last_lateral() const { return first_lateral_ + laterals_ - 1; }
@@ -126,6 +126,9 @@ public:
     }
 
 private:
+    /// Vertices by which the seams of the first window lengthen it.
+    int growth() const { return inserts_ ? count() : -count(); }
+
     int axis_, before_, laterals_, slices_, first_lateral_, origin_, start_;
     bool inserts_, paired_, closed_;
     std::size_t count_;

@@ -7,18 +7,17 @@ namespace fluidcarve {
 std::array<int, 3> Seams::shape_after(std::size_t count) const {
     auto out = shape;
     if (paired()) return out;
-    auto& size = out[static_cast<std::size_t>(axis)];
-    size += kind == Kind::remove ? -static_cast<int>(count) : static_cast<int>(count);
+    out[dimension(axis)] += growth(kind, static_cast<int>(count));
     return out;
 }
 
 int Seams::shift_after(std::size_t count) const {
     if (paired()) return 0;
-    const int n = static_cast<int>(count), sign = kind == Kind::remove ? 1 : -1;
+    const int n = static_cast<int>(count);
     switch (anchor.at) {
         case Anchor::At::low: return 0;
-        case Anchor::At::middle: return sign * (n / 2);
-        case Anchor::At::high: return sign * n;
+        case Anchor::At::middle: return -growth(kind, n / 2);
+        case Anchor::At::high: return -growth(kind, n);
         case Anchor::At::vertex: return shifts.at(count);
     }
     return 0;
@@ -39,7 +38,7 @@ void Seams::find_shifts() {
             ++sum;
         }
         const auto mean = static_cast<int>(std::lround(static_cast<double>(sum) / static_cast<double>(moves.size())));
-        shifts.push_back(kind == Kind::remove ? mean : -mean);
+        shifts.push_back(-growth(kind, mean));
     }
 }
 
@@ -51,8 +50,6 @@ std::string Seams::lattice_hash_at(std::size_t t) const {
     }
     return lattice_hash.substr(begin, end - begin);
 }
-
-std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }
 
 std::string to_text(const Anchor& anchor) {
     switch (anchor.at) {

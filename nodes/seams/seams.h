@@ -41,7 +41,7 @@ struct Seams {
     /// Their entries do not count the seams of the other window.
     std::vector<Seam> pairs;
 
-    int carved() const { return shape[static_cast<std::size_t>(axis)]; }  ///< vertices along the carved axis
+    int carved() const { return shape[dimension(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[lateral_dimension(axis)]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     bool paired() const { return !pairs.empty(); }
@@ -59,11 +59,14 @@ struct Seams {
     void find_shifts();
 };
 
+/// The kind of the seams that a count asks for, by its sign: positive inserts, negative removes. Nothing to carve counts as a removal.
+/// @param count  Count::value or Count::of()
+constexpr Seams::Kind kind_asked(double count) { return count > 0 ? Seams::Kind::insert : Seams::Kind::remove; }
+/// The reverse: vertices by which `count` seams lengthen the axis; below 0 for removals.
+constexpr int growth(Seams::Kind kind, int count) { return kind == Seams::Kind::remove ? -count : count; }
 /// The kind of the second seam of a pair.
 constexpr Seams::Kind opposite(Seams::Kind kind) { return kind == Seams::Kind::remove ? Seams::Kind::insert : Seams::Kind::remove; }
 
-/// "u" or "v".
-std::string to_text(Axis axis);
 /// "low", "middle", "high", or the vertex.
 std::string to_text(const Anchor& anchor);
 /// "remove" or "insert".

@@ -119,10 +119,7 @@ std::optional<Json> header_of(int file, std::uint64_t& size) {
 
 Cache::Cache(const Registry& registry, std::string folder) : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache") {}
 
-std::string Cache::path_of(const Key& key) const {
-    const auto text = key.text();
-    return fmt::format("{}/{}/{}", folder_, text.substr(0, 2), text.substr(2));
-}
+std::string Cache::path_of(const Key& key) const { return folder_ + "/" + key.path(); }
 
 void Cache::touch(const Key& key) const {
     if (on() && key) utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);

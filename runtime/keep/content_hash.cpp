@@ -15,6 +15,8 @@ struct ContentHash::State {
 
 std::string Key::text() const { return fmt::format("{:016x}{:016x}", high, low); }
 
+std::string Key::path() const { return text().insert(2, "/"); }
+
 Key Key::parse(std::string_view text) {
     Key out;
     if (text.size() != 32) return out;

@@ -4,7 +4,6 @@
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <fcntl.h>
@@ -53,7 +52,7 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
         out.key = key;
         return out;
     };
-    const auto remembered = folder_.empty() ? std::string() : fmt::format("{}/{}/{}", folder_, stamp.text().substr(0, 2), stamp.text().substr(2));
+    const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp.path();
     if (!remembered.empty() && settled(before)) {
         std::string text, seal;
         std::ifstream(remembered) >> text >> seal;
@@ -76,9 +75,7 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
     const auto key = hash.digest();
     if (!remembered.empty() && settled(after)) {
         try {
-            OutputFile out(remembered);
-            std::ofstream(out.aside()) << key.text() << " " << seal_of(after, key).text() << "\n";
-            out.commit();
+            OutputFile::write(remembered, key.text() + " " + seal_of(after, key).text() + "\n");
         } catch (const Failure&) {
             // The hash is not stored: the next run reads the file again.
         }

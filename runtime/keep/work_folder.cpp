@@ -30,23 +30,6 @@ bool is_hex(std::string_view text, std::size_t length) {
     return text.size() == length && std::ranges::all_of(text, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-bool is_number(std::string_view text) {
-    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-}
-
-/// Whether a name is of the form of OutputFile's temporary files: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
-bool is_temporary(const std::string& name) {
-    const auto part = name.rfind(".part");
-    if (!name.starts_with('.') || part == std::string::npos) return false;
-    std::vector<std::string> fields{""};
-    for (const char c : name.substr(1, part - 1)) {
-        if (c == '.') fields.emplace_back();
-        else fields.back() += c;
-    }
-    const auto count = fields.size();
-    return count >= 4 && is_number(fields[count - 1]) && is_number(fields[count - 2]) && is_hex(fields[count - 3], 16);
-}
-
 /// Regular files below a folder, links not followed. @param depth  folders between it and the files
 std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     std::vector<fs::path> out;
@@ -61,7 +44,7 @@ std::vector<fs::path> files_in(const fs::path& folder, int depth) {
     return out;
 }
 
-/// Named files in folders of two digits, as in `cache/0a/...`, that are no temporary ones.
+/// Files that are named by a key (Key::path), which no temporary one is.
 std::vector<fs::path> hashed_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     std::erase_if(out, [](const fs::path& file) { return !is_hex(file.filename().string(), 30); });
@@ -71,7 +54,7 @@ std::vector<fs::path> hashed_files(const fs::path& folder) {
 std::vector<fs::path> temporary_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     for (auto& file : files_in(folder, 0)) out.push_back(std::move(file));
-    std::erase_if(out, [](const fs::path& file) { return !is_temporary(file.filename().string()); });
+    std::erase_if(out, [](const fs::path& file) { return !OutputFile::is_aside(file.filename().string()); });
     return out;
 }
 

@@ -41,9 +41,6 @@ std::string base64(const std::string& bytes) {
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }
 
-/// A count with its noun: "1 seam", "6 seams".
-std::string counted(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
-
 /// A value of the report as short text; lists are joined by commas.
 std::string plain(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
@@ -436,11 +433,7 @@ void read(PagePicture& picture) {
     if (!picture.png.starts_with("\x89PNG\r\n\x1a\n")) picture = {picture.node, picture.path, "", "is no PNG file", picture.earlier};
 }
 
-bool is_picture(const std::string& path) {
-    auto ending = fs::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending == ".png";
-}
+bool is_picture(const std::string& path) { return ending_of(path) == ".png"; }
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include "graph/document.h"
 #include "graph/pipeline.h"
+#include "graph/types/file_fields.h"
 #include "nodes/catalogue.h"
 #include "runtime/run/run.h"
 #include "tests/support/scratch.h"
@@ -173,7 +174,7 @@ void make_classical(Document& document, const Registry& registry) {
     const auto& greedy = *registry.node("seam.greedy");
     std::erase_if(seams.fields, [&](const Value::Field& field) {
         const bool of_forward_cost = field.name == "field" || field.name == "field_weight" || field.name == "empty";
-        return of_forward_cost || (!is_common_field(field.name) && !greedy.input(field.name) && !greedy.param(field.name));
+        return of_forward_cost || (!find_field(common_fields, field.name) && !greedy.input(field.name) && !greedy.param(field.name));
     });
     if (!seen.empty()) price_empty_space(document, node_of(document, "seams"), seen);
     for (auto& [name, mark, node] : document.nodes.fields) {

@@ -1,4 +1,5 @@
 #include "graph/views/describe.h"
+#include "graph/types/file_fields.h"
 #include "graph/views/schema.h"
 
 #include <catch2/catch.hpp>
@@ -166,6 +167,8 @@ TEST_CASE("the Markdown reference has every node, port, parameter and travelling
           "| `wall` | stone; once for the whole sequence | The wall. |", "| stone | Hard. |", "```yaml\nwell:\n  type: source.well\n"})
         CHECK_THAT(text, Catch::Contains(part));
     CHECK_THAT(text, Catch::Contains(to_markdown(toys(), *toys().node("water.dam"))));
+    for (const auto& field : common_fields)
+        if (field.name != "type") CHECK_THAT(text.substr(0, text.find("## water")), Catch::Contains("`" + std::string(field.name)));
 }
 
 TEST_CASE("the JSON reference has every field") {

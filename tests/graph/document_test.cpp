@@ -188,6 +188,8 @@ TEST_CASE("a frame set that was left empty is not taken for one frame") {
 }
 
 TEST_CASE("params are checked against their declaration") {
+    CHECK(problems("fluidcarve: 1\nparams:\n  n: {default: 1}\nnodes:\n  a: {type: x}\n") ==
+          "p.yaml:3:3: param 'n' needs a type: bool, int, float, vector, string, path or count\n  n: {default: 1}\n  ^\n");
     CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:27: param 'n' wants a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
     CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==

@@ -21,6 +21,35 @@ TEST_CASE("what a killed run of the same process number left aside does not stop
     CHECK(Scratch::read(scratch / "o.txt") == "new");
 }
 
+TEST_CASE("a temporary file is known by its name, whatever is to become of it") {
+    const Scratch scratch;
+    for (const std::string name : {"o.txt", "two.dots.vdb", "bare", ".hidden", "some.part", "some.partial", "some.part.vdb"}) {
+        INFO(name);
+        const OutputFile file(scratch / name);
+        CHECK(OutputFile::is_aside(std::filesystem::path(file.aside()).filename().string()));
+        CHECK(std::filesystem::path(file.aside()).extension() == (name == "bare" || name == ".hidden" ? ".part" : std::filesystem::path(name).extension()));
+        CHECK(!OutputFile::is_aside(name));
+    }
+    for (const std::string name : {".o.part", ".o.1.2.part", ".o.0123456789abcdef.1.part", ".0123456789abcdef.1.2.part", "o.0123456789abcdef.1.2.part", "."})
+        CHECK(!OutputFile::is_aside(name));
+}
+
+TEST_CASE("what a killed process left aside goes with the next file in its folder") {
+    const Scratch scratch;
+    std::string left;
+    {
+        const OutputFile file(scratch / "first/o.part");
+        left = std::filesystem::path(file.aside()).filename().string();
+    }
+    const auto mine = "." + std::to_string(getpid()) + ".";
+    left.replace(left.find(mine), mine.size(), ".2147483647.");
+    std::filesystem::create_directory(scratch / "second");
+    const auto orphan = scratch.write("second/" + left, ""), other = scratch.write("second/.o.0123456789abcdef.2147483647.0.part", "");
+    const OutputFile file(scratch / "second/o.part");
+    CHECK(!std::filesystem::exists(orphan));
+    CHECK(std::filesystem::exists(other));
+}
+
 namespace {
 
 template <class Call>

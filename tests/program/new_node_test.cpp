@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -17,12 +18,42 @@ Called must(const std::string& command) {
     return out;
 }
 
-std::string without(std::string text, const std::string& part) {
-    for (std::size_t at; (at = text.find(part)) != std::string::npos;) text.erase(at, part.size());
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += by.size()) text.replace(at, part.size(), by);
     return text;
 }
 
+/// The C++ block of nodes/README.md that begins with a comment with this path, without that line.
+std::string block_of_page(const std::string& path) {
+    const auto page = Scratch::read(SOURCE_ROOT "/nodes/README.md"), begin = "```cpp\n// " + path + "\n";
+    const auto at = page.find(begin);
+    REQUIRE(at != std::string::npos);
+    return page.substr(at + begin.size(), page.find("```\n", at + begin.size()) - at - begin.size());
+}
+
 }  // namespace
+
+TEST_CASE("the node that nodes/README.md shows is the one that new-node writes") {
+    const Scratch scratch;
+    must(FLUIDCARVE_PROGRAM " new-node acme.dense --folder " + (scratch / "dense"));
+    // A plugin has other includes, a namespace of its own, and other names.
+    const std::pair<std::string, std::string> program_for_plugin[] = {
+        {"\"dense.h\"", "\"nodes/energy/dense.h\""},
+        {"\"nodes/plugin.h\"", "\"graph/types/node_type.h\"\n#include \"nodes/payloads.h\""},
+        {"using namespace fluidcarve;\n\n", ""},
+        {"fluidcarve::", ""},
+        {"acme_nodes", "fluidcarve"},
+        {"acme.dense", "energy.dense"},
+        {"dense_node", "energy_dense"},
+        {"DenseNode", "Dense"},
+    };
+    for (const auto& [file, path] : {std::pair("dense.h", "nodes/energy/dense.h"), std::pair("dense.cpp", "nodes/energy/dense.cpp"),
+                                     std::pair("dense_test.cpp", "tests/nodes/energy/dense_test.cpp")}) {
+        auto text = Scratch::read(scratch / "dense/" + file);
+        for (const auto& [plugin, program] : program_for_plugin) text = replaced(text, plugin, program);
+        CHECK(block_of_page(path) == text);
+    }
+}
 
 TEST_CASE("what new-node writes builds against an installed fluidcarve, passes its test and runs") {
     // A fixed place, so that the compiler's cache knows what was compiled there before.
@@ -45,7 +76,7 @@ TEST_CASE("what new-node writes builds against an installed fluidcarve, passes i
                               "/out.####.vdb --work " + folder + "/work ";
         const auto refused = call_shell(program + "run --progress none " + pipeline);
         CHECK(refused.code == 2);
-        CHECK(without(refused.err, folder + "/") ==
+        CHECK(replaced(refused.err, folder + "/", "") ==
               "example.yaml:3:11: the plugin build/" + library +
                   ".so is not loaded: it is code that would run with your rights, and nobody allowed that; if you "
                   "trust build/" +
@@ -71,7 +102,7 @@ TEST_CASE("what new-node writes builds against an installed fluidcarve, passes i
 
 TEST_CASE("new-node overwrites nothing, and refuses names that can't be") {
     const Scratch scratch;
-    const auto called = [&](const std::string& arguments) { return without(fluidcarve_program("new-node " + arguments).err, scratch.path() + "/"); };
+    const auto called = [&](const std::string& arguments) { return replaced(fluidcarve_program("new-node " + arguments).err, scratch.path() + "/", ""); };
     scratch.write("mine.txt", "");
     CHECK(called("acme.sparkle --folder " + scratch.path()).find("is there already, and nothing is overwritten; choose another --folder, or remove it\n") !=
           std::string::npos);

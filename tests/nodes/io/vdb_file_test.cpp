@@ -99,6 +99,17 @@ TEST_CASE("reading gives what OpenVDB's own reader gives, in the order of the fi
     CHECK(read_vdb(public_files().back()).names() == "velocity, density, shadow, temperature, flame");
 }
 
+TEST_CASE("one open file gives its header and its grids, one by one or all, in any order") {
+    for (const auto& path : public_files()) {
+        INFO(path);
+        const auto volume = read_vdb(path);
+        VdbFile file(path);
+        for (std::size_t n = volume.grids.size(); n-- > 0;) CHECK(difference(*volume.grids[n], *file.read(n)) == "");
+        CHECK(file.header().names() == read_vdb_header(path).names());
+        require_same(volume, file.read());
+    }
+}
+
 TEST_CASE("reading and writing keeps every grid bit for bit") {
     const Scratch scratch;
     for (const auto& path : public_files()) {
