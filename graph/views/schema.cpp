@@ -158,7 +158,7 @@ Json param_of(bool whole) {
     if (whole) out["required"] = {"type"};
     out["properties"] = {
         {"type", {{"enum", names}, {"description", "What values the param takes; count is a whole number or a percentage of the carved axis."}}},
-        {"default", {{"description", "The value, where neither the environment nor --set gives another."}}},
+        {"default", {{"description", "The value, unless the environment or --set gives another."}}},
         {"min", {{"type", "number"}, {"description", "The least value."}}},
         {"max", {{"type", "number"}, {"description", "The greatest value."}}},
         {"doc", {{"type", "string"}, {"description", "What the param is for."}}}};
@@ -179,13 +179,14 @@ std::string schema(const Registry& registry) {
         {"number_text", {{"type", "string"}, {"pattern", "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?$"}}},
         {"port", {{"description", "node or node.output"}, {"type", "string"}, {"pattern", "^[A-Za-z0-9_-]+(\\..+)?$|\\$\\{[^}]+\\}"}}},
         {"cache", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
-        {"doc", {{"description", "Words for people."}, {"type", "string"}}},
+        {"doc", {{"description", "A note for readers."}, {"type", "string"}}},
         {"param", param_of(true)},
         {"param_change", param_of(false)},
         {"node", node_of(registry, true)},
         {"node_change", node_of(registry, false)}};
     definitions["cache"]["description"] =
-        "Whether results are kept in the work folder; of a writer, whether files that are current stay. Left out: as is worth it.";
+        "Whether results are kept in the work folder; for a writer, whether files that are up to date stay as they are. Left out: results are kept where that "
+        "saves time.";
     for (const auto& [name, type] : registry.nodes()) definitions[name] = fields_of(type, registry);
 
     Json properties{

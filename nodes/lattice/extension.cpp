@@ -33,7 +33,7 @@ std::string Extension::where(const Worst& worst) const {
 
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
-    std::string out = fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there",
+    std::string out = fmt::format("to insert {}, the lattice is extended beyond its {} vertex along {}, and there",
                                   below_ + above_ == 1 ? "1 seam" : fmt::format("{} seams", below_ + above_),
                                   below_ == 0   ? "last"
                                   : above_ == 0 ? "first"
@@ -43,8 +43,8 @@ std::string Extension::fault() const {
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));
     return out +
-           ": what is pushed there is lost in part; insert fewer, or turn the lattice round by its `flip_u` or its rig's `up`, so that it grows to the other "
-           "side";
+           ": part of what is pushed there is lost; insert fewer seams, or turn the lattice around with its `flip_u` or its rig's `up`, so that it grows to "
+           "the other side";
 }
 
 }  // namespace fluidcarve
