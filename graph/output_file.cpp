@@ -169,7 +169,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
         aside_ = (folder / aside_name(target, serial++)).string();
         file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (file < 0 && errno == EEXIST);
-    if (file < 0) throw Failure(fmt::format("cannot write {}: the folder {} takes no file: {}", path_, folder.string(), std::strerror(errno)));
+    if (file < 0) throw Failure(fmt::format("cannot write {}: no file can be made in the folder {}: {}", path_, folder.string(), std::strerror(errno)));
     close(file);
     unfinished.insert(aside_);
 }

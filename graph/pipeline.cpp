@@ -169,7 +169,7 @@ private:
         for (const auto& output : draft.node.outputs)
             if (const auto& payload = registry_.payload(output.type); *wanted && !payload.write)
                 return add(problems_, field->value.mark,
-                           fmt::format("{} can't be kept: its output '{}' is {}, which no file holds", type.name, output.name, payload.name));
+                           fmt::format("{} can't be kept: its output '{}' is {}, which can't be written to a file", type.name, output.name, payload.name));
     }
 
     void read_references(Draft& draft, std::size_t n) {
@@ -223,14 +223,14 @@ private:
         std::vector<std::string> ports;
         for (const auto& output : from.outputs) ports.push_back(output.name);
         if (ports.empty())
-            return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it stands here"),
+            return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it is defined here"),
                    std::nullopt;
         const auto found = reference.port.empty() ? ports.begin() : std::find(ports.begin(), ports.end(), reference.port);
         if (found == ports.end()) {
             if (from.params || from.type->outputs_param.empty())
                 add(problems_, reference.mark,
                     fmt::format("'{}' ({}) has no output '{}'{}", from.name, from.type->name, reference.port, did_you_mean(reference.port, ports)), from.mark,
-                    "it stands here");
+                    "it is defined here");
             return std::nullopt;
         }
         const Link link{source->second, static_cast<std::size_t>(found - ports.begin())};
@@ -240,7 +240,7 @@ private:
             add(problems_, reference.mark,
                 fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name, spec.name, registry_.accepted_names(spec.type), from.name,
                             output.name, registry_.payload(output.type).name),
-                from.mark, fmt::format("'{}' ({}) stands here", from.name, from.type->name));
+                from.mark, fmt::format("'{}' ({}) is defined here", from.name, from.type->name));
             return std::nullopt;
         }
         return link;

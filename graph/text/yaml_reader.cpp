@@ -46,7 +46,7 @@ public:
 
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end()) fail(place(mark), "an alias stands inside the value that it names");
+        if (found == anchors_.end()) fail(place(mark), "this alias is part of the value that it refers to");
         count(place(mark), found->second.size);
         add(Value(found->second.value));
     }
@@ -82,7 +82,7 @@ private:
 
     void count(const Mark& at, std::size_t values) {
         values_ += values;
-        if (values_ > most_values) fail(at, fmt::format("more than {} values, aliases followed: no pipeline needs that", most_values));
+        if (values_ > most_values) fail(at, fmt::format("more than {} values, with all aliases expanded: no pipeline needs so many", most_values));
     }
 
     void open(Value::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {

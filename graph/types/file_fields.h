@@ -27,15 +27,16 @@ inline constexpr std::array top_fields{
 
 /// Fields of a param.
 inline constexpr std::array param_fields{FileField{"type", "What values the param takes; count is a whole number or a percentage of the carved axis."},
-                                         FileField{"default", "The value, where neither the environment nor --set gives another."},
+                                         FileField{"default", "The value, unless the environment or --set gives another."},
                                          FileField{"min", "The least value."}, FileField{"max", "The greatest value."},
                                          FileField{"doc", "What the param is for."}};
 
 /// Fields of every node besides its inputs and parameters.
-inline constexpr std::array common_fields{
-    FileField{"type", "What the node does; `fluidcarve nodes` lists all types."},
-    FileField{"cache", "Whether results are kept in the work folder; of a writer, whether files that are current stay. Left out: as is worth it."},
-    FileField{"doc", "Words for people."}};
+inline constexpr std::array common_fields{FileField{"type", "What the node does; `fluidcarve nodes` lists all types."},
+                                          FileField{"cache",
+                                                    "Whether results are kept in the work folder; for a writer, whether files that are up to date stay as they "
+                                                    "are. Left out: results are kept where that saves time."},
+                                          FileField{"doc", "A note for readers."}};
 
 /// The field of this name, or null.
 const FileField* find_field(std::span<const FileField> fields, std::string_view name);

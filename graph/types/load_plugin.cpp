@@ -25,7 +25,7 @@ bool can_name_a_family(std::string_view name) {
 template <class Symbol>
 Symbol* find(void* library, const std::string& file, const char* name) {
     auto* const found = reinterpret_cast<Symbol*>(dlsym(library, name));
-    if (!found) throw Failure(fmt::format("{} is no plugin of fluidcarve: it has no symbol '{}'; `fluidcarve new-node` writes a whole one", file, name));
+    if (!found) throw Failure(fmt::format("{} is no plugin of fluidcarve: it has no symbol '{}'; `fluidcarve new-node` writes a complete one", file, name));
     return found;
 }
 
@@ -73,8 +73,8 @@ std::vector<std::string> own_types(const Registry& before, const Registry& regis
     for (const auto& from : before.payloads())
         for (const auto& to : before.payloads())
             if (registry.accepts(to.type, from.type) != before.accepts(to.type, from.type))
-                throw Failure(fmt::format("the plugin {} makes '{}' a '{}' everywhere; it may only convert from and to types of its own family '{}'", file,
-                                          from.name, to.name, family));
+                throw Failure(fmt::format("the plugin {} converts '{}' to '{}' for all nodes; it may only convert from and to types of its own family '{}'",
+                                          file, from.name, to.name, family));
     return out;
 }
 
@@ -147,7 +147,8 @@ void load_plugin(const std::string& file, Registry& registry, PluginFiles& files
     } catch (const std::exception& error) {
         throw Failure(fmt::format("the plugin {} failed to register its types: {}; none of them can be used", file, error.what()));
     } catch (...) {
-        throw Failure(fmt::format("the plugin {} failed to register its types: it threw what is no std::exception; none of them can be used", file));
+        throw Failure(
+            fmt::format("the plugin {} failed to register its types: it threw something that is not a std::exception; none of them can be used", file));
     }
     for (const auto& type : own_types(registry, with_plugin, header.family, file)) files[type] = file;
     registry = std::move(with_plugin);

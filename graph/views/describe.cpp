@@ -82,7 +82,7 @@ std::string gives_text(const Registry& registry, const NodeType& type, const Out
 }
 
 std::string more_outputs_text(const NodeType& type) {
-    return fmt::format("One more output for each entry of '{}', of the entry's name and type.", type.outputs_param);
+    return fmt::format("One more output for each entry of '{}', with the entry's name and type.", type.outputs_param);
 }
 
 /// What of a node is cached by default, in words; empty: nothing.
@@ -271,9 +271,9 @@ std::string to_markdown(const Registry& registry) {
         body += "\n" + to_markdown(registry, type);
     }
     std::string out =
-        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`. Beside its own\n"
-        "fields every node takes `doc`, words for people, and `cache: true` or `false`: whether its results are kept in the work folder,\n"
-        "where it is worth it unless said otherwise; of a writer, whether files that are current stay as they are.\n\n" +
+        "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`. Besides its own\n"
+        "fields every node takes `doc`, a note for readers, and `cache: true` or `false`: whether its results are kept in the work folder;\n"
+        "for a writer, whether files that are up to date stay as they are. Without `cache`, results are kept where that saves time.\n\n" +
         contents + "\n" + body + "\n## What travels between nodes\n\n" + row({"type", ""}) + rule(2);
     for (const auto& payload : travelling(registry)) out += row({payload.name, payload.doc});
     return out;

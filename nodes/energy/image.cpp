@@ -38,7 +38,7 @@ std::vector<Term> terms_of(const Volume& image, const std::optional<std::vector<
         for (const auto& grid : image.grids)
             if (!is_opacity(grid->getName())) out.push_back({channel_of(image, grid->getName()), 1});
     }
-    if (out.empty()) throw Failure(fmt::format("no channel to take the energy of; there are {}", image.names()));
+    if (out.empty()) throw Failure(fmt::format("there is no channel to compute the energy from; there are {}: name some in `channels`", image.names()));
     for (auto& term : out) term.weight = 1 / static_cast<float>(out.size());
     return out;
 }
@@ -105,7 +105,7 @@ NodeType energy_image() {
                "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B; without these channels, the mean of all channels except "
                "opacity (A, alpha).")
         .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
-        .output("intensity", &ImageEnergy::Ports::intensity, "What is seen, units of the channels: a solver's `field`.")
+        .output("intensity", &ImageEnergy::Ports::intensity, "The intensity, units of the channels: use it as a solver's `field`.")
         .version(2)
         .kept();
 }

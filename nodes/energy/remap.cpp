@@ -23,7 +23,7 @@ struct EnergyRemap {
     static bool gathers(const Params& params) { return !params.range; }
 
     static void check(const Params& params, NodeCheck& check) {
-        if (!params.clamp && params.gamma != 1) check.fault("gamma", "'gamma' bends only what is clamped: leave it at 1, or 'clamp' at true");
+        if (!params.clamp && params.gamma != 1) check.fault("gamma", "'gamma' needs clamped values: leave 'gamma' at 1, or 'clamp' at true");
     }
 
     static std::shared_ptr<FrameRanges> digest(const Params&, const Ports& io, Context&) {

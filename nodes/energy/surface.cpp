@@ -23,7 +23,8 @@ struct SurfaceEnergy {
 
     static void check(const Params& params, NodeCheck& check) {
         const auto velocities = check.connections("velocity");
-        if (velocities == 0 && check.stated("kinetic")) check.fault("kinetic", "'kinetic' weighs a term of 'velocity', which is not connected");
+        if (velocities == 0 && check.stated("kinetic"))
+            check.fault("kinetic", "'kinetic' is the weight of a term that needs 'velocity': connect 'velocity', or leave 'kinetic' out");
         params.range.check(1 + velocities, check);
     }
 

@@ -27,7 +27,8 @@ struct VolumeEnergy {
         const auto velocities = check.connections("velocity"), fields = check.connections("fields");
         if (velocities + fields == 0) return check.fault("type", "needs 'velocity', 'fields' or both");
         const auto needs = [&](const char* weight, std::size_t connections, const char* input) {
-            if (connections == 0 && check.stated(weight)) check.fault(weight, fmt::format("'{}' weighs a term of '{}', which is not connected", weight, input));
+            if (connections == 0 && check.stated(weight))
+                check.fault(weight, fmt::format("'{0}' is the weight of a term that needs '{1}': connect '{1}', or leave '{0}' out", weight, input));
         };
         needs("vorticity", velocities, "velocity");
         needs("kinetic", velocities, "velocity");

@@ -85,15 +85,14 @@ FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpressio
     out->setTransform(grids.front().second->transform().copy());
     out->setName(output);
     if (const auto bytes = out->activeVoxelCount() * sizeof(float); program.asks_where && bytes > budget)
-        throw Failure(
-            fmt::format("the program asks where it is, so that all {} voxels, also those of tiles, need values of their own: {:.1f} GiB, of which "
-                        "--memory allows {:.1f}",
-                        out->activeVoxelCount(), static_cast<double>(bytes) / 0x1p30, static_cast<double>(budget) / 0x1p30));
+        throw Failure(fmt::format(
+            "the program reads voxel positions, so each of {} voxels, also of those in tiles, needs its own value: {:.1f} GiB, but --memory allows {:.1f}",
+            out->activeVoxelCount(), static_cast<double>(bytes) / 0x1p30, static_cast<double>(budget) / 0x1p30));
     module.run(program, grids, *out);
     if (const auto wrong = lowest_wrong(*out, least))
         throw Failure(fmt::format("@{} is {} at voxel [{}, {}, {}]; {}", output, wrong->value, wrong->at.x(), wrong->at.y(), wrong->at.z(),
                                   std::isfinite(wrong->value) ? fmt::format("it must be at least {}: use max(..., {}) or abs(...)", least, least)
-                                                              : "guard divisions, roots and logarithms against what their inputs may hold there"));
+                                                              : "guard divisions, roots and logarithms against inputs such as 0 or negative numbers"));
     return out;
 }
 

@@ -15,14 +15,14 @@ template <class Grid>
         if (!openvdb::math::isFinite(*value) && (!lowest || value.getCoord() < *lowest)) lowest = value.getCoord();
     const auto at = lowest.value_or(beside);
     throw Failure(fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}, {}, {}]; repair it where it comes from", grid.getName(),
-                              lowest ? "at" : "beside", at.x(), at.y(), at.z()));
+                              lowest ? "at" : "next to", at.x(), at.y(), at.z()));
 }
 
 }  // namespace
 
 double cubic_voxel_size(const openvdb::GridBase& grid) {
     const auto& transform = grid.constTransform();
-    const auto remedy = "derivatives need cubes along the world's axes: resample the grid first";
+    const auto remedy = "derivatives need cubic voxels along the world's axes: resample the grid first";
     if (!transform.isLinear()) throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); {}", grid.getName(), transform.mapType(), remedy));
     if (!cubes_along_axes(transform)) {
         const auto shape = transform.voxelSize();

@@ -8,9 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 
 namespace fluidcarve {
@@ -50,7 +47,7 @@ const ImageFormat& format_of_file(const std::string& path) {
     for (const auto& format : formats())
         for (const auto& start : format.starts)
             if (begin.starts_with(start)) return format;
-    refuse(begin.empty() ? fmt::format("{} is empty", path) : fmt::format("{} is no image of a kind that is read: {}", path, shown_formats()));
+    refuse(begin.empty() ? fmt::format("{} is empty", path) : fmt::format("{} is not an image in a supported format: {}", path, shown_formats()));
 }
 
 std::string image_endings() {

@@ -277,7 +277,7 @@ void tell_cut(const Image& image, const std::function<void(const std::string&)>&
             cut += value >= least && value <= most ? 0 : 1;
         }
         if (cut > 0)
-            warn(fmt::format("{} values of channel '{}' are not from {:g} to {:g}, which is what {} holds, and were cut off", cut, name, least, most, depth));
+            warn(fmt::format("{} values of channel '{}' lie outside of {:g} to {:g}, the range of {}, and were clamped", cut, name, least, most, depth));
     }
 }
 
@@ -382,7 +382,8 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
         read_pixels(channels, upright, box.min().z(), out);
     }
     if (out.format != "openexr") {
-        if (united(out.data, out.display) != out.display) warn(fmt::format("{} holds no pixels beyond the picture; those are left out", wish.format->shown));
+        if (united(out.data, out.display) != out.display)
+            warn(fmt::format("{} can't hold pixels outside of the display window; they are left out", wish.format->shown));
         reframe(out, out.display);
         out.data.x = out.data.y = out.display.x = out.display.y = 0;
     }

@@ -26,7 +26,7 @@ struct ImageRead {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (params.channels.contains("volume")) check.fault("channels", "image.read has an output 'volume' of its own; name this one otherwise");
+        if (params.channels.contains("volume")) check.fault("channels", "image.read already has an output 'volume'; give this one another name");
         check_missing(params.path, params.missing, check);
     }
 
@@ -52,7 +52,7 @@ struct ImageRead {
                           Failure::Kind::input);
         if (header.more > 0) context.warn(fmt::format("{} holds {} images; only the first is read", path, header.more + 1));
         for (const auto& [name, depth] : header.channels)
-            if (!depth_holds("float", depth)) context.warn(fmt::format("{}: channel '{}' is {}, of which a float keeps 24 bits", path, name, depth));
+            if (!depth_holds("float", depth)) context.warn(fmt::format("{}: channel '{}' is {}; it is read as float, which keeps 24 bits", path, name, depth));
         const auto volume = std::make_shared<Volume>(volume_of(images().read(path, format.name)));
         for (const auto& [output, channel] : params.channels) io.channels[output] = Payload(openvdb::gridConstPtrCast<FloatGrid>(volume->find(channel)));
         io.volume = volume;

@@ -36,10 +36,10 @@ struct ImageWrite {
 
     static void check(const Params& params, NodeCheck& check) {
         const auto* const format = format_of_name(params.path.text());
-        if (!format) return check.fault("path", fmt::format("'path' wants to end in one of {}", image_endings()));
+        if (!format) return check.fault("path", fmt::format("'path' must end in one of {}", image_endings()));
         if (params.depth && std::find(format->depths.begin(), format->depths.end(), ParamTraits<Depth>::text(*params.depth)) == format->depths.end())
             check.fault("depth", fmt::format("{} holds {}, not {}", format->shown, fmt::join(format->depths, " or "), ParamTraits<Depth>::text(*params.depth)));
-        if (check.stated("quality") && format->name != "jpeg") check.fault("quality", fmt::format("{} loses nothing; 'quality' is for JPEG", format->shown));
+        if (check.stated("quality") && format->name != "jpeg") check.fault("quality", fmt::format("'quality' is for JPEG; {} is lossless", format->shown));
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
@@ -50,7 +50,7 @@ struct ImageWrite {
         const auto& module = load_module<ImageModule>("images");
         try {
             const auto image = image_of(*io.source, wish, warn);
-            if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little with each round; PNG, TIFF and EXR keep them");
+            if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and EXR keep them");
             OutputFile output(path);
             module.write(output.aside(), image, params.quality);
             verify(module, output, image, *wish.format, warn);
@@ -77,7 +77,7 @@ private:
         constexpr std::size_t most = 8;
         const auto more = lost.size() > most ? fmt::format(" and {} more", lost.size() - most) : std::string();
         lost.resize(std::min(lost.size(), most));
-        if (!lost.empty()) warn(fmt::format("{} has no place for what the image says under {}{}", format.shown, fmt::join(lost, ", "), more));
+        if (!lost.empty()) warn(fmt::format("{} can't hold some attributes of the image, which are left out: {}{}", format.shown, fmt::join(lost, ", "), more));
     }
 
     static bool holds(const Image& image, const std::string& name) {

@@ -136,18 +136,18 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
                         facts["first_not_finite"].dump()));
     if (facts.contains("range") && !facts.contains("not_finite") && facts["range"][0] == facts["range"][1] && grid.activeVoxelCount() > 1 &&
         grid.evalActiveVoxelBoundingBox().volume() == grid.activeVoxelCount())
-        say(fmt::format("{:g} everywhere in its box: don't fit a lattice to it, nor to what is active in any grid", facts["range"][0].get<double>()));
+        say(fmt::format("{:g} everywhere in its box: it shows no content, so fit the lattice to another grid", facts["range"][0].get<double>()));
     if (grid.isType<VectorGrid>()) {
         if (grid.getGridClass() == openvdb::GRID_STAGGERED) say("staggered: component c stands on the face below its voxel along axis c");
         if (grid.getVectorType() == openvdb::VEC_INVARIANT && grid.getName().starts_with("vel"))
-            say("invariant by vector type: other tools won't turn it with its transform");
+            say("its vector type is invariant: other tools don't rotate it with its transform");
         if (profile && grid.getName().starts_with("vel")) say(fmt::format("if {} wrote it, in {}", profile->application, profile->velocity_unit));
     }
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<FloatGrid>() && static_cast<const FloatGrid&>(grid).background() <= 0)
         say("called a level set, but its background is not above 0: dense values in voxels, no narrow band");
     if (blender && grid.getGridClass() == openvdb::GRID_FOG_VOLUME && facts.contains("range") && facts["range"][0] >= 1e-6 && facts["range"][0] < 1.1e-6)
         say("active only above 1e-06: derivatives jump at the border of the smoke");
-    if (grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.isType<FloatGrid>() && grid.getName() == "density") say("no class: taken for fog");
+    if (grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.isType<FloatGrid>() && grid.getName() == "density") say("no class: treated as a fog volume");
     if (grid.isType<PointDataGrid>()) {
         if (blender) say("particles half a voxel off the other grids' voxels");
         for (const auto& [name, type] : facts["points"]["attributes"].items())

@@ -85,8 +85,8 @@ public:
         const bool known = is_known_tree(from.gridType());
         if (!known && fileVersion() != openvdb::OPENVDB_FILE_VERSION)
             refuse(fmt::format(
-                "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it could be kept as it is in a file of version {}, but this one "
-                "has {}: leave it out when writing the file",
+                "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it can be copied unchanged only from a file of version {}, but this one has {}: "
+                "write the file without this grid",
                 path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(), static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), fileVersion()));
         const auto grid =
             known ? openvdb::GridBase::createGrid(from.gridType()) : std::make_shared<RawGrid>(from.gridType(), from.getBlockPos(), from.getEndPos());
@@ -175,7 +175,7 @@ private:
         adopt(stream_);
         read_metadata(metadata_);
         const auto count = number<std::int32_t>();
-        if (count < 0) refuse(fmt::format("{} is damaged: it counts {} grids", path_, count));
+        if (count < 0) refuse(fmt::format("{} is damaged: its header states {} grids", path_, count));
         for (std::int32_t n = 0; n < count; ++n) {
             grids_.push_back(descriptor());
             stream_.seekg(grids_.back().getEndPos());
@@ -227,7 +227,7 @@ private:
             const auto size = static_cast<std::uint32_t>(value.size());
             std::istringstream bytes(std::string(reinterpret_cast<const char*>(&size), sizeof size) + value);
             metadata->read(bytes);
-            if (metadata->size() != size) throw std::runtime_error(fmt::format("metadata '{}' is not as long as its type", name));
+            if (metadata->size() != size) throw std::runtime_error(fmt::format("metadata '{}' has another length than its type", name));
             out.insertMeta(name, *metadata);
         }
     }
@@ -397,7 +397,7 @@ VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec, 
         if (codec == Codec::as_read) file_flags = raw->compression();
         if (raw->compression() != flags_of_grid(file_flags, *grid))
             throw Failure(
-                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not know, and can't be compressed anew; set "
+                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not know, and can't be compressed again; set "
                             "'compression: as_read', or leave it out",
                             path, grid->getName(), grid->type()));
     }

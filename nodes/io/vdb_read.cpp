@@ -222,7 +222,7 @@ struct VdbRead {
 
     static void check(const Params& params, NodeCheck& check) {
         if (params.grids.count("volume"))
-            check.fault("grids", "vdb.read has an output 'volume' of its own; name this one otherwise: {density: {name: volume, type: float}}");
+            check.fault("grids", "vdb.read already has an output 'volume'; give this one another name: {density: {name: volume, type: float}}");
         check_missing(params.path, params.missing, check);
     }
 

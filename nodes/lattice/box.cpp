@@ -52,7 +52,7 @@ struct Box {
         for (const auto* field : {"min", "max", "spacing"})
             if (!check.stated(field)) return check.fault(field, "needs either 'fit', or all of 'min', 'max' and 'spacing'");
         if (!params.min || !params.max || !params.spacing) return;
-        if (!(*params.spacing > 0)) return check.fault("spacing", "'spacing' wants more than 0");
+        if (!(*params.spacing > 0)) return check.fault("spacing", "'spacing' must be above 0");
         check_extent(*params.min, *params.max, *params.spacing, check);
     }
 
@@ -79,9 +79,10 @@ struct Box {
         const bool first = !transform_.transform();
         transform_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         if (first && !cubes_along_axes(*in->transform))
-            throw Failure(fmt::format(
-                "grid '{}' is turned or has voxels that are no cubes in frame {}; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'",
-                in->name, context.frame()));
+            throw Failure(
+                fmt::format("grid '{}' is rotated, or its voxels are not cubes, in frame {}; a box fits only grids of cubic voxels along the axes: state "
+                            "'min', 'max' and 'spacing' instead",
+                            in->name, context.frame()));
         name_ = in->name;
         box_.expand(in->voxels);
     }

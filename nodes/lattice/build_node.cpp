@@ -50,7 +50,7 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (!(params.spacing > 0)) return check.fault("spacing", "'spacing' wants more than 0");
+        if (!(params.spacing > 0)) return check.fault("spacing", "'spacing' must be above 0");
         check_extent("extent_u", params.extent_u, params.spacing, check);
         check_extent("extent_v", params.extent_v, params.spacing, check);
     }
@@ -79,8 +79,8 @@ public:
 private:
     static void check_extent(const char* name, const Interval& extent, double spacing, NodeCheck& check) {
         if (extent.high == extent.low)
-            check.fault(name, fmt::format("'{}' is [{:g}, {:g}], which holds nothing; one vertex, for images, is less than a spacing: [{:g}, {:g}]", name,
-                                          extent.low, extent.high, extent.low, extent.low + spacing / 2));
+            check.fault(name, fmt::format("'{}' is [{:g}, {:g}], which is empty; for a single vertex, as for images, state less than one spacing: [{:g}, {:g}]",
+                                          name, extent.low, extent.high, extent.low, extent.low + spacing / 2));
         else if (const double count = vertices_along({extent.low, extent.high}, spacing); count > most_vertices)
             check.fault(name, fmt::format("'{}' holds {:.0f} vertices at a spacing of {:g}; {} is the most", name, count, spacing, most_vertices));
     }
@@ -112,9 +112,9 @@ private:
             context.check_cancelled();
             if (planes(built_[t]) != most) built_[t] = build_lattice(*rigs_[t], spec_of(params), most);
         }
-        context.warn(fmt::format("the rig takes {} planes in frame {}, but {} in frame {}; all frames get {}, which stand {:.4g} apart{}, not {:.4g}", most,
-                                 context.frames()[longest], least, context.frames()[shortest], most, built_[shortest].step, in_frame(context, shortest),
-                                 params.spacing));
+        context.warn(fmt::format(
+            "the rig needs {} planes in frame {}, but {} in frame {}; all frames get {} planes, which are {:.4g} apart{} instead of {:.4g}", most,
+            context.frames()[longest], least, context.frames()[shortest], most, built_[shortest].step, in_frame(context, shortest), params.spacing));
     }
 
     void count_overlaps(const Params& params, const Context& context) {
@@ -129,7 +129,7 @@ private:
     void tell_smoothing(const Params& params, const Context& context) const {
         const auto t = worst([](const BuiltLattice& built) { return built.moved; });
         if (built_[t].moved < params.spacing / 2) return;
-        context.warn(fmt::format("the rig was smoothed {} times against folded cells{}, which moved it by up to {:.4g}", built_[t].iterations,
+        context.warn(fmt::format("the rig was smoothed {} times to avoid folded cells{}, which moved it by up to {:.4g}", built_[t].iterations,
                                  in_frame(context, t), built_[t].moved));
     }
 
@@ -141,7 +141,7 @@ private:
         const auto& lattice = built_[t].lattice;
         const auto remedy =
             reaches_across(*rigs_[t], spec_of(params))
-                ? fmt::format("the lattice reaches {:g} inwards, past the centre of {}, which no smoothing cures: keep 'extent_u' within the radius",
+                ? fmt::format("the lattice reaches {:g} inwards, past the centre of {}, and no smoothing repairs that: keep 'extent_u' within the radius",
                               params.flip_u ? params.extent_u.high : -params.extent_u.low, text_of(*rigs_[t]))
                 : "reduce the extents on the inner side of the bend, or smooth the rig more";
         tell(params, context,
@@ -155,10 +155,9 @@ private:
         if (most->voxels == 0) return;
         const auto t = static_cast<std::size_t>(most - overlaps_.begin());
         tell(params, context,
-             fmt::format(
-                 "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice meets itself; each "
-                 "is carved in the lowest only: reduce the extents, or lead the rig further away from itself",
-                 most->voxels, in_frame(context, t), most->plane, (most->plane + 1) % built_[t].lattice.shape[2]));
+             fmt::format("{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice overlaps "
+                         "itself; each is carved only in the cell of the lowest plane: reduce the extents, or keep the parts of the rig further apart",
+                         most->voxels, in_frame(context, t), most->plane, (most->plane + 1) % built_[t].lattice.shape[2]));
     }
 
     static void tell(const Params& params, const Context& context, const std::string& message) {

@@ -48,7 +48,7 @@ std::vector<Vec3d> plane_directions(const Resampled& line, bool closed, bool to_
 std::vector<Vec3d> untwisted(const Resampled& line, const std::vector<Vec3d>& w, bool closed, const Vec3d& up) {
     const auto first = orthogonal(up.unit(), w.front());
     if (first.length() < 1e-6)
-        throw Failure(fmt::format("the rig starts along its 'up', {}, which then says nothing of where v points; state another", text_of(up)));
+        throw Failure(fmt::format("the rig starts along its 'up', {}, which leaves the direction of v open; state another 'up'", text_of(up)));
     std::vector<Vec3d> out{first.unit()};
     for (std::size_t k = 1; k < w.size(); ++k) out.push_back(carried(out.back(), w[k - 1], line.chords[k - 1], w[k]));
     if (!closed) return out;

@@ -37,18 +37,18 @@ std::string Extension::where(const Worst& worst) const {
 
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
-    std::string out =
-        fmt::format("to insert {} the lattice goes on beyond its {} vertex along {}, and there", counted(static_cast<std::size_t>(below_ + above_), "seam"),
-                    below_ == 0   ? "last"
-                    : above_ == 0 ? "first"
-                                  : "first and last",
-                    to_text(axis_));
+    std::string out = fmt::format("to insert {}, the lattice is extended beyond its {} vertex along {}, and there",
+                                  counted(static_cast<std::size_t>(below_ + above_), "seam"),
+                                  below_ == 0   ? "last"
+                                  : above_ == 0 ? "first"
+                                                : "first and last",
+                                  to_text(axis_));
     if (folds_.count > 0) out += fmt::format(" {} cells are folded{}", folds_.count, where(folds_));
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));
     return out +
-           ": what is pushed there is lost in part; insert fewer, or turn the lattice round by its `flip_u` or its rig's `up`, so that it grows to the other "
-           "side";
+           ": part of what is pushed there is lost; insert fewer seams, or turn the lattice around with its `flip_u` or its rig's `up`, so that it grows to "
+           "the other side";
 }
 
 }  // namespace fluidcarve

@@ -78,7 +78,7 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
     auto places = walk.places(spacing);
     if (places.size() > static_cast<std::size_t>(most_vertices))
         throw Failure(
-            fmt::format("the rig, {:g} long, takes more than {} planes at a spacing of {:g}, the most there may be", path.length(), most_vertices, spacing));
+            fmt::format("the rig, {0:g} long, needs more than {1} planes at a spacing of {2:g}; {1} is the most", path.length(), most_vertices, spacing));
     Resampled out;
     out.step = spacing;
     if (rig.closed || (planes && places.size() != static_cast<std::size_t>(*planes))) {
@@ -86,7 +86,7 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
             const double rest = (path.at(places.back()) - path.at({})).length() / spacing;
             planes = static_cast<int>(places.size() - 1 + static_cast<std::size_t>(std::lround(rest)));
             if (*planes < 3)
-                throw Failure(fmt::format("the closed rig is {:g} around; at a spacing of {:g} that is less than three planes", path.length(), spacing));
+                throw Failure(fmt::format("the closed rig is {:g} around; at a spacing of {:g} that makes fewer than three planes", path.length(), spacing));
         }
         const auto step = walk.fitting(rig.closed ? *planes : *planes - 1, path.length() / *planes);
         if (!step)
@@ -98,7 +98,8 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
         places.resize(1);
         while (places.size() < static_cast<std::size_t>(*planes)) places.push_back(*path.step(places.back(), out.step));
     }
-    if (places.size() < 2) throw Failure(fmt::format("the rig, {:g} long, does not get as far as one spacing, {:g}, from its start", path.length(), spacing));
+    if (places.size() < 2)
+        throw Failure(fmt::format("the rig, {:g} long, stays within one spacing, {:g}, of its start; take a smaller spacing", path.length(), spacing));
     for (std::size_t n = 0; n < places.size(); ++n) {
         out.points.push_back(path.at(places[n]));
         if (n > 0) out.chords.push_back(path.direction(places[n - 1], places[n]));

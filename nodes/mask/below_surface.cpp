@@ -119,7 +119,7 @@ MaskGrid::Ptr below_surface_mask(const std::vector<Ref<FloatGrid>>& surfaces, co
         if (n > 0) require_same_transform(fmt::format("surfaces 1 and {}", n + 1), *surfaces[0], *surfaces[n]);
         if (surfaces[n]->getGridClass() == openvdb::GRID_FOG_VOLUME)
             throw Failure(
-                fmt::format("grid '{}' is a fog volume, which has no surface; a level set is needed, as sdf.from_mesh makes", surfaces[n]->getName()));
+                fmt::format("grid '{}' is a fog volume, which has no surface; connect a level set, such as sdf.from_mesh makes", surfaces[n]->getName()));
         if (CoordBBox known; surfaces[n]->tree().evalActiveVoxelBoundingBox(known)) box.expand(known);
     }
     auto out = MaskGrid::create();

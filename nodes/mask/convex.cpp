@@ -76,8 +76,9 @@ CoordBBox voxels_around(const openvdb::GridBase& like, const Convex& shape) {
     if (!(blocks <= most_blocks && farthest < 1e9)) {
         const auto whole = [](double place) { return std::round(place) + 0.0; };  // no -0
         const auto text = [&](const Vec3d& at) { return fmt::format("[{:.0f}, {:.0f}, {:.0f}]", whole(at[0]), whole(at[1]), whole(at[2])); };
-        throw Failure(fmt::format("the {} reaches from voxel {} to {} of grid '{}': more than a mask can hold, which needs only to cover the lattice",
-                                  shape.name, text(range.min()), text(range.max()), like.getName()));
+        throw Failure(fmt::format(
+            "the {} reaches from voxel {} to {} of grid '{}', which is more than a mask can hold; make it smaller: it needs to cover only the lattice",
+            shape.name, text(range.min()), text(range.max()), like.getName()));
     }
     return {Coord::floor(range.min()), Coord::ceil(range.max())};
 }
@@ -91,7 +92,7 @@ double convex_slack(const openvdb::GridBase& like) {
 
 MaskGrid::Ptr convex_mask(const openvdb::GridBase& like, const Convex& shape) {
     if (!like.transform().isLinear())
-        throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); a {} needs straight ones: resample the grid first", like.getName(),
+        throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); a {} needs voxels of one shape: resample the grid first", like.getName(),
                                   like.transform().mapType(), shape.name));
     const auto voxels = voxels_around(like, shape);
     const auto out = MaskGrid::create();

@@ -36,8 +36,8 @@ struct MaskMesh {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (params.where == Where::inside && check.stated("distance")) check.fault("distance", "only `where: near` has a use for a distance");
-        if (params.where == Where::near && params.distance == 0) check.fault("where", "near needs a 'distance' above 0");
+        if (params.where == Where::inside && check.stated("distance")) check.fault("distance", "'distance' is only for `where: near`");
+        if (params.where == Where::near && params.distance == 0) check.fault("where", "`where: near` needs a 'distance' above 0");
     }
 
     static void run(const Params& params, Ports& io, Context&) {
@@ -53,7 +53,7 @@ constexpr double least_band = 3;  ///< voxels; wide enough for signs to be right
 
 MaskGrid::Ptr inside_mask(const Mesh& mesh, const openvdb::math::Transform& transform) {
     if (const auto topology = topology_of(mesh); !topology.closed())
-        throw Failure(fmt::format("the mesh is not closed, so that it has no inside: at {} edges an odd number of faces ends; close it, or set `where: near`",
+        throw Failure(fmt::format("the mesh is not closed, so that it has no inside: an odd number of faces meets at {} edges; close it, or set `where: near`",
                                   topology.boundary_edges));
     const auto distance = mesh_distance(mesh, transform, least_band, std::nullopt);
     const auto inside = openvdb::tools::sdfInteriorMask(distance->tree(), 0.0f);

@@ -39,7 +39,7 @@ struct Threshold {
     static void check(const Params& params, NodeCheck& check) {
         if (!params.above && !params.below) check.fault("type", "needs 'above', 'below' or both");
         if (params.above && params.below && *params.above > *params.below)
-            check.fault("above", fmt::format("parameter 'above' is {:g}, over 'below', {:g}: no value fits", *params.above, *params.below));
+            check.fault("above", fmt::format("parameter 'above', {:g}, is higher than 'below', {:g}: no value fits", *params.above, *params.below));
     }
     static void run(const Params& params, Ports& io, Context&) {
         constexpr auto unbounded = std::numeric_limits<double>::infinity();

@@ -64,12 +64,13 @@ struct Sheet {
         if (connected("seams") && !connected("energy")) check.fault("seams", "'seams' are drawn over 'energy'; connect it too");
         if (connected("seams") && !connected("lattice")) check.fault("seams", "'seams' needs 'lattice', in which they were found");
         if (connected("lattice") && !connected("seams")) check.fault("lattice", "'lattice' is for 'seams'; connect them too");
-        if (check.stated("difference") && !connected("after")) check.fault("difference", "'difference' is that of 'after', which is not connected");
+        if (check.stated("difference") && !connected("after"))
+            check.fault("difference", "'difference' compares 'before' with 'after', but 'after' is not connected");
         const bool renders = params.show == SheetWish::Show::render;
         if (check.stated("difference") && params.difference && renders)
             check.fault("difference", "'show: render' has no difference; leave 'difference' out, or choose 'show: maximum'");
         if (check.stated("slice") && (renders || params.show == SheetWish::Show::maximum) && !connected("energy"))
-            check.fault("slice", "nothing is sliced: 'slice' needs 'energy', or 'show: slice' or 'both'");
+            check.fault("slice", "nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'");
     }
 
     static bool wants(const Params& params, const Context& context) { return shown(context.place(), context.frames().size(), params.frames); }
@@ -98,7 +99,7 @@ struct Sheet {
     }
 
     void finish(const Params& params, Ports&, Context& context) {
-        if (!rows_) throw Failure("none of the frames to show has come");
+        if (!rows_) throw Failure("none of the frames to show was computed");
         const auto page = rows_->page(context.frames().size(), [&](double fraction) {
             context.check_cancelled();
             context.progress(fraction);

@@ -67,7 +67,7 @@ openvdb::GridBase::ConstPtr carve_any(const openvdb::GridBase::ConstPtr& grid, c
         const auto points = carve_points(point_positions(*grid), point_identities(*grid), whole, map, default_jitter);
         return points.changed() ? with_images(*grid, points.images) : grid;
     }
-    throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and take those",
+    throw Failure(fmt::format("grid '{}' is of type {}, which can't be carved; name the grids to carve in `grids:` of the reader and connect those",
                               grid->getName(), grid->type()));
 }
 

@@ -42,8 +42,8 @@ struct RemapMesh {
             const auto& [first, now] = std::mismatch(io.mesh->points.begin(), io.mesh->points.end(), mesh->points.begin());
             if (first == io.mesh->points.end()) continue;
             throw Failure(
-                fmt::format("the mesh is one file for all frames, but seams move vertex {} (counted from 0) otherwise in frame {} than in frame {}; leave "
-                            "`static` out, and it will be one per frame, or keep the seams out of it: `protect: mask.mesh`",
+                fmt::format("the mesh is one file for all frames, but seams move vertex {} (counted from 0) differently in frame {} than in frame {}; leave "
+                            "`static` out to get one mesh per frame, or `protect` the mesh from seams with a mask.mesh",
                             now - mesh->points.begin(), frame, io.seams.back()->frames.front()));
         }
     }
@@ -66,10 +66,9 @@ NodeType remap_mesh() {
     using Ports = RemapMesh::Ports;
     return Declare<RemapMesh>("remap.mesh",
                               "Carves a mesh as remap.grids carves volumes. Its vertices move with the space around them; faces, UVs and everything else stay.")
-        .input(
-            "source", &Ports::source,
-            "The mesh. A mesh that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, what it takes is "
-            "pressed together; where one is inserted, its neighbours are drawn apart. Normals of the file stay as they are.")
+        .input("source", &Ports::source,
+               "The mesh. A mesh that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, the mesh is "
+               "compressed; where one is inserted, it is stretched. Normals of the file stay as they are.")
         .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
         .input("seams", &Ports::seams, "Seams, or a list of seam sets in the order of carving.")
         .param("count", &Params::count, Unit::seams, any_number(),
@@ -78,10 +77,10 @@ NodeType remap_mesh() {
         .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
-        .param(
-            "static", &Params::static_,
-            "For a mesh of one file that must stay one file. Seams must then move it the same way in all frames; otherwise the node fails. They do so if they "
-            "are the same in all frames, as in windows with `static: true`, or if they never pass through the mesh: `protect` its voxels (mask.mesh).")
+        .param("static", &Params::static_,
+               "Whether a mesh that is one file for all frames stays one file. Seams must then move it the same way in all frames; otherwise the node fails. "
+               "They do so if they are the same in all frames, as in windows with `static: true`, or if they never pass through the mesh: `protect` its voxels "
+               "(mask.mesh).")
         .output("mesh", &Ports::mesh, "The carved source. Vertices outside the lattice, or where nothing moves, are the same to the last bit.");
 }
 

@@ -81,8 +81,7 @@ struct Triangles {
             points.emplace_back(at);
         }
         if (!(reach <= farthest))
-            throw Failure(fmt::format("the mesh reaches {:.3g} voxels away from the grid's origin: more than {:.0f} can't be told apart; choose larger voxels",
-                                      reach, farthest));
+            throw Failure(fmt::format("the mesh reaches {:.3g} voxels away from the grid's origin; {:.0f} is the most: choose larger voxels", reach, farthest));
         std::vector<std::array<std::uint32_t, 3>> parts;
         BandSize size(band);
         for (std::size_t n = 0; n < mesh.faces(); ++n) {
@@ -123,7 +122,7 @@ struct SdfFromMesh {
     static void check(const Params& params, NodeCheck& check) {
         const bool like = check.connections("like") > 0;
         if (!like && !params.voxel_size) check.fault("type", "needs 'voxel_size', or a grid 'like' whose voxels it takes");
-        if (like && params.voxel_size) check.fault("voxel_size", "the voxels are those of 'like'; leave one of the two out");
+        if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
     }
 
     static void run(const Params& params, Ports& io, Context& context) {

@@ -20,7 +20,9 @@ std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, c
     for (auto& at : positions) {
         const auto index = [&] { return transform.worldToIndex(at); };
         if (!(index().length() < farthest_point))
-            throw Failure(fmt::format("a particle at [{}, {}, {}] is too far from the grid's origin to stand in one of its voxels", at.x(), at.y(), at.z()));
+            throw Failure(fmt::format(
+                "a particle at [{}, {}, {}] is too far from the grid's origin for this size of voxels; choose larger voxels, or remove the particle", at.x(),
+                at.y(), at.z()));
         for (double hair = 1e-9 * voxel; hair < voxel && index() == openvdb::Coord::round(index()).asVec3d(); hair *= 2) at.x() += hair;
     }
     return positions;
@@ -50,7 +52,7 @@ struct FromPoints {
     static void check(const Params& params, NodeCheck& check) {
         const bool like = check.connections("like") > 0;
         if (!like && !params.voxel_size) check.fault("type", "needs 'like', a grid whose voxels to use, or 'voxel_size'");
-        if (like && params.voxel_size) check.fault("voxel_size", "the voxels are those of 'like'; leave one of the two out");
+        if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
     }
 
     static void run(const Params& params, Ports& io, Context&) {

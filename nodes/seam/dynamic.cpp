@@ -27,10 +27,9 @@ bool in_open_line(const EnergyVolume& energy) {
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     const Columns columns(energy);
     if (!in_line(columns))
-        throw Failure(
-            fmt::format("seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in {} x {} x {} (lateral, k, frames); "
-                        "seam.pyramid and seam.graph_cut take any",
-                        columns.laterals(), columns.slices(), columns.frames()));
+        throw Failure(fmt::format(
+            "seam.dynamic needs columns in one line, as in images, but there are {} x {} x {} columns (lateral, k, frames); use seam.pyramid or seam.graph_cut",
+            columns.laterals(), columns.slices(), columns.frames()));
     tick(0);
     if (columns.closed()) return exact_seam(energy, window, number, [&] { tick(0); });
     if (!energy.steps()) return free_line_seam(energy, window, number);

@@ -139,8 +139,8 @@ void require_apart(const Seams& seams) {
         const auto highest = *originals(seams.seams, seams.kind, column).second;
         const auto lowest = *originals(seams.pairs, opposite(seams.kind), column).first;
         if (lowest <= highest)
-            throw wrong(fmt::format("at ({}, {}, {}) a pair takes entry {}, but wants to be above all seams of the first window, which reach {}", at.x(),
-                                    at.y(), at.z(), lowest, highest));
+            throw wrong(fmt::format("at ({}, {}, {}) a pair takes entry {}, but must be above all seams of the first window, which reach {}", at.x(), at.y(),
+                                    at.z(), lowest, highest));
     });
 }
 
@@ -200,7 +200,7 @@ Seams seams_from_volume(const Volume& volume) {
     const auto grid_of = [&](const std::string& name) {
         const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
         if (!grid)
-            throw wrong(fmt::format("{} grids want to be the float grids '{}' to '{}', but there are {}", volume.grids.size(), seam_name(0),
+            throw wrong(fmt::format("the {} grids must be float grids named '{}' to '{}', but there are {}", volume.grids.size(), seam_name(0),
                                     paired ? pair_name(count - 1) : seam_name(count - 1), volume.names()));
         return grid;
     };

@@ -25,7 +25,7 @@ const std::string unique_part(6, 'X');
 int scratch_file(const std::string& folder, std::size_t bytes) {
     const auto fault = [&](int code) {
         return Failure(fmt::format(
-            "{} of energies or seams exceed the memory budget and find no place in the work folder '{}': {}; raise --memory or choose another --work",
+            "{} of energies or seams exceed the memory budget and can't be stored in the work folder '{}': {}; raise --memory or choose another --work",
             size_text(bytes), folder, std::strerror(code)));
     };
     std::error_code ignored;
@@ -53,7 +53,7 @@ SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memor
     void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);
-    if (at == MAP_FAILED) throw Failure(fmt::format("no room for {} of energies or seams: {}", size_text(bytes), std::strerror(code)));
+    if (at == MAP_FAILED) throw Failure(fmt::format("can't get memory for {} of energies or seams: {}", size_text(bytes), std::strerror(code)));
     if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
     data_ = {static_cast<std::uint16_t*>(at), Unmap{bytes}};
 }

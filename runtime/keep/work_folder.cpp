@@ -105,8 +105,9 @@ std::string WorkFolder::fault() const {
     std::error_code error;
     if (!fs::exists(path_, error) || (fs::is_directory(path_, error) && fs::is_empty(path_, error))) return {};
     if (!marked())
-        return fmt::format("'{}' is no work folder of fluidcarve: it has no {} of it, so nothing there may be removed; name another with --work", path_,
-                           mark_name);
+        return fmt::format(
+            "'{}' is not a work folder of fluidcarve: it has no {} written by fluidcarve, so nothing in it may be removed; name another with --work", path_,
+            mark_name);
     for (const auto* const part : parts)
         if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, error))
             return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());

@@ -208,8 +208,8 @@ private:
         section("Pictures");
         if (files_.pictures.empty())
             out_ +=
-                "<p class=\"muted\">No node of this pipeline writes a picture. A <code>preview.sheet</code> draws before and after, side by side, to a PNG "
-                "file, and it would stand here.</p>\n";
+                "<p class=\"muted\">No node of this pipeline writes a picture. A <code>preview.sheet</code> node draws before and after, side by side, to a "
+                "PNG file, which is then shown here.</p>\n";
         for (const auto& picture : files_.pictures) {
             const auto caption = fmt::format("{}, written by {}", picture.path, picture.node);
             if (!picture.fault.empty()) {

@@ -217,7 +217,7 @@ struct Flow::Self {
 
     /// Throws if an input file changed after its key was computed: the result would be cached under a wrong key.
     void require_inputs(std::size_t n, std::size_t place) {
-        if (store.inputs_changed(n, place)) throw Failure("its file changed while the run was on; run again", Failure::Kind::input);
+        if (store.inputs_changed(n, place)) throw Failure("its file changed during the run; run again", Failure::Kind::input);
     }
 
     void once(std::size_t n) {

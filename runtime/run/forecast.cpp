@@ -95,7 +95,7 @@ std::string to_text(const Forecast& forecast) {
     std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "why it runs"}};
     for (const auto& line : forecast.lines) {
         auto why = line.why;
-        if (line.taken_cached > 0) why += fmt::format("; takes {} of {} frames as they were kept", line.taken_cached, line.taken);
+        if (line.taken_cached > 0) why += fmt::format("; takes {} of {} frames from the work folder", line.taken_cached, line.taken);
         rows.push_back({line.node, line.type, std::to_string(line.frames), std::to_string(line.cached), why});
     }
     out += table(rows) + "\n";
@@ -109,8 +109,7 @@ std::string to_text(const Forecast& forecast) {
     }
     if (forecast.seconds > 0) out += fmt::format("time: about {}", duration_text(forecast.seconds));
     else out += "time: unknown";
-    if (!forecast.unmeasured.empty())
-        out += fmt::format("{}, without {}, not measured yet", forecast.seconds > 0 ? "" : " yet", fmt::join(forecast.unmeasured, ", "));
+    if (!forecast.unmeasured.empty()) out += fmt::format("; not measured yet: {}", fmt::join(forecast.unmeasured, ", "));
     out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size_text(forecast.bytes)) : "\n";
     return out;
 }

@@ -93,7 +93,7 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
         const auto& node = pipeline.nodes[n];
         if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
         out.push_back({node.name, node.type->name, std::nullopt,
-                       fmt::format("is not there for {} of {} frames, and --only computes nothing but its own node; run --to {} first", shares[n].runs,
+                       fmt::format("has no results in the work folder for {} of {} frames, and --only runs no other node; run --to {} first", shares[n].runs,
                                    shares[n].frames, node.name),
                        Failure::Kind::input});
     }
@@ -120,10 +120,10 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
         if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty())) return stopped;
         if (attempt == most_attempts) {
             const auto& node = pipeline.nodes.front();
-            report.failed(
-                {node.name, node.type->name, std::nullopt,
-                 fmt::format("kept results vanish from '{}' again and again; is it being cleaned? --no-cache runs without", request.options.work_folder),
-                 Failure::Kind::data});
+            report.failed({node.name, node.type->name, std::nullopt,
+                           fmt::format("results keep disappearing from the work folder '{}'; does something clean it? --no-cache runs without it",
+                                       request.options.work_folder),
+                           Failure::Kind::data});
             return true;
         }
         // The last attempt does not use the cache.
@@ -149,7 +149,7 @@ void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const 
 /// Warns of damaged or unwritable cache entries.
 void tell_of_cache(const Cache& cache) {
     if (cache.damaged() > 0)
-        tell(fmt::format("warning: {} damaged {} of the work folder {} computed anew", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
+        tell(fmt::format("warning: {} damaged {} in the work folder {} computed again", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
     if (!cache.fault().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
@@ -198,8 +198,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         const auto& targets = prepared.plan().targets;
         const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
         const auto& node = pipeline.nodes[first];
-        report.failed({node.name, node.type->name, std::nullopt, "no frame is left: of each, some reader that leaves out missing frames has no file",
-                       Failure::Kind::input});
+        report.failed(
+            {node.name, node.type->name, std::nullopt, "no frame is left: every frame lacks a file of a reader with `missing: skip`", Failure::Kind::input});
     }
 
     const auto delivered = prepared.delivered_frames();
@@ -227,8 +227,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             const auto left = prepared.cache().trim(request.options.cache_size).left;
             const auto fault = WorkFolder(request.options.work_folder).fault();
             if (left > request.options.cache_size && !fault.empty() && !request.quiet)
-                tell(fmt::format("warning: results take {}, more than they should ({}), but stay: {}", size_text(left), size_text(request.options.cache_size),
-                                 fault));
+                tell(fmt::format("warning: results take {}, more than --cache-size ({}), but can't be removed: {}", size_text(left),
+                                 size_text(request.options.cache_size), fault));
         }
     }
     const int code = exit_of(report, cancelled(), stopped);

@@ -146,7 +146,7 @@ int show_status(const std::string& folder, bool json) {
         std::fputs((out.dump(2) + "\n").c_str(), stdout);
         return 0;
     }
-    if (runs.empty()) std::fputs(fmt::format("no run has left a trace in '{}'\n", folder).c_str(), stdout);
+    if (runs.empty()) std::fputs(fmt::format("no runs are recorded in '{}'\n", folder).c_str(), stdout);
     for (std::size_t n = 0; n < runs.size(); ++n) {
         runs[n].about["state"] = state_of(runs[n].about);
         std::fputs(((n > 0 ? "\n" : "") + text_of(runs[n].about)).c_str(), stdout);

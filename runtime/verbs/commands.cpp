@@ -108,7 +108,7 @@ struct RunArguments {
         verb.add_option("--memory", memory, "Memory that a node may use for the whole sequence before it uses files (default: half of the machine's memory)")
             ->type_name("SIZE")
             ->envname("FLUIDCARVE_MEMORY");
-        verb.add_option("--work", request.options.work_folder, "Folder for these files and for cached results, which later runs use again")
+        verb.add_option("--work", request.options.work_folder, "Folder for temporary files, and for cached results that later runs use again")
             ->capture_default_str()
             ->type_name("DIR")
             ->envname("FLUIDCARVE_WORK");
@@ -215,7 +215,7 @@ int clean(const std::string& path) {
     if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
     try {
         const auto [removed, left] = folder.clean();
-        const auto others = left == 0 ? std::string() : fmt::format("; {} {} of others {}", left, left == 1 ? "file" : "files", left == 1 ? "stays" : "stay");
+        const auto others = left == 0 ? std::string() : fmt::format("; {} {} that fluidcarve did not write", left, left == 1 ? "file stays" : "files stay");
         print(removed == 0 && left == 0 ? fmt::format("{}: nothing to clean\n", path) : fmt::format("{}: clean{}\n", path, others));
     } catch (const Failure& failure) {
         return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
@@ -310,7 +310,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     run_arguments.declare(*run_verb);
     auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
-    check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, if there are none, the values");
+    check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
     check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin");
     auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
     pipeline.declare(*plan_verb);

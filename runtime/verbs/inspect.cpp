@@ -57,7 +57,7 @@ int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_
     for (const auto& inspector : registry.inspectors()) endings.push_back(inspector.ending);
     for (const auto& path : paths)
         if (!inspector_of(path, registry)) {
-            tell(stderr, fmt::format("inspect looks into files that end in {}, not into {}\n", fmt::join(endings, ", "), path));
+            tell(stderr, fmt::format("inspect reads files that end in {}, not {}\n", fmt::join(endings, ", "), path));
             return exit_code::usage;
         }
 

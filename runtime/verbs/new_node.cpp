@@ -32,14 +32,16 @@ namespace fs = std::filesystem;
 /// What is wrong with the name of a new node type; empty: nothing.
 std::string fault_of(const std::string& name, const Registry& registry) {
     if (!well_formed(name))
-        return fmt::format("'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in small letters, digits and single _", name);
+        return fmt::format("'{}' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in lower-case letters, digits and single _", name);
     const auto dot = name.find('.');
     const auto family = name.substr(0, dot);
     for (const auto& known : registry.node_names())
         if (known.starts_with(family + "."))
             return fmt::format("'{}' can't name a new node type: the family '{}' is a built-in one, of '{}'; use one of your own, such as acme.{}", name,
                                family, known, name.substr(dot + 1));
-    if (name.substr(dot + 1) == "plugin") return fmt::format("'{}' can't name a new node type: its source would be plugin.cpp, which is another", name);
+    if (name.substr(dot + 1) == "plugin")
+        return fmt::format("'{}' can't name a new node type: its source would be plugin.cpp, which every plugin has for another purpose; choose another name",
+                           name);
     return {};
 }
 
@@ -72,8 +74,7 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
     const fs::path folder = wanted.folder.empty() ? library : wanted.folder;
     std::error_code error;
     if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-        return complain(fmt::format("{} is there already, and nothing is overwritten; choose another --folder, or remove it", folder.string()),
-                        exit_code::usage);
+        return complain(fmt::format("{} already exists and is not overwritten; choose another --folder, or remove it", folder.string()), exit_code::usage);
     fs::create_directories(folder, error);
     if (error) return complain(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()), exit_code::node_failed);
 
@@ -89,7 +90,7 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
         out << filled(new_node_texts().at(text), names) << std::flush;
         if (!out) return complain(fmt::format("cannot write {}", (folder / file).string()), exit_code::node_failed);
     }
-    std::fputs(fmt::format("{}: a plugin with the {} {}, whole and ready to build; README.md there says how\n", folder.string(), kind, wanted.name).c_str(),
+    std::fputs(fmt::format("{}: a complete plugin with the {} {}, ready to build; its README.md says how\n", folder.string(), kind, wanted.name).c_str(),
                stdout);
     return exit_code::done;
 }

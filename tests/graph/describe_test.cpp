@@ -143,7 +143,7 @@ example
 TEST_CASE("outputs that come once and outputs that a parameter names are told") {
     const auto registry = toys();
     CHECK_THAT(describe(registry, *registry.node("water.dam")), Catch::Contains("wall: stone; once for the whole sequence"));
-    CHECK_THAT(describe(registry, *registry.node("source.well")), Catch::Contains("One more output for each entry of 'path', of the entry's name and type."));
+    CHECK_THAT(describe(registry, *registry.node("source.well")), Catch::Contains("One more output for each entry of 'path', with the entry's name and type."));
 }
 
 TEST_CASE("long docs are wrapped") {

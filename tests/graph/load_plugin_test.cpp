@@ -80,8 +80,10 @@ TEST_CASE("a plugin that was built for another fluidcarve is refused before any 
 }
 
 TEST_CASE("a library without a plugin's symbols, or with one that nobody has, is told") {
-    CHECK(fault_of("no_header") == "no_header.so is no plugin of fluidcarve: it has no symbol 'fluidcarve_plugin'; `fluidcarve new-node` writes a whole one");
-    CHECK(fault_of("no_entry") == "no_entry.so is no plugin of fluidcarve: it has no symbol 'fluidcarve_register'; `fluidcarve new-node` writes a whole one");
+    CHECK(fault_of("no_header") ==
+          "no_header.so is no plugin of fluidcarve: it has no symbol 'fluidcarve_plugin'; `fluidcarve new-node` writes a complete one");
+    CHECK(fault_of("no_entry") ==
+          "no_entry.so is no plugin of fluidcarve: it has no symbol 'fluidcarve_register'; `fluidcarve new-node` writes a complete one");
     CHECK(fault_of("unresolved") ==
           "the plugin unresolved.so can't be opened: unresolved.so: undefined symbol: _Z15nowhere_definedRN10fluidcarve8RegistryE; "
           "build it again with the headers of fluidcarve " FLUIDCARVE_VERSION);
@@ -90,7 +92,7 @@ TEST_CASE("a library without a plugin's symbols, or with one that nobody has, is
 TEST_CASE("what a plugin throws is told, and nothing of it stays") {
     CHECK(fault_of("throws_half_way") == "the plugin throws_half_way.so failed to register its types: the licence server is away; none of them can be used");
     CHECK(fault_of("throws_number") ==
-          "the plugin throws_number.so failed to register its types: it threw what is no std::exception; none of them can be used");
+          "the plugin throws_number.so failed to register its types: it threw something that is not a std::exception; none of them can be used");
 }
 
 TEST_CASE("a plugin's types are of a family of its own") {
@@ -99,7 +101,7 @@ TEST_CASE("a plugin's types are of a family of its own") {
     CHECK(fault_of("foreign_payload") ==
           "the plugin foreign_payload.so adds the payload type 'hair', which is not of its own family 'acme'; call it 'acme.hair'");
     CHECK(fault_of("foreign_conversion") ==
-          "the plugin foreign_conversion.so makes 'number' a 'text' everywhere; it may only convert from and to types of its own family 'acme'");
+          "the plugin foreign_conversion.so converts 'number' to 'text' for all nodes; it may only convert from and to types of its own family 'acme'");
 }
 
 TEST_CASE("types of one name in two plugins are told") {

@@ -97,7 +97,7 @@ nodes:
                                    "    numbers: [count, words]\n"
                                    "                     ^\n" +
                                    path +
-                                   ":4:3: 'words' (toy.speak) stands here\n"
+                                   ":4:3: 'words' (toy.speak) is defined here\n"
                                    "  words: {type: toy.speak, number: count}\n"
                                    "  ^\n" +
                                    path +
@@ -124,7 +124,7 @@ TEST_CASE("unknown node types, nodes and ports are named with the nearest name")
     CHECK(
         problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  m: {type: toy.add, numbers: n.nmber}\n") ==
         "p.yaml:4:31: 'n' (toy.count) has no output 'nmber'; did you mean 'number'?\n  m: {type: toy.add, numbers: n.nmber}\n                              ^\n"
-        "p.yaml:3:3: it stands here\n  n: {type: toy.count, path: a.##}\n  ^\n");
+        "p.yaml:3:3: it is defined here\n  n: {type: toy.count, path: a.##}\n  ^\n");
 }
 
 TEST_CASE("missing inputs and parameters are named with what they take") {

@@ -51,8 +51,8 @@ TEST_CASE("an alias of what is not there is refused") {
 }
 
 TEST_CASE("an alias into itself is refused") {
-    CHECK(read("a: &x {b: {c: [*x]}}\n").text == "f.yaml:1:16: an alias stands inside the value that it names\na: &x {b: {c: [*x]}}\n               ^\n");
-    CHECK(read("a: &x [1, *x]\n").text == "f.yaml:1:11: an alias stands inside the value that it names\na: &x [1, *x]\n          ^\n");
+    CHECK(read("a: &x {b: {c: [*x]}}\n").text == "f.yaml:1:16: this alias is part of the value that it refers to\na: &x {b: {c: [*x]}}\n               ^\n");
+    CHECK(read("a: &x [1, *x]\n").text == "f.yaml:1:11: this alias is part of the value that it refers to\na: &x [1, *x]\n          ^\n");
 }
 
 TEST_CASE("an alias bomb is refused before it grows") {
@@ -64,7 +64,7 @@ TEST_CASE("an alias bomb is refused before it grows") {
         bomb += "]\n";
     }
     CHECK(read(bomb).text ==
-          "f.yaml:6:10: more than 100000 values, aliases followed: no pipeline needs that\n"
+          "f.yaml:6:10: more than 100000 values, with all aliases expanded: no pipeline needs so many\n"
           "a5: &a5 [*a4, *a4, *a4, *a4, *a4, *a4, *a4, *a4, *a4]\n"
           "         ^\n");
 }
@@ -93,7 +93,7 @@ TEST_CASE("what would take a parser long, or deep, does not") {
     CHECK(deep("? ") == "f.yaml:1:129: nested more than 64 levels deep");
     CHECK(deep("[? ") == "f.yaml:1:95: nested more than 64 levels deep");
     CHECK(deep("&a ") == "f.yaml:1:4: not YAML: cannot assign multiple anchors to the same node");
-    CHECK(deep("- a\n") == "f.yaml:100000:3: more than 100000 values, aliases followed: no pipeline needs that");
+    CHECK(deep("- a\n") == "f.yaml:100000:3: more than 100000 values, with all aliases expanded: no pipeline needs so many");
     CHECK(many("#\n") == "");
 }
 

@@ -97,10 +97,10 @@ TEST_CASE("a wrong port is refused with both ends") {
     require(bench.run(), 2,
             "p.yaml:6:44: energy.vorticity input 'velocity' takes vector, but sim.density is float\n"
             "  spin: {type: energy.vorticity, velocity: sim.density}\n                                           ^" +
-                here + "'sim' (vdb.read) stands here\n" + sim +
+                here + "'sim' (vdb.read) is defined here\n" + sim +
                 "p.yaml:7:42: 'sim' (vdb.read) has no output 'densty'; did you mean 'density'?\n"
                 "  detail: {type: energy.gradient, field: sim.densty}\n                                         ^" +
-                here + "it stands here\n" + sim + "p.yaml:8:3: energy.gradient needs its input 'field' (float)\n  bare: {type: energy.gradient}\n  ^\n");
+                here + "it is defined here\n" + sim + "p.yaml:8:3: energy.gradient needs its input 'field' (float)\n  bare: {type: energy.gradient}\n  ^\n");
 }
 
 TEST_CASE("a file that is no pipeline is refused") {
@@ -164,7 +164,7 @@ TEST_CASE("where every frame is missing there is nothing to skip or hold") {
     bench.put({1, 2, 3});
     bench.write("path: in.####.vdb, missing: skip", "  other: {type: vdb.read, path: b.####.vdb, missing: skip}\n");
     for (const int frame : {4, 5, 6}) fs::copy_file(small_vdb, bench.scratch / "b.000" + std::to_string(frame) + ".vdb");
-    require(bench.run(), 3, "failed: out (vdb.write): no frame is left: of each, some reader that leaves out missing frames has no file\n");
+    require(bench.run(), 3, "failed: out (vdb.write): no frame is left: every frame lacks a file of a reader with `missing: skip`\n");
     CHECK(bench.files().empty());
 }
 
@@ -227,7 +227,7 @@ TEST_CASE("where nothing can be written is told before anything runs") {
     require(bench.run("--set out.path=/proc/nowhere/o.####.vdb"), 1,
             "failed: out (vdb.write), frame 1: cannot write /proc/nowhere/o.0001.vdb: the folder /proc/nowhere cannot be made: No such file or directory\n");
     require(bench.run("--set out.path=/proc/o.####.vdb"), 1,
-            "failed: out (vdb.write), frame 1: cannot write /proc/o.0001.vdb: the folder /proc takes no file: No such file or directory\n");
+            "failed: out (vdb.write), frame 1: cannot write /proc/o.0001.vdb: no file can be made in the folder /proc: No such file or directory\n");
     require(bench.run("--set out.path=" + (bench.scratch / "p.yaml/o.####.vdb")), 1,
             "failed: out (vdb.write), frame 1: cannot write p.yaml/o.0001.vdb: the folder p.yaml cannot be made: Not a directory\n");
     require(bench.run("--report /proc/nowhere/r.json"), 1,

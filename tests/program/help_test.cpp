@@ -67,8 +67,8 @@ TEST_CASE("the environment stands for options, and the command line overrules it
     const auto status = [&](const std::string& arguments) {
         return call_shell("FLUIDCARVE_WORK=" + (scratch / "a") + " " FLUIDCARVE_PROGRAM " status" + arguments).out;
     };
-    CHECK(status("") == "no run has left a trace in '" + (scratch / "a") + "'\n");
-    CHECK(status(" --work " + (scratch / "b")) == "no run has left a trace in '" + (scratch / "b") + "'\n");
+    CHECK(status("") == "no runs are recorded in '" + (scratch / "a") + "'\n");
+    CHECK(status(" --work " + (scratch / "b")) == "no runs are recorded in '" + (scratch / "b") + "'\n");
 }
 
 TEST_CASE("a work folder tells of its runs, and is cleaned") {
@@ -95,7 +95,7 @@ TEST_CASE("a folder that is no work folder loses nothing, neither to clean nor t
     for (const auto& command : {run + " --cache-size 1M", "clean --work " + shot}) {
         const auto refused = fluidcarve_program(command + " 2>&1");
         CHECK(refused.code == 2);
-        CHECK_THAT(refused.out, Catch::Contains("'" + shot + "' is no work folder of fluidcarve"));
+        CHECK_THAT(refused.out, Catch::Contains("'" + shot + "' is not a work folder of fluidcarve"));
     }
     REQUIRE(fluidcarve_program(run).code == 0);
     CHECK(Scratch::read(shot + "/cache/sim/smoke.0001.vdb") == "smoke");

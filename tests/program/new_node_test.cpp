@@ -104,17 +104,18 @@ TEST_CASE("new-node overwrites nothing, and refuses names that can't be") {
     const Scratch scratch;
     const auto called = [&](const std::string& arguments) { return replaced(fluidcarve_program("new-node " + arguments).err, scratch.path() + "/", ""); };
     scratch.write("mine.txt", "");
-    CHECK(called("acme.sparkle --folder " + scratch.path()).find("is there already, and nothing is overwritten; choose another --folder, or remove it\n") !=
+    CHECK(called("acme.sparkle --folder " + scratch.path()).find("already exists and is not overwritten; choose another --folder, or remove it\n") !=
           std::string::npos);
     CHECK(called("acme.sparkle --folder " + (scratch / "mine.txt")) ==
-          "mine.txt is there already, and nothing is overwritten; choose another --folder, or remove it\n");
+          "mine.txt already exists and is not overwritten; choose another --folder, or remove it\n");
     const auto folder = " --folder " + (scratch / "new");
     CHECK(called("energy.sparkle" + folder) ==
           "'energy.sparkle' can't name a new node type: the family 'energy' is a built-in one, of 'energy.ax'; use one of your own, such as acme.sparkle\n");
     for (const std::string name : {"sparkle", "Acme.sparkle", "acme.", "acme.two.dots", "acme.a__b", "../acme.x", "acme.9"})
         CHECK(called("'" + name + "'" + folder) ==
-              "'" + name + "' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in small letters, digits and single _\n");
-    CHECK(called("acme.plugin" + folder) == "'acme.plugin' can't name a new node type: its source would be plugin.cpp, which is another\n");
+              "'" + name + "' can't name a new node type: a name is FAMILY.NAME, such as acme.sparkle, in lower-case letters, digits and single _\n");
+    CHECK(called("acme.plugin" + folder) ==
+          "'acme.plugin' can't name a new node type: its source would be plugin.cpp, which every plugin has for another purpose; choose another name\n");
     CHECK(!fs::exists(scratch / "new"));
     CHECK(fluidcarve_program("new-node acme.sparkle" + folder).code == 0);
 }

@@ -54,7 +54,7 @@ TEST_CASE("a pipeline's solver is swapped by its type, and each seam is reported
     }
     const auto refused = fluidcarve_program("run -q " + file + " --set seams.type=seam.dynamic");
     CHECK(refused.code == 1);
-    CHECK_THAT(refused.err, Catch::Contains("seam.dynamic finds seams of lines") && Catch::Contains("seam.pyramid"));
+    CHECK_THAT(refused.err, Catch::Contains("seam.dynamic needs columns in one line") && Catch::Contains("seam.pyramid"));
 }
 
 TEST_CASE("passes raise the reported bound") {

@@ -285,7 +285,7 @@ TEST_CASE("with --only nothing else is computed: what is not there is told") {
     CHECK(shot.run() == Lines{});
     CHECK(shot.code == exit_code::input);
     CHECK(shot.report["failures"].size() == 1);
-    CHECK(shot.report["failures"][0]["message"] == "is not there for 5 of 5 frames, and --only computes nothing but its own node; run --to square first");
+    CHECK(shot.report["failures"][0]["message"] == "has no results in the work folder for 5 of 5 frames, and --only runs no other node; run --to square first");
 }
 
 TEST_CASE("with --from only what a node leads to is delivered") {
@@ -334,7 +334,7 @@ TEST_CASE("a file that changes while the run is on is told, and nothing that was
     REQUIRE(shot.report["failures"].size() == 1);
     CHECK(shot.report["failures"][0]["node"] == "load");
     CHECK(shot.report["failures"][0]["frame"] == 4);
-    CHECK(shot.report["failures"][0]["message"] == "its file changed while the run was on; run again");
+    CHECK(shot.report["failures"][0]["message"] == "its file changed during the run; run again");
     shot.set(4, 4);
     shot.run();
     CHECK(shot.text(3) == "9 25 16 ");

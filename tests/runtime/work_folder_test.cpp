@@ -49,7 +49,8 @@ TEST_CASE("a work folder is marked where there was nothing, and only there") {
     WorkFolder(used).make();
     CHECK(!WorkFolder(used).marked());
     CHECK(WorkFolder(used).fault() ==
-          "'" + used + "' is no work folder of fluidcarve: it has no CACHEDIR.TAG of it, so nothing there may be removed; name " + "another with --work");
+          "'" + used + "' is not a work folder of fluidcarve: it has no CACHEDIR.TAG written by fluidcarve, so nothing in it may be removed; name " +
+              "another with --work");
     put(used + "/CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# of another program\n");
     CHECK(!WorkFolder(used).marked());
 }

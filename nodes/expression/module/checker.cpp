@@ -101,7 +101,7 @@ void ExpressionChecker::check_names() {
     const auto whole = [&](const char* field, const std::string& message) { faults_.push_back({field, 0, 0, message}); };
     if (!writes_) whole("code", fmt::format("never writes @{}", expression_.output));
     for (const auto& input : expression_.inputs) {
-        if (input == expression_.output) whole("inputs", fmt::format("can't have the name '{}', which is the output's", input));
+        if (input == expression_.output) whole("inputs", fmt::format("can't have the name '{}': it is the output's name", input));
         else if (std::none_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == input; }))
             whole("inputs", fmt::format("has '{}', which the program never reads", input));
     }
@@ -121,7 +121,8 @@ ExpressionChecker::Known ExpressionChecker::joined(const Known& a, const Known& 
 void ExpressionChecker::require_offered(const Node& node, Type type) {
     constexpr std::array offered{tokens::BOOL, tokens::INT32, tokens::INT64, tokens::FLOAT, tokens::DOUBLE, tokens::VEC3I, tokens::VEC3F, tokens::VEC3D};
     if (std::find(offered.begin(), offered.end(), type) == offered.end())
-        fault(node, fmt::format("'{}' is not offered; use float, vec3f, int, bool, double, vec3d, vec3i or int64", tokens::typeStringFromToken(type)));
+        fault(node,
+              fmt::format("the type '{}' is not supported; use float, vec3f, int, bool, double, vec3d, vec3i or int64", tokens::typeStringFromToken(type)));
 }
 
 void ExpressionChecker::require_divisor(const Node& divisor, const Known& divided, const Known& by) {
@@ -134,10 +135,10 @@ void ExpressionChecker::require_writable(const Node& target) {
     if (node->nodetype() == Node::ArrayUnpackNode) node = as<ast::ArrayUnpack>(*node).expression();
     if (node->nodetype() == Node::AttributeNode) {
         const auto& attribute = as<ast::Attribute>(*node);
-        if (attribute.name() != expression_.output) fault(target, fmt::format("'@{}' can't be written; write @{}", attribute.name(), expression_.output));
+        if (attribute.name() != expression_.output) fault(target, fmt::format("'@{}' can't be written to; write to @{}", attribute.name(), expression_.output));
         writes_ = true;
     } else if (node->nodetype() == Node::LocalNode && counters_.contains(as<ast::Local>(*node).name())) {
-        fault(target, fmt::format("'{}' counts a loop and can't be written in it", as<ast::Local>(*node).name()));
+        fault(target, fmt::format("'{}' counts a loop and can't be changed inside it", as<ast::Local>(*node).name()));
     }
 }
 
@@ -174,7 +175,7 @@ ExpressionChecker::Known ExpressionChecker::visit(const Node* node) {
         case Node::ValueInt64Node: out = known(tokens::INT64); break;
         case Node::ValueFloatNode: out = known(tokens::FLOAT); break;
         case Node::ValueDoubleNode: out = known(tokens::DOUBLE); break;
-        case Node::ValueStrNode: fault(*node, "texts are not offered"); break;
+        case Node::ValueStrNode: fault(*node, "strings are not supported"); break;
         default: out = visit_children(*node); break;
     }
     --depth_;
@@ -201,7 +202,7 @@ ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node
         return {type, true};
     }
     if (type != tokens::FLOAT && type != tokens::VEC3F)
-        fault(node, fmt::format("'{}' can't be read; inputs are @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
+        fault(node, fmt::format("an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
     const bool vector = type == tokens::VEC3F;
     const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == node.name(); });
     if (found == reads_.end()) {
@@ -251,7 +252,7 @@ ExpressionChecker::Known ExpressionChecker::unary(const ast::UnaryOperator& node
 ExpressionChecker::Known ExpressionChecker::binary(const ast::BinaryOperator& node) {
     const auto left = visit(node.lhs()), right = visit(node.rhs());
     const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not offered");
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not supported");
     if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
     const auto kind = tokens::operatorType(operation);
     if (kind == tokens::LOGICAL || kind == tokens::RELATIONAL) return known(tokens::BOOL);
@@ -271,7 +272,7 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
         fault(node, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
     // The parser keeps `a /= b` as an assignment with a division.
     const auto operation = node.operation();
-    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not offered");
+    if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not supported");
     if (operation == tokens::DIVIDE || operation == tokens::MODULO) require_divisor(*node.rhs(), left, right);
     return left;
 }
@@ -301,8 +302,8 @@ ExpressionChecker::Known ExpressionChecker::pack(const ast::ArrayPack& node) {
 ExpressionChecker::Known ExpressionChecker::unpack(const ast::ArrayUnpack& node) {
     const auto value = visit(node.expression());
     const auto index = whole_literal(node.component0());
-    if (node.isMatrixIndex()) fault(node, "matrices are not offered");
-    else if (!index || *index > 2) fault(node, "a component is .x, .y, .z or [0], [1], [2]; other indices are not offered");
+    if (node.isMatrixIndex()) fault(node, "matrices are not supported");
+    else if (!index || *index > 2) fault(node, "a component is .x, .y, .z or [0], [1], [2]; other indices are not supported");
     return {component_of(value.type), value.fraction};
 }
 
@@ -389,7 +390,8 @@ ExpressionChecker::Known ExpressionChecker::loop(const ast::Loop& node) {
     visit(node.initial());
     visit(node.condition());
     const auto& counter = as<ast::DeclareLocal>(*node.initial()).local()->name();
-    if (!counters_.insert(counter).second) fault(node, fmt::format("'{}' counts a loop around this one; call this one's otherwise", counter));
+    if (!counters_.insert(counter).second)
+        fault(node, fmt::format("'{}' already counts a loop around this one; give this loop's counter another name", counter));
     const auto around = around_;
     around_ *= *count;
     rounds_ += around_;

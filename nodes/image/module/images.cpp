@@ -133,11 +133,12 @@ public:
         if (spec_.depth > 1) refuse(path_, "it holds a volume; an image has one layer of pixels");
         if (spec_.width < 1 || spec_.height < 1 || spec_.nchannels < 1) refuse(path_, "it has no pixels");
         for (const int number : {spec_.x, spec_.y, spec_.full_x, spec_.full_y, spec_.width, spec_.height, spec_.full_width, spec_.full_height})
-            if (number > furthest || number < -furthest) refuse(path_, fmt::format("its pixels lie further than {} from the first", furthest));
+            if (number > furthest || number < -furthest)
+                refuse(path_, fmt::format("its data or display window reaches more than {} pixels from the origin", furthest));
         for (int channel = 0; channel < spec_.nchannels; ++channel)
             if (!with_depth(spec_.channelformat(channel), [](auto) {}))
                 refuse(path_,
-                       fmt::format("channel '{}' holds {}, which is no number of a pixel", spec_.channel_name(channel), spec_.channelformat(channel).c_str()));
+                       fmt::format("channel '{}' is of type {}, which is not supported", spec_.channel_name(channel), spec_.channelformat(channel).c_str()));
     }
 
     Image header(const std::string& format) {

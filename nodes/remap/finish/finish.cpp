@@ -21,7 +21,8 @@ void require_densities(const Volume& volume, const std::vector<std::string>& nam
     for (const auto& name : names) {
         const auto grid = volume.find(name);
         if (!grid)
-            throw Failure(fmt::format("no grid '{}' to conserve; there are {}: name those that hold amounts per volume in `densities:`", name, volume.names()));
+            throw Failure(
+                fmt::format("there is no grid '{}' to conserve; there are {}: name in `densities:` those that hold amounts per volume", name, volume.names()));
         if ((!grid->isType<openvdb::FloatGrid>() && !grid->isType<openvdb::DoubleGrid>()) || is_level_set(*grid))
             throw Failure(fmt::format("grid '{}' is no density ({}, class {}); take it out of `densities:`", name, grid->type(),
                                       openvdb::GridBase::gridClassToString(grid->getGridClass())));
@@ -50,7 +51,7 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
             if (can_renormalize(*grid)) {
                 if (finish.renormalize || !places.aligned()) grid = renormalized(grid, places, map);
             } else if (finish.renormalize) {
-                throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are no cubes or its background is not above 0", grid->getName()));
+                throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, or its background is not above 0", grid->getName()));
             }
         }
         if (std::count(finish.densities.begin(), finish.densities.end(), grid->getName()) > 0)

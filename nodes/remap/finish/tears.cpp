@@ -111,8 +111,7 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
 std::string to_text(const Tear& tear) {
     const auto share = tear.share >= 0.1 ? "more than 10 %" : tear.share >= 0.01 ? "1 to 10 %" : "less than 1 %";
     return fmt::format(
-        "grid '{}' crosses the lattice's rim {} along {} of it, and is moved on the inner side only: it may tear there; let the lattice reach "
-        "further{}",
+        "grid '{}' crosses the lattice's rim {} along {} of the rim, and only the part inside the lattice moves: it may tear there; make the lattice larger{}",
         tear.grid, tear.rim, share, tear.faded_away ? ", or set `rim: fade`" : "");
 }
 

@@ -69,13 +69,13 @@ std::vector<std::string> warnings_of(const CarvedMesh& carved) {
     std::vector<std::string> out;
     if (const auto& strain = carved.stretched; strain.share > 0)
         out.push_back(
-            fmt::format("{} of the edges have a seam through them and are longer than two of the lattice's vertices, the longest {:.0f}: they stay straight "
-                        "where space does not; subdivide the mesh there",
+            fmt::format("{} of the edges cross a seam and are longer than two vertices of the lattice, the longest {:.0f}: they stay straight where space "
+                        "bends; subdivide the mesh there",
                         share_text(strain.share), std::ceil(strain.worst)));
     if (const auto& strain = carved.torn; strain.share > 0)
         out.push_back(
-            fmt::format("{} of the faces cross a rim of the lattice and are moved on the inner side only, by {:.0f} vertices at most: they are drawn out or "
-                        "folded there; let the lattice reach further, or set `rim: fade`",
+            fmt::format("{} of the faces cross a rim of the lattice, and only the part inside the lattice moves, by {:.0f} vertices at most: they are "
+                        "stretched or folded there; make the lattice larger, or set `rim: fade`",
                         share_text(strain.share), std::ceil(strain.worst)));
     return out;
 }

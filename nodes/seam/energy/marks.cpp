@@ -23,7 +23,7 @@ MaskTree active_voxels(const openvdb::GridBase& grid) {
     if (grid.isType<GridT>()) return MaskTree(static_cast<const GridT&>(grid).tree(), false, true, openvdb::TopologyCopy());
     FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
 #undef FLUIDCARVE_TRY
-    throw Failure(fmt::format("grid '{}' is of type {}, which is no mask; make one of a field, by mask.threshold", grid.getName(), grid.type()));
+    throw Failure(fmt::format("grid '{}' is of type {}, which is not a mask; make a mask from a field with mask.threshold", grid.getName(), grid.type()));
 }
 
 /// Tells whether a mask is set around the vertices of a column.

@@ -60,8 +60,8 @@ Typical Typical::of(const EnergyVolume& energy) {
         });
         if (extent.low == extent.high)
             throw Failure(
-                fmt::format("`field` is {:g} at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that is "
-                            "seen, as the density, or leave `field` out",
+                fmt::format("`field` is {:g} at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that people see, "
+                            "such as the density, or leave `field` out",
                             extent.low));
         out.content = content_share * std::max(std::abs(extent.low), std::abs(extent.high));
     }

@@ -94,7 +94,7 @@ void require_room(Seams::Kind kind, int count, Window window, int width) {
     if (count <= room) return;
     throw Failure(fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count),
                               window.first, window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
-                              at_end ? "; new vertices stand between two old ones, so that none can follow the lattice's last" : ""));
+                              at_end ? "; a new vertex goes between two old ones, so none can follow the lattice's last vertex" : ""));
 }
 
 NoSeam::NoSeam(int found, const Bottleneck& at)

@@ -39,7 +39,7 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
         require_room(kind, out.count, part.window, size);
         return part;
     };
-    out.seams = part(false, count > 0 ? Seams::Kind::insert : Seams::Kind::remove, params.window, params.static_);
+    out.seams = part(false, kind_asked(count), params.window, params.static_);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices_along(params.axis, size, space)));
     if (params.pair_window) out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);

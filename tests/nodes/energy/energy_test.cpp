@@ -132,13 +132,13 @@ TEST_CASE("voxels that are no cubes along the axes are refused") {
     CHECK(refusal(transform) == "");
     transform->postScale({1, 2, 1});
     CHECK(refusal(transform) ==
-          "grid 'density' has voxels of 0.1 x 0.2 x 0.1 (ScaleTranslateMap); derivatives need cubes along the world's axes: resample the grid first");
+          "grid 'density' has voxels of 0.1 x 0.2 x 0.1 (ScaleTranslateMap); derivatives need cubic voxels along the world's axes: resample the grid first");
     transform = Transform::createLinearTransform(0.1);
     transform->postRotate(0.3);
     CHECK(refusal(transform) ==
-          "grid 'density' has voxels of 0.1 x 0.1 x 0.1 (AffineMap); derivatives need cubes along the world's axes: resample the grid first");
+          "grid 'density' has voxels of 0.1 x 0.1 x 0.1 (AffineMap); derivatives need cubic voxels along the world's axes: resample the grid first");
     CHECK(refusal(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)) ==
-          "grid 'density' has voxels of varying shape (NonlinearFrustumMap); derivatives need cubes along the world's axes: resample the grid first");
+          "grid 'density' has voxels of varying shape (NonlinearFrustumMap); derivatives need cubic voxels along the world's axes: resample the grid first");
 }
 
 TEST_CASE("a value that is not finite is refused, the lowest voxel named") {
@@ -156,7 +156,7 @@ TEST_CASE("a value that is not finite is refused, the lowest voxel named") {
     const auto velocity = sampled<VectorGrid>(cube, [](const Vec3d&) { return Vec3s(0); });
     velocity->tree().setValueOff({10, 0, 0}, Vec3s(0, std::numeric_limits<float>::quiet_NaN(), 0));
     CHECK(failure_of([&] { vorticity_energy(velocity, 1); }) ==
-          "grid 'sampled' has a value that is not finite (NaN or infinite) beside voxel [9, 0, 0]; repair it where it comes from");
+          "grid 'sampled' has a value that is not finite (NaN or infinite) next to voxel [9, 0, 0]; repair it where it comes from");
 }
 
 TEST_CASE("an empty grid has an empty energy") {
@@ -293,7 +293,7 @@ TEST_CASE("a speed whose square no float holds is refused") {
     velocity->setName("velocity");
     velocity->tree().setValue({1, 2, 3}, Vec3s(1e20f, 0, 0));
     CHECK(failure_of([&] { kinetic_energy(velocity, 1); }) ==
-          "grid 'velocity' has a value that is not finite (NaN or infinite) beside voxel [1, 2, 3]; repair it where it comes from");
+          "grid 'velocity' has a value that is not finite (NaN or infinite) next to voxel [1, 2, 3]; repair it where it comes from");
     velocity->tree().setValue({1, 2, 4}, Vec3s(0, std::numeric_limits<float>::quiet_NaN(), 0));
     CHECK(failure_of([&] { kinetic_energy(velocity, 1); }) ==
           "grid 'velocity' has a value that is not finite (NaN or infinite) at voxel [1, 2, 4]; repair it where it comes from");
@@ -370,9 +370,10 @@ TEST_CASE("energy.volume's parameters are checked against its inputs") {
     };
     CHECK(faults("{}", {}) == "type: needs 'velocity', 'fields' or both\n");
     CHECK(faults("{kinetic: 2, vorticity: 1, gradient: 1}", {{"fields", 1}}) ==
-          "vorticity: 'vorticity' weighs a term of 'velocity', which is not connected\n"
-          "kinetic: 'kinetic' weighs a term of 'velocity', which is not connected\n");
-    CHECK(faults("{kinetic: 2, gradient: 1}", {{"velocity", 1}}) == "gradient: 'gradient' weighs a term of 'fields', which is not connected\n");
+          "vorticity: 'vorticity' is the weight of a term that needs 'velocity': connect 'velocity', or leave 'vorticity' out\n"
+          "kinetic: 'kinetic' is the weight of a term that needs 'velocity': connect 'velocity', or leave 'kinetic' out\n");
+    CHECK(faults("{kinetic: 2, gradient: 1}", {{"velocity", 1}}) ==
+          "gradient: 'gradient' is the weight of a term that needs 'fields': connect 'fields', or leave 'gradient' out\n");
     CHECK(faults("range: [auto, [0, 1]]", {{"velocity", 1}, {"fields", 1}}) == "range: states 2 ranges for 3 terms; state one per term\n");
     CHECK(faults("gradient: -1", {{"fields", 1}}) == "gradient must be at least 0, not -1\n");
 }
@@ -452,7 +453,7 @@ TEST_CASE("energy.remap finds its range over the whole sequence, unless it is st
 
 TEST_CASE("energy.remap refuses parameters that make no sense") {
     const auto faults = [](const std::string& yaml) { return NodeBench(energy_remap(), yaml).faults(); };
-    CHECK(faults("{clamp: false, gamma: 2}") == "gamma: 'gamma' bends only what is clamped: leave it at 1, or 'clamp' at true\n");
+    CHECK(faults("{clamp: false, gamma: 2}") == "gamma: 'gamma' needs clamped values: leave 'gamma' at 1, or 'clamp' at true\n");
     CHECK(faults("{clamp: false, invert: true}") == "");
     CHECK(faults("gamma: 0") == "gamma must be from 0.01 to 100, not 0\n");
     CHECK(faults("to: [1, 0]") == "to has its low end 1 above its high end 0\n");

@@ -97,7 +97,8 @@ TEST_CASE("intensity without R, G and B is the mean of all channels but opacity,
     CHECK(at(*intensity(volume, std::vector<std::string>{"A"}), 2, 3) == image.pixels[10]);
     CHECK(intensity(volume)->getName() == "intensity of Y, Z");
     CHECK(failure_of([&] { intensity(volume, std::vector<std::string>{"Q"}); }) == "there is no channel 'Q'; there are Y, Z, A, matte.A");
-    CHECK(failure_of([&] { intensity(volume_of(random_image(2, 2, {"A"}))); }) == "no channel to take the energy of; there are A");
+    CHECK(failure_of([&] { intensity(volume_of(random_image(2, 2, {"A"}))); }) ==
+          "there is no channel to compute the energy from; there are A: name some in `channels`");
     Volume vectors;
     vectors.grids = {VectorGrid::create()};
     CHECK_THAT(failure_of([&] { intensity(vectors); }), Catch::Contains("a channel of an image is a float grid; name the `channels` to take"));

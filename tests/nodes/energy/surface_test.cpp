@@ -126,7 +126,7 @@ TEST_CASE("fields on voxels that are no cubes, or not finite, are refused") {
     field->tree().setValue({1, 1, 1}, 0);
     field->transform().preScale(Vec3d(1, 2, 1));
     for (const auto& of : {curvature_field, laplacian_field})
-        CHECK(failure_of([&] { of(*field); }).find("derivatives need cubes along the world's axes") != std::string::npos);
+        CHECK(failure_of([&] { of(*field); }).find("derivatives need cubic voxels along the world's axes") != std::string::npos);
 }
 
 TEST_CASE("a point becomes a ball, points the union of theirs") {
@@ -201,7 +201,8 @@ TEST_CASE("particles and grids of Blender's liquids make a surface in one place,
     one.execute([&] { CHECK(bytes(node.run(inputs).at("surface").as<FloatGrid>()->tree()) == bytes(surface->tree())); });
 
     CHECK(NodeBench(sdf_from_points()).faults() == "type: needs 'like', a grid whose voxels to use, or 'voxel_size'\n");
-    CHECK(NodeBench(sdf_from_points(), "{voxel_size: 1}", {{"like", 1}}).faults() == "voxel_size: the voxels are those of 'like'; leave one of the two out\n");
+    CHECK(NodeBench(sdf_from_points(), "{voxel_size: 1}", {{"like", 1}}).faults() ==
+          "voxel_size: 'like' already states the voxels; leave 'like' or 'voxel_size' out\n");
     NodeBench alone(sdf_from_points(), "{voxel_size: 0.1}");
     CHECK(alone.run({{"points", {Payload(points)}}}).at("surface").as<FloatGrid>()->voxelSize() == Vec3d(0.1));
 }
@@ -288,7 +289,8 @@ TEST_CASE("energy.surface is what the graph of single nodes is") {
     NodeBench alone(energy_surface(), "{curvature: 3, range: [0, 20]}", {{"surface", 1}});
     CHECK(difference(*only(alone.run({{"surface", {Payload(frames[0].surface)}}})).as<FloatGrid>(),
                      *combined_energy({{curvature_energy(*frames[0].surface, 1), 3, {0, 20}}})) == "");
-    CHECK(NodeBench(energy_surface(), "{kinetic: 2}", {{"surface", 1}}).faults() == "kinetic: 'kinetic' weighs a term of 'velocity', which is not connected\n");
+    CHECK(NodeBench(energy_surface(), "{kinetic: 2}", {{"surface", 1}}).faults() ==
+          "kinetic: 'kinetic' is the weight of a term that needs 'velocity': connect 'velocity', or leave 'kinetic' out\n");
     CHECK(NodeBench(energy_surface(), "range: [auto]", {{"surface", 1}, {"velocity", 1}}).faults() ==
           "range: states 1 ranges for 2 terms; state one per term\n");
 }

@@ -161,7 +161,7 @@ TEST_CASE("a tile stays one, unless the program asks where it is") {
     CHECK(placed->tree().getValue({9, 3, 1}) == 2 * 4.5f + 3);
     CHECK(failure_of([&] {
               energy(by_place, {{"d", any(d)}}, {}, 0, 1000);
-          }) == "the program asks where it is, so that all 513 voxels, also those of tiles, need values of their own: 0.0 GiB, of which --memory allows 0.0");
+          }) == "the program reads voxel positions, so each of 513 voxels, also of those in tiles, needs its own value: 0.0 GiB, but --memory allows 0.0");
 }
 
 TEST_CASE("params are numbers and vectors") {
@@ -223,10 +223,10 @@ TEST_CASE("a loop that may not end is refused, and so are those that take too lo
         INFO(loop);
         CHECK_THAT(faults_of(std::string("@energy = 1; ") + loop + " { @energy = 2; }"), Catch::Contains("'for' may never end"));
     }
-    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = 2; i = 0; }") == "1:44 'i' counts a loop and can't be written in it");
-    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = i--; }") == "1:41 'i' counts a loop and can't be written in it");
+    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = 2; i = 0; }") == "1:44 'i' counts a loop and can't be changed inside it");
+    CHECK(faults_of("for (int i = 0; i < 9; ++i) { @energy = i--; }") == "1:41 'i' counts a loop and can't be changed inside it");
     CHECK(faults_of("for (int i = 0; i < 9; ++i)\n for (int i = 0; i < 9; ++i) @energy = 1;") ==
-          "2:2 'i' counts a loop around this one; call this one's otherwise");
+          "2:2 'i' already counts a loop around this one; give this loop's counter another name");
     CHECK(faults_of("for (int i = 0; i < 101; ++i)\n  for (int j = 0; j < 100; ++j) @energy = 1;") ==
           "2:3 the loops run 10201 times for each voxel; 10000 are the most");
     CHECK(faults_of("for (int i = 0; i < 99; ++i)\n  for (int j = 0; j < 100; ++j) @energy = 1;") == "");
@@ -241,7 +241,7 @@ TEST_CASE("what would trap or reach beyond memory is refused at its place") {
     CHECK(faults_of("@energy = 5 / (3 - 3);") == "1:16" + divisor);
     CHECK(faults_of("@energy = floormod(5, int(@d));") == "1:23" + divisor);
     CHECK(faults_of("int i = @d; @energy = 1.0f * 5 / i + 5 / @d + i / 2 + i / 2.0f;") == "");
-    const std::string index = " a component is .x, .y, .z or [0], [1], [2]; other indices are not offered";
+    const std::string index = " a component is .x, .y, .z or [0], [1], [2]; other indices are not supported";
     CHECK(faults_of("@energy = v@vel[3];") == "1:11" + index);
     CHECK(faults_of("int i = @d; vec3f v; v[i] = 1; @energy = v.x;") == "1:22" + index);
     CHECK(faults_of("float a = external(\"d\"); @energy = a;").substr(0, 4) == "1:20");
@@ -251,8 +251,8 @@ TEST_CASE("what differs from run to run, prints or is of no use is refused") {
     CHECK(faults_of("@energy = rand();") == "1:11 rand needs a seed, as in rand(@density): without one no two runs are the same");
     CHECK_THAT(faults_of("print(1); @energy = 1;"), Catch::StartsWith("1:1 there is no function 'print'"));
     CHECK(faults_of("@energy = sqr(@d);") == "1:11 there is no function 'sqr'; did you mean 'sqrt'?");
-    CHECK(faults_of("@energy = 1 << 40;") == "1:11 bit shifts are not offered");
-    CHECK(faults_of("mat3f m; @energy = 1;") == "1:1 'mat3f' is not offered; use float, vec3f, int, bool, double, vec3d, vec3i or int64");
+    CHECK(faults_of("@energy = 1 << 40;") == "1:11 bit shifts are not supported");
+    CHECK(faults_of("mat3f m; @energy = 1;") == "1:1 the type 'mat3f' is not supported; use float, vec3f, int, bool, double, vec3d, vec3i or int64");
 }
 
 TEST_CASE("names that are not there, and names that nothing reads, are told") {
@@ -260,12 +260,12 @@ TEST_CASE("names that are not there, and names that nothing reads, are told") {
     CHECK(faults_of("@energy = $gian;", {}, {{"gain", 1.0}}) == "1:11 '$gian' is not among the params; did you mean 'gain'?");
     CHECK(faults_of("float e = @d;") == "code never writes @energy");
     CHECK(faults_of("") == "code never writes @energy");
-    CHECK(faults_of("@enrgy = @d;") == "1:1 '@enrgy' can't be written; write @energy");
-    CHECK(faults_of("@d = 2; @energy = 1;") == "1:1 '@d' can't be written; write @energy");
-    CHECK(faults_of("v@vel.x += 2; @energy = 1; @d++;") == "1:1 '@vel' can't be written; write @energy\n1:28 '@d' can't be written; write @energy");
+    CHECK(faults_of("@enrgy = @d;") == "1:1 '@enrgy' can't be written to; write to @energy");
+    CHECK(faults_of("@d = 2; @energy = 1;") == "1:1 '@d' can't be written to; write to @energy");
+    CHECK(faults_of("v@vel.x += 2; @energy = 1; @d++;") == "1:1 '@vel' can't be written to; write to @energy\n1:28 '@d' can't be written to; write to @energy");
     CHECK(faults_of("v@energy = 2;") == "1:1 @energy is a number, not 'vec3f@energy'");
     CHECK(faults_of("@energy = @d + v@d.x;") == "1:16 'd' is read as @d and as v@d; it can't be both");
-    CHECK(faults_of("@energy = i@d;") == "1:11 'int32@d' can't be read; inputs are @d (numbers, masks) or v@d (vectors)");
+    CHECK(faults_of("@energy = i@d;") == "1:11 an input can't be read as 'int32@d'; write @d (numbers, masks) or v@d (vectors)");
     CHECK(faults_of("vec3f v = v$gain; @energy = v.x;", {}, {{"gain", 1.0}}) == "1:11 'gain' is a number: write $gain");
     CHECK(faults_of("@energy = energy;", {}) == "1:11 variable \"energy\" hasn't been declared");
 
@@ -274,7 +274,7 @@ TEST_CASE("names that are not there, and names that nothing reads, are told") {
     std::string all;
     for (const auto& fault : faults) all += fault.field + " " + fault.message + "\n";
     CHECK(all ==
-          "inputs has 'vel', which the program never reads\ninputs can't have the name 'energy', which is the output's\n"
+          "inputs has 'vel', which the program never reads\ninputs can't have the name 'energy': it is the output's name\n"
           "params has 'gain', which the program never reads\n");
 }
 
@@ -315,7 +315,7 @@ TEST_CASE("a result that is no energy fails with its lowest voxel") {
     const auto d = numbers(1, {{{5, 0, 0}, 0}, {{3, 0, 0}, 2}, {{4, 1, 0}, 0}});
     CHECK(failure_of([&] {
               energy("@energy = 1 / @d;", {{"d", any(d)}});
-          }) == "@energy is inf at voxel [4, 1, 0]; guard divisions, roots and logarithms against what their inputs may hold there");
+          }) == "@energy is inf at voxel [4, 1, 0]; guard divisions, roots and logarithms against inputs such as 0 or negative numbers");
     CHECK(failure_of([&] {
               energy("@energy = @d - 1.5f;", {{"d", any(d)}});
           }) == "@energy is -1.5 at voxel [4, 1, 0]; it must be at least 0: use max(..., 0) or abs(...)");

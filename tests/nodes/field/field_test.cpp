@@ -97,12 +97,12 @@ TEST_CASE("derivatives need cubes along the axes, and finite values") {
     field->setName("density");
     field->transform().postScale({1, 2, 1});
     CHECK(failure_of([&] { gradient_field(*field); }) ==
-          "grid 'density' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubes along the world's axes: resample the grid first");
+          "grid 'density' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubic voxels along the world's axes: resample the grid first");
     const auto velocity = VectorGrid::create();
     velocity->setName("velocity");
     velocity->transform().postScale({1, 2, 1});
     CHECK(failure_of([&] { curl_field(velocity); }) ==
-          "grid 'velocity' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubes along the world's axes: resample the grid first");
+          "grid 'velocity' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubic voxels along the world's axes: resample the grid first");
     velocity->setTransform(openvdb::math::Transform::createLinearTransform(1));
     velocity->tree().setValue({1, 2, 3}, Vec3s(0, not_a_number, 0));
     const std::string message = "grid 'velocity' has a value that is not finite (NaN or infinite) at voxel [1, 2, 3]; repair it where it comes from";
@@ -257,7 +257,7 @@ TEST_CASE("a filter refuses values that are not finite, on its voxels or near th
     field->tree().setValueOff({0, 12, 0}, not_a_number);
     CHECK(refusal(*field, 2) == Messages{""});
     CHECK(refusal(*field, 3) ==
-          Messages{"grid 'sampled' has a value that is not finite (NaN or infinite) beside voxel [-3, 9, -3]; repair it where it comes from"});
+          Messages{"grid 'sampled' has a value that is not finite (NaN or infinite) next to voxel [-3, 9, -3]; repair it where it comes from"});
     field->tree().setValue({5, 1, 1}, std::numeric_limits<float>::infinity());
     field->tree().setValue({4, 1, 1}, -not_a_number);
     CHECK(refusal(*field) == Messages{"grid 'sampled' has a value that is not finite (NaN or infinite) at voxel [4, 1, 1]; repair it where it comes from"});
@@ -269,7 +269,7 @@ TEST_CASE("a filter refuses values that are not finite, on its voxels or near th
 
     const auto vast = sampled<FloatGrid>(cube, voxel, [](const Vec3d&) { return 3e38f; });
     CHECK(failure_of([&] { filtered_field(*vast, FilterMode::mean, 1, 1); }) ==
-          "grid 'sampled' has a value that is not finite (NaN or infinite) beside voxel [-9, -9, -9]; repair it where it comes from");
+          "grid 'sampled' has a value that is not finite (NaN or infinite) next to voxel [-9, -9, -9]; repair it where it comes from");
 }
 
 TEST_CASE("field.filter's parameters are checked, and handed on") {

@@ -204,7 +204,7 @@ TEST_CASE("what an image says beside its pixels is given back") {
     // Where a format has no place for it, it is told.
     std::vector<std::string> warnings;
     write(read(scratch / "a.png"), scratch / "b.exr", "", &warnings);
-    CHECK(warnings == std::vector<std::string>{"EXR has no place for what the image says under ICCProfile"});
+    CHECK(warnings == std::vector<std::string>{"EXR can't hold some attributes of the image, which are left out: ICCProfile"});
 }
 
 TEST_CASE("a file that says how it was held is read upright and written as it was") {
@@ -276,7 +276,7 @@ TEST_CASE("windows: the picture's corner is the first voxel, and the data window
     CHECK(images().read(scratch / "b.exr", "openexr").data == image.data);
     std::vector<std::string> warnings;
     write(read(scratch / "a.exr"), scratch / "b.png", ", depth: uint8", &warnings);
-    CHECK(warnings == std::vector<std::string>{"PNG holds no pixels beyond the picture; those are left out"});
+    CHECK(warnings == std::vector<std::string>{"PNG can't hold pixels outside of the display window; they are left out"});
     CHECK(images().read(scratch / "b.png", "png").data == Image::Window{0, 0, 20, 10});
 }
 
@@ -337,8 +337,8 @@ TEST_CASE("what a format does not hold is said, with the remedy") {
     std::vector<std::string> warnings;
     write(opaque, scratch / "b.jpg", ", depth: uint8, channels: [R, G, B]", &warnings);
     CHECK(warnings.size() == 4);
-    CHECK(warnings.back() == "JPEG keeps 8 bits and changes values a little with each round; PNG, TIFF and EXR keep them");
-    CHECK_THAT(warnings.front(), Catch::Contains("values of channel 'R' are not from 0 to 1, which is what uint8 holds, and were cut off"));
+    CHECK(warnings.back() == "JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and EXR keep them");
+    CHECK_THAT(warnings.front(), Catch::Contains("values of channel 'R' lie outside of 0 to 1, the range of uint8, and were clamped"));
 
     // Half floats hold infinities, as depth has them where there is nothing; only what is finite can be too large.
     auto far = random_image("openexr", channels({"Z"}, "float"), 4, 2);
@@ -346,16 +346,16 @@ TEST_CASE("what a format does not hold is said, with the remedy") {
     images().write(scratch / "far.exr", far, 95);
     warnings.clear();
     write(read(scratch / "far.exr"), scratch / "half.exr", ", depth: half", &warnings);
-    CHECK(warnings == std::vector<std::string>{"2 values of channel 'Z' are not from -65504 to 65504, which is what half holds, and were cut off"});
+    CHECK(warnings == std::vector<std::string>{"2 values of channel 'Z' lie outside of -65504 to 65504, the range of half, and were clamped"});
     const auto cut = images().read(scratch / "half.exr", "openexr").pixels;
     REQUIRE(std::isnan(cut.back()));
     CHECK(std::vector<float>(cut.begin(), cut.end() - 1) == std::vector<float>{INFINITY, -INFINITY, 1, 65504, 65504, -65504, 0});
 
     const auto faults = [](const std::string& yaml) { return NodeBench(image_write(), yaml).faults(); };
-    CHECK(faults("{path: a.gif}") == "path: 'path' wants to end in one of .png, .exr, .jpg, .jpeg, .tif, .tiff\n");
+    CHECK(faults("{path: a.gif}") == "path: 'path' must end in one of .png, .exr, .jpg, .jpeg, .tif, .tiff\n");
     CHECK(faults("{path: a.JPG, depth: uint16}") == "depth: JPEG holds uint8, not uint16\n");
     CHECK(faults("{path: a.####.exr, depth: uint8}") == "depth: EXR holds half or float, not uint8\n");
-    CHECK(faults("{path: a.png, quality: 90}") == "quality: PNG loses nothing; 'quality' is for JPEG\n");
+    CHECK(faults("{path: a.png, quality: 90}") == "quality: 'quality' is for JPEG; PNG is lossless\n");
     CHECK(faults("{path: a.jpeg, quality: 90}") == "");
 }
 
@@ -421,7 +421,7 @@ TEST_CASE("channels are outputs of their own, and frames that are missing are he
     NodeBench wrong(image_read(), "{path: " + scratch / "a.##.png" + ", channels: {matte: a}}");
     CHECK(wrong.survey({3}).absent.at(3) == scratch / "a.03.png" + " has no channel 'a'; it has R, G, B, A");
     CHECK(NodeBench(image_read(), "{path: a.png, channels: {volume: A}}").faults() ==
-          "channels: image.read has an output 'volume' of its own; name this one otherwise\n");
+          "channels: image.read already has an output 'volume'; give this one another name\n");
 }
 
 TEST_CASE("files that are no images are told before a run, with the reason") {
@@ -435,7 +435,7 @@ TEST_CASE("files that are no images are told before a run, with the reason") {
     REQUIRE(mkfifo((scratch / "pipe.png").c_str(), 0600) == 0);
     CHECK(told(scratch / "pipe.png") == scratch / "pipe.png" + " is a pipe or a device; an image is read from a regular file");
     CHECK(told(scratch.write("a.png", "")) == scratch / "a.png" + " is empty");
-    CHECK(told(scratch.write("a.png", "PNG it is not")) == scratch / "a.png" + " is no image of a kind that is read: PNG, EXR, JPEG, TIFF");
+    CHECK(told(scratch.write("a.png", "PNG it is not")) == scratch / "a.png" + " is not an image in a supported format: PNG, EXR, JPEG, TIFF");
     // By its bytes, whatever its name.
     std::filesystem::copy_file(TEST_DATA "/images/chelsea.png", scratch / "b.jpg");
     CHECK(told(scratch / "b.jpg") == "");
@@ -455,7 +455,7 @@ TEST_CASE("windows so far off that their pixels can't be counted are refused") {
     image.data.x = 500000000;
     image.display.x = -500000000;
     images().write(scratch / "a.exr", image, 95);
-    CHECK_THAT(failure_of([&] { read(scratch / "a.exr"); }), Catch::Contains("its pixels lie further than 16777216 from the first"));
+    CHECK_THAT(failure_of([&] { read(scratch / "a.exr"); }), Catch::Contains("its data or display window reaches more than 16777216 pixels from the origin"));
 }
 
 TEST_CASE("an image of more pixels than the memory takes is refused") {

@@ -47,10 +47,10 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
     CHECK(oddities(facts) ==
           std::vector<std::string>{
               "velocity: staggered: component c stands on the face below its voxel along axis c",
-              "velocity: invariant by vector type: other tools won't turn it with its transform",
+              "velocity: its vector type is invariant: other tools don't rotate it with its transform",
               "velocity: if Blender wrote it, in tenths of a voxel per frame, roughly",
               "density, temperature: active only above 1e-06: derivatives jump at the border of the smoke",
-              "shadow: -1 everywhere in its box: don't fit a lattice to it, nor to what is active in any grid",
+              "shadow: -1 everywhere in its box: it shows no content, so fit the lattice to another grid",
               "flame: no active voxels",
               "the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back",
           });
@@ -85,7 +85,7 @@ TEST_CASE("inspect finds values that are not finite, odd voxels, odd level sets,
     CHECK(facts["grids"][0]["range"] == Json{2.5, 2.5});
     CHECK(oddities(facts) == std::vector<std::string>{
                                  "density[0], density[1]: 2 values are not finite, the first at voxel [2,4,5]: energies refuse them",
-                                 "density[0], density[1]: no class: taken for fog",
+                                 "density[0], density[1]: no class: treated as a fog volume",
                                  "flat: voxels that are no cubes along the axes (0.1 x 0.2 x 0.1): derivatives refuse them",
                                  "phi: called a level set, but its background is not above 0: dense values in voxels, no narrow band",
                                  "flat: another transform than density[0]",

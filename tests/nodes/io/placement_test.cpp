@@ -193,7 +193,7 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
     CHECK(&volume.grids[0]->constBaseTree() == &volume.grids[2]->constBaseTree());
     write_vdb(scratch / "out.vdb", volume);
     CHECK(failure_of([&] { write_vdb(scratch / "other.vdb", volume, Codec::none); }) ==
-          fmt::format("cannot write {}: grid 'rare' is of type Tree_float_5_4_2, which OpenVDB does not know, and can't be compressed anew; set 'compression: "
+          fmt::format("cannot write {}: grid 'rare' is of type Tree_float_5_4_2, which OpenVDB does not know, and can't be compressed again; set 'compression: "
                       "as_read', or leave it out",
                       scratch / "other.vdb"));
 

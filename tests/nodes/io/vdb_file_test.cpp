@@ -259,8 +259,8 @@ TEST_CASE("what is wrong with a file is said in words") {
     changed[changed.find("Tree_float")] = 'X';
     scratch.write("strange.vdb", changed);
     is("strange.vdb",
-       ": grid 'ls_sphere' is of type Xree_float_5_4_3, which OpenVDB 10.0.1 does not know; it could be kept as it is in a file of version 224, "
-       "but this one has 222: leave it out when writing the file");
+       ": grid 'ls_sphere' is of type Xree_float_5_4_3, which OpenVDB 10.0.1 does not know; it can be copied unchanged only from a file of version 224, but "
+       "this one has 222: write the file without this grid");
     changed = whole;
     changed[8] = '\xff';
     scratch.write("newer.vdb", changed);
@@ -294,7 +294,7 @@ TEST_CASE("numbers in a header that make no sense are damage, and nothing is mad
     // The entry's type, int64, follows its name; then comes its size, 8.
     const auto size = whole.find("int64", statistic) + 5;
     CHECK(refusal(size, std::string("\x10\0\0\0", 4)) ==
-          scratch / "bad.vdb" + " is damaged: grid 'density': metadata 'file_mem_bytes' is not as long as its type");
+          scratch / "bad.vdb" + " is damaged: grid 'density': metadata 'file_mem_bytes' has another length than its type");
     CHECK(refusal(size, std::string(4, '\x7f')) == scratch / "bad.vdb" + " is damaged: grid 'density': length: iostream error");
 }
 

@@ -90,7 +90,7 @@ TEST_CASE("what is wrong with vdb.read's parameters is said before anything is r
     CHECK(faults("grids: {density: {type: float, nmae: x}}") == "grids has no field 'nmae'; did you mean 'name'?\n");
     CHECK(faults("grids: {density: {name: x}}") == "grids lacks 'type': float or vector\n");
     CHECK(faults("grids: {volume: float}") ==
-          "grids: vdb.read has an output 'volume' of its own; name this one otherwise: {density: {name: volume, type: float}}\n");
+          "grids: vdb.read already has an output 'volume'; give this one another name: {density: {name: volume, type: float}}\n");
     CHECK(faults("missing: hold") == "missing: 'hold' is for sequences; the path has no frame token such as ####\n");
 }
 

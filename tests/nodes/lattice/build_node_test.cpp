@@ -103,9 +103,9 @@ TEST_CASE("insertions that make a sound lattice fold or meet itself are told wit
     REQUIRE(overlap.voxels > 0);
     const auto between = [&](int plane) { return fmt::format("most of them between planes {} and {}", plane, plane + 1); };
     CHECK(one.fault() ==
-          fmt::format("to insert 4 seams the lattice goes on beyond its last vertex along u, and there {} cells are folded, {}, and {} voxels, as "
-                      "large as the spacing, lie in several cells, {}: what is pushed there is lost in part; insert fewer, or turn the lattice "
-                      "round by its `flip_u` or its rig's `up`, so that it grows to the other side",
+          fmt::format("to insert 4 seams, the lattice is extended beyond its last vertex along u, and there {} cells are folded, {}, and {} voxels, as "
+                      "large as the spacing, lie in several cells, {}: part of what is pushed there is lost; insert fewer seams, or turn the lattice around "
+                      "with its `flip_u` or its rig's `up`, so that it grows to the other side",
                       folds.cells, between(folds.plane), overlap.voxels, between(overlap.plane)));
     Extension moving;
     for (const auto& [frame, apart] : {std::pair(1, 4.0), std::pair(2, 2.0), std::pair(3, 3.0)}) moving.add(legs(apart), Axis::u, 0, 4, frame);
@@ -127,8 +127,8 @@ TEST_CASE("lattice.build tells where a lattice meets itself, in the worst frame"
     REQUIRE(overlap.voxels > 100);
     const auto message = [&](const std::string& frame) {
         return fmt::format(
-            "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice meets itself; "
-            "each is carved in the lowest only: reduce the extents, or lead the rig further away from itself",
+            "{} voxels, as large as the spacing, lie in several cells{}, most of them between planes {} and {}, since the lattice overlaps itself; each is "
+            "carved only in the cell of the lowest plane: reduce the extents, or keep the parts of the rig further apart",
             overlap.voxels, frame, overlap.plane, overlap.plane + 1);
     };
     CHECK(run.heard.warnings[1] == message(" in frame 5"));
@@ -139,10 +139,10 @@ TEST_CASE("lattice.build tells where a lattice meets itself, in the worst frame"
 
 TEST_CASE("lattice.build says before a run what is wrong with its extents and spacing") {
     const auto faults = [](const std::string& yaml) { return NodeBench(lattice_build(), yaml, {{"rig", 1}}).faults(); };
-    CHECK(faults("{spacing: 0, extent_u: [0, 1], extent_v: [0, 1]}") == "spacing: 'spacing' wants more than 0\n");
+    CHECK(faults("{spacing: 0, extent_u: [0, 1], extent_v: [0, 1]}") == "spacing: 'spacing' must be above 0\n");
     CHECK(faults("{spacing: 0.1, extent_u: [0, 0], extent_v: [1, 1]}") ==
-          "extent_u: 'extent_u' is [0, 0], which holds nothing; one vertex, for images, is less than a spacing: [0, 0.05]\n"
-          "extent_v: 'extent_v' is [1, 1], which holds nothing; one vertex, for images, is less than a spacing: [1, 1.05]\n");
+          "extent_u: 'extent_u' is [0, 0], which is empty; for a single vertex, as for images, state less than one spacing: [0, 0.05]\n"
+          "extent_v: 'extent_v' is [1, 1], which is empty; for a single vertex, as for images, state less than one spacing: [1, 1.05]\n");
     CHECK(faults("{spacing: 0.1, extent_u: [0, 10000], extent_v: [0, 1]}") ==
           "extent_u: 'extent_u' holds 100001 vertices at a spacing of 0.1; 65534 is the most\n");
 }
@@ -166,7 +166,8 @@ TEST_CASE("lattice.build gives all frames of a moving rig the planes of the long
     const Run run("{spacing: 0.5, extent_u: [-1, 1], extent_v: [-1, 1]}",
                   {through({{0, 0, 0}, {4, 0, 0}}), through({{0, 0, 0}, {0, 8, 0}}), through({{0, 0, 0}, {0, 0.1, 0}, {0, 8.2, 0}})}, {5, 7, 9});
     CHECK(run.heard.warnings ==
-          std::vector<std::string>{"the rig takes 17 planes in frame 7, but 9 in frame 5; all frames get 17, which stand 0.25 apart in frame 5, not 0.5"});
+          std::vector<std::string>{
+              "the rig needs 17 planes in frame 7, but 9 in frame 5; all frames get 17 planes, which are 0.25 apart in frame 5 instead of 0.5"});
     for (const auto& lattice : run.lattices) CHECK(lattice->shape == std::array{5, 5, 17});
     CHECK((run.lattices[0]->position(Vec3d(2, 2, 16)) - Vec3d(4, 0, 0)).length() < 1e-9);
     CHECK((run.lattices[1]->position(Vec3d(2, 2, 16)) - Vec3d(0, 8, 0)).length() < 1e-9);
@@ -190,7 +191,7 @@ TEST_CASE("lattice.build tells of folds and of smoothing against them, where the
           "12 cells are folded, most of them (8) between planes 8 and 9: reduce the extents on the inner side of the bend, or smooth the rig more");
     const Run smoothed("{" + extents + "}", {kinked});
     REQUIRE(smoothed.heard.warnings.size() == 1);
-    CHECK(smoothed.heard.warnings[0] == "the rig was smoothed 4 times against folded cells, which moved it by up to 0.4539");
+    CHECK(smoothed.heard.warnings[0] == "the rig was smoothed 4 times to avoid folded cells, which moved it by up to 0.4539");
     CHECK(smoothed.heard.reported.at("lattices").at("moved").get<double>() == Approx(0.4539).epsilon(1e-4));
     // Less than half a spacing goes without saying.
     const Run rounded("{spacing: 0.5, extent_u: [-5, 5], extent_v: [-1, 1]}", {through({{0, 0, 0}, {4, 0, 0}, {8, 1, 0}})});
@@ -205,7 +206,7 @@ TEST_CASE("lattice.build says at once that no smoothing cures a circle that is r
     CHECK(run.heard.warnings ==
           std::vector<std::string>{
               "378 cells are folded, most of them (6) between planes 0 and 1: the lattice reaches 1.25 inwards, past the centre of a circle of "
-              "radius 1 around (0, 0, 0), which no smoothing cures: keep 'extent_u' within the radius"});
+              "radius 1 around (0, 0, 0), and no smoothing repairs that: keep 'extent_u' within the radius"});
     CHECK(failure_of([&] {
               Run("{spacing: 0.1, extent_u: [-0.5, 1.2], extent_v: [-0.1, 0.1], flip_u: true, on_fold: error}", {circle});
           }).find("reaches 1.2 inwards") != std::string::npos);

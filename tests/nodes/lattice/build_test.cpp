@@ -246,10 +246,11 @@ TEST_CASE("a rig that can't carry a lattice is refused") {
     CHECK(fault(through({{1, 1, 1}}), 1) == "a rig needs at least 2 points, not 1");
     CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), 0.1) == "points 2 and 3 of the rig are the same, (1, 0, 0)");
     CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}), 0.1) == "the rig turns right back at point 2, (1, 0, 0)");
-    CHECK(fault(through({{0, 0, 0}, {0.5, 0, 0}}), 1) == "the rig, 0.5 long, does not get as far as one spacing, 1, from its start");
-    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, true), 2) == "the closed rig is 3.41421 around; at a spacing of 2 that is less than three planes");
-    CHECK(fault(through({{0, 0, 0}, {0, 0, 5}}), 1) == "the rig starts along its 'up', (0, 0, 1), which then says nothing of where v points; state another");
-    CHECK(fault(through({{0, 0, 0}, {70000, 0, 0}}), 1) == "the rig, 70000 long, takes more than 65534 planes at a spacing of 1, the most there may be");
+    CHECK(fault(through({{0, 0, 0}, {0.5, 0, 0}}), 1) == "the rig, 0.5 long, stays within one spacing, 1, of its start; take a smaller spacing");
+    CHECK(fault(through({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, true), 2) ==
+          "the closed rig is 3.41421 around; at a spacing of 2 that makes fewer than three planes");
+    CHECK(fault(through({{0, 0, 0}, {0, 0, 5}}), 1) == "the rig starts along its 'up', (0, 0, 1), which leaves the direction of v open; state another 'up'");
+    CHECK(fault(through({{0, 0, 0}, {70000, 0, 0}}), 1) == "the rig, 70000 long, needs more than 65534 planes at a spacing of 1; 65534 is the most");
     CHECK(fault(through({{0, 0, 0}, {2, 0, 0}, {2, 0.004, 0}, {0, 0.004, 0}}), 0.5) ==
           "the rig turns right back within one spacing near (2, 0, 0), plane 4; smooth it, or take another spacing");
 }
@@ -259,7 +260,7 @@ TEST_CASE("closed rigs of other lengths are divided into the same number of plan
     const Run run("{spacing: 0.1, extent_u: [-0.5, 0.5], extent_v: [-0.2, 0.2]}", {circle(2), circle(3)}, {1, 2});
     REQUIRE(run.heard.warnings.size() == 1);
     CHECK(run.heard.warnings[0] ==
-          "the rig takes 188 planes in frame 2, but 126 in frame 1; all frames get 188, which stand 0.06684 apart in frame 1, not 0.1");
+          "the rig needs 188 planes in frame 2, but 126 in frame 1; all frames get 188 planes, which are 0.06684 apart in frame 1 instead of 0.1");
     CHECK(run.lattices[0]->shape == run.lattices[1]->shape);
     CHECK((run.lattices[0]->position(Vec3d(5, 2, 94)) - Vec3d(-2, 0, 0)).length() < 1e-9);
 }

@@ -136,7 +136,8 @@ TEST_CASE("lattice.box refuses to fit what has no one box") {
     const auto turned = voxels_of(0.5);
     turned->preRotate(0.1, openvdb::math::Y_AXIS);
     CHECK(failure_of([&] { fitted({grid_of(active, turned)}); }) ==
-          "grid 'density' is turned or has voxels that are no cubes in frame 7; a box fits only straight, uniform grids: state 'min', 'max' and 'spacing'");
+          "grid 'density' is rotated, or its voxels are not cubes, in frame 7; a box fits only grids of cubic voxels along the axes: state 'min', 'max' and "
+          "'spacing' instead");
 }
 
 TEST_CASE("lattice.box says what is wrong with its extent before a run") {
@@ -145,7 +146,7 @@ TEST_CASE("lattice.box says what is wrong with its extent before a run") {
           "max: the extent 1 in y is no whole multiple of the spacing 0.3; the nearest 'max' that fits is 0.9\n"
           "max: the extent 1 in z is no whole multiple of the spacing 0.3; the nearest 'max' that fits is 0.9\n");
     CHECK(faults("{min: [0, 2, 0], max: [1, 1, 1], spacing: 0.5}") == "max: 'max' is below 'min' in y: 1 < 2\n");
-    CHECK(faults("{min: [0, 0, 0], max: [1, 1, 1], spacing: 0}") == "spacing: 'spacing' wants more than 0\n");
+    CHECK(faults("{min: [0, 0, 0], max: [1, 1, 1], spacing: 0}") == "spacing: 'spacing' must be above 0\n");
     CHECK(faults("{min: [0, 0, 0], max: [1e6, 1, 1], spacing: 1}") == "max: the extent 1000000 in x is 1000000 times the spacing 1; 65533 is the most\n");
     CHECK(faults("{min: [0, 0, 0], spacing: 1}") == "max: needs either 'fit', or all of 'min', 'max' and 'spacing'\n");
     CHECK(faults("{}") == "min: needs either 'fit', or all of 'min', 'max' and 'spacing'\n");

@@ -92,7 +92,7 @@ TEST_CASE("a mask of another transform is refused by name") {
 
 TEST_CASE("mask nodes refuse parameters that make no sense") {
     CHECK(NodeBench(mask_threshold(), "{}").faults() == "type: needs 'above', 'below' or both\n");
-    CHECK(NodeBench(mask_threshold(), "{above: 2, below: 1}").faults() == "above: parameter 'above' is 2, over 'below', 1: no value fits\n");
+    CHECK(NodeBench(mask_threshold(), "{above: 2, below: 1}").faults() == "above: parameter 'above', 2, is higher than 'below', 1: no value fits\n");
     CHECK(NodeBench(mask_threshold(), "{above: auto, below: 1}").faults() == "");
     CHECK(NodeBench(mask_weight(), "{weights: [1, 2]}", {{"masks", 1}}).faults() ==
           "weights: parameter 'weights' has 2 numbers for 1 masks; state one for each\n");
@@ -196,21 +196,19 @@ TEST_CASE("the border of a sphere belongs to it") {
 
 TEST_CASE("masks by place refuse bent grids and sizes that no mask can hold") {
     const auto like = grid_of(Transform::createLinearTransform(0.01));
-    CHECK(
-        failure_of([&] {
-            box_mask(*like, {-1000, 0, -1000}, {1000, 1000, 1000});
-        }) ==
-        "the box reaches from voxel [-100000, 0, -100000] to [100000, 100000, 100000] of grid 'density': more than a mask can hold, which needs only to cover "
-        "the lattice");
-    CHECK(
-        failure_of([&] {
-            sphere_mask(*like, {1e9, 0, 0}, 1);
-        }) ==
-        "the sphere reaches from voxel [99999999900, -100, -100] to [100000000100, 100, 100] of grid 'density': more than a mask can hold, which needs only to "
-        "cover the lattice");
+    CHECK(failure_of([&] {
+              box_mask(*like, {-1000, 0, -1000}, {1000, 1000, 1000});
+          }) ==
+          "the box reaches from voxel [-100000, 0, -100000] to [100000, 100000, 100000] of grid 'density', which is more than a mask can hold; make it "
+          "smaller: it needs to cover only the lattice");
+    CHECK(failure_of([&] {
+              sphere_mask(*like, {1e9, 0, 0}, 1);
+          }) ==
+          "the sphere reaches from voxel [99999999900, -100, -100] to [100000000100, 100, 100] of grid 'density', which is more than a mask can hold; make it "
+          "smaller: it needs to cover only the lattice");
     CHECK(failure_of([&] {
               box_mask(*grid_of(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)), {0, 0, 0}, {1, 1, 1});
-          }) == "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs straight ones: resample the grid first");
+          }) == "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs voxels of one shape: resample the grid first");
 }
 
 TEST_CASE("union, intersection and difference of masks, voxel by voxel, with tiles") {

@@ -392,7 +392,8 @@ TEST_CASE("preview render: parameters that a render has no use for say so") {
     CHECK(faults("{show: render, difference: true}", {{"before", 1}, {"after", 1}}) ==
           "difference: 'show: render' has no difference; leave 'difference' out, or choose 'show: maximum'\n");
     CHECK(faults("{show: render, difference: false}", {{"before", 1}, {"after", 1}}) == "");
-    CHECK(faults("{show: render, slice: 3}", {{"before", 1}}) == "slice: nothing is sliced: 'slice' needs 'energy', or 'show: slice' or 'both'\n");
+    CHECK(faults("{show: render, slice: 3}", {{"before", 1}}) ==
+          "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'\n");
     CHECK(faults("{show: render, slice: 3}", {{"before", 1}, {"energy", 1}}) == "");
 }
 

@@ -195,7 +195,7 @@ TEST_CASE("a volume that is the same in all frames is shown once, whichever fram
     node.add({{"before", {volume_of(cube(Coord(0), 8, 1.0f))}}}, context);
     node.finish(context);
     CHECK(std::filesystem::exists(scratch / "sheet.png"));
-    CHECK(failure_of([&] { NodeBench(preview_sheet(), "{path: x.png}").finish(context); }) == "none of the frames to show has come");
+    CHECK(failure_of([&] { NodeBench(preview_sheet(), "{path: x.png}").finish(context); }) == "none of the frames to show was computed");
 }
 
 TEST_CASE("inputs and parameters of a sheet that need each other say so") {
@@ -206,8 +206,8 @@ TEST_CASE("inputs and parameters of a sheet that need each other say so") {
           "seams: 'seams' are drawn over 'energy'; connect it too\n"
           "seams: 'seams' needs 'lattice', in which they were found\n");
     CHECK(faults("{}", {{"before", 1}, {"lattice", 1}}) == "lattice: 'lattice' is for 'seams'; connect them too\n");
-    CHECK(faults("{difference: true}", {{"before", 1}}) == "difference: 'difference' is that of 'after', which is not connected\n");
-    CHECK(faults("{slice: 3}", {{"before", 1}}) == "slice: nothing is sliced: 'slice' needs 'energy', or 'show: slice' or 'both'\n");
+    CHECK(faults("{difference: true}", {{"before", 1}}) == "difference: 'difference' compares 'before' with 'after', but 'after' is not connected\n");
+    CHECK(faults("{slice: 3}", {{"before", 1}}) == "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'\n");
     CHECK(faults("{slice: -3, show: both}", {{"before", 1}}) == "");
     CHECK(faults("{slice: auto, show: maximum}", {{"before", 1}, {"energy", 1}, {"lattice", 1}, {"seams", 1}}) == "");
 }

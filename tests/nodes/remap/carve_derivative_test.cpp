@@ -226,7 +226,7 @@ TEST_CASE("conserve scales the named densities by the determinant, and refuses w
               Approx(4 * (1 + 3.0 / 7 * slope[static_cast<std::size_t>(n)])));
     }
     CHECK(failure_of([&] { run("{conserve: mass, densities: [soot]}"); }) ==
-          "no grid 'soot' to conserve; there are density, temperature, fuel, count: name those that hold amounts per volume in `densities:`");
+          "there is no grid 'soot' to conserve; there are density, temperature, fuel, count: name in `densities:` those that hold amounts per volume");
     CHECK(failure_of([&] { run("{conserve: mass, densities: [count]}"); }).find("grid 'count' is no density") == 0);
     density->setGridClass(openvdb::GRID_LEVEL_SET);
     CHECK(failure_of([&] { run("{conserve: mass}"); }).find("grid 'density' is no density") == 0);

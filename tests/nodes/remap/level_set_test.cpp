@@ -210,7 +210,7 @@ TEST_CASE("level sets that no seam changes, or that are left alone, stay the car
     const auto kept = carve_level_set(flat, lattice, map);
     CHECK(kept.got == kept.carved);
     CHECK(failure_of([&] { carve_level_set(flat, lattice, map, true); }) ==
-          "level set 'surface' can't be renormalized: its voxels are no cubes or its background is not above 0");
+          "level set 'surface' can't be renormalized: its voxels are not cubes, or its background is not above 0");
 }
 
 TEST_CASE("level sets of doubles are renormalised, the same by any number of threads") {

@@ -248,10 +248,9 @@ TEST_CASE("faces and attributes stay, and seams that change make a mesh of one f
     CHECK(moves("{}"));
     // One mesh for all frames can't follow them, unless they move it alike, as all that lies beyond them.
     NodeBench still(remap_mesh(), "{static: true}");
-    CHECK_THROWS_WITH(
-        still.run(inputs, Context(host, frames)),
-        "the mesh is one file for all frames, but seams move vertex 3 (counted from 0) otherwise in frame 2 than in frame 1; leave `static` out, and it "
-        "will be one per frame, or keep the seams out of it: `protect: mask.mesh`");
+    CHECK_THROWS_WITH(still.run(inputs, Context(host, frames)),
+                      "the mesh is one file for all frames, but seams move vertex 3 (counted from 0) differently in frame 2 than in frame 1; leave `static` "
+                      "out to get one mesh per frame, or `protect` the mesh from seams with a mask.mesh");
     auto beyond = inputs;
     auto far = sheet(3, 1, Vec3d(6, 1, 1));
     beyond["source"] = {Payload(std::make_shared<Mesh>(far))};
@@ -270,9 +269,8 @@ TEST_CASE("long edges over a seam and faces across a rim are counted and told") 
     // Two of the four faces, with two of their edges each.
     CHECK(coarse.stretched.share == Approx(4.0 / 16));
     CHECK(coarse.torn.share == 0);
-    CHECK(warnings_of(coarse) ==
-          std::vector<std::string>{"more than 10 % of the edges have a seam through them and are longer than two of the lattice's vertices, the longest 4: "
-                                   "they stay straight where space does not; subdivide the mesh there"});
+    CHECK(warnings_of(coarse) == std::vector<std::string>{"more than 10 % of the edges cross a seam and are longer than two vertices of the lattice, the "
+                                                          "longest 4: they stay straight where space bends; subdivide the mesh there"});
     const auto torn = carve_mesh(sheet(5, 1, Vec3d(12, -2, 5)), lattice, map);
     CHECK(torn.torn.share == Approx(4.0 / 16));
     CHECK(torn.torn.worst == 3);

@@ -325,7 +325,7 @@ TEST_CASE("what can't be carved is refused by name") {
     const auto unknown = std::make_shared<RawGrid>("Tree_float_5_4_2", 0, 0);
     unknown->setName("fine");
     CHECK(failure_of([&] { carve_grid(unknown, lattice, map_of(lattice, seams), Interpolation::linear); }) ==
-          "grid 'fine' is of type Tree_float_5_4_2, which can't be carved; name the grids to carve in `grids:` of the reader and take those");
+          "grid 'fine' is of type Tree_float_5_4_2, which can't be carved; name the grids to carve in `grids:` of the reader and connect those");
 
     const auto other = make_box(Vec3d(1, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2});
     CHECK(failure_of([&] { map_of(other, seams); }) ==

@@ -318,8 +318,8 @@ TEST_CASE("content on both sides of a rim is told, with its share of the rim") {
           std::map<std::string, double>{{"u = 39", 10.0 * 16 / (20 * 16)}, {"w = 15", 10.0 * 10 / (35 * 20)}});
     REQUIRE(across_v.size() == 1);
     CHECK(to_text(across_v[0]) ==
-          "grid 'smoke' crosses the lattice's rim v = 0 along more than 10 % of it, and is moved on the inner side only: it may tear "
-          "there; let the lattice reach further, or set `rim: fade`");
+          "grid 'smoke' crosses the lattice's rim v = 0 along more than 10 % of the rim, and only the part inside the lattice moves: it may tear there; make "
+          "the lattice larger, or set `rim: fade`");
 
     std::mt19937 random(1);
     const auto pairs = random_pairs(random, lattice, lattice.shape, Axis::u, Seams::Kind::remove, 3, {1});

@@ -214,7 +214,8 @@ TEST_CASE("a grid of tiles alone has a surface too") {
 
 TEST_CASE("sdf.from_mesh takes its voxels from a size or from a grid, and warns where a mesh has no inside") {
     CHECK(NodeBench(sdf_from_mesh()).faults() == "type: needs 'voxel_size', or a grid 'like' whose voxels it takes\n");
-    CHECK(NodeBench(sdf_from_mesh(), "{voxel_size: 1}", {{"like", 1}}).faults() == "voxel_size: the voxels are those of 'like'; leave one of the two out\n");
+    CHECK(NodeBench(sdf_from_mesh(), "{voxel_size: 1}", {{"like", 1}}).faults() ==
+          "voxel_size: 'like' already states the voxels; leave 'like' or 'voxel_size' out\n");
     const auto like = FloatGrid::create();
     like->setTransform(voxels(0.1));
     like->transform().postTranslate(Vec3d(0.03, 0, 0));
@@ -250,9 +251,9 @@ TEST_CASE("the voxels in a mesh, and near it, are those whose centres are") {
         if (std::abs(distance - 0.23) > 0.1 * 0.05) REQUIRE(near->tree().isValueOn(*voxel) == (distance < 0.23));
     }
     CHECK_THROWS_WITH(inside_mask(boxed(low, high, true), *voxels(0.05)),
-                      "the mesh is not closed, so that it has no inside: at 4 edges an odd number of faces ends; close it, or set `where: near`");
-    CHECK(NodeBench(mask_mesh(), "{where: near}").faults() == "where: near needs a 'distance' above 0\n");
-    CHECK(NodeBench(mask_mesh(), "{distance: 1}").faults() == "distance: only `where: near` has a use for a distance\n");
+                      "the mesh is not closed, so that it has no inside: an odd number of faces meets at 4 edges; close it, or set `where: near`");
+    CHECK(NodeBench(mask_mesh(), "{where: near}").faults() == "where: `where: near` needs a 'distance' above 0\n");
+    CHECK(NodeBench(mask_mesh(), "{distance: 1}").faults() == "distance: 'distance' is only for `where: near`\n");
 }
 
 TEST_CASE("below the surfaces is all that is beneath the uppermost inside voxel of any of them, along any axis") {
@@ -287,7 +288,7 @@ TEST_CASE("below the surfaces is all that is beneath the uppermost inside voxel 
     auto fog = pool->deepCopy();
     fog->setGridClass(openvdb::GRID_FOG_VOLUME);
     CHECK_THROWS_WITH(below_surface_mask({fog}, Vec3d(0, 0, 1), 0),
-                      "grid 'surface' is a fog volume, which has no surface; a level set is needed, as sdf.from_mesh makes");
+                      "grid 'surface' is a fog volume, which has no surface; connect a level set, such as sdf.from_mesh makes");
     CHECK(below_surface_mask({FloatGrid::create()}, Vec3d(0, 0, 1), 0)->empty());
     CHECK(NodeBench(mask_below_surface(), "{up: [0, 0, 0]}").faults() == "up: 'up' has no direction\n");
 }

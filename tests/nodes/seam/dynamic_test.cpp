@@ -96,6 +96,5 @@ TEST_CASE("volumes are no images: dynamic programming names who takes them") {
     CHECK(failure_of([&] {
               dynamic_seam(energy, {0, 4}, 0, nobody);
           }) ==
-          "seam.dynamic finds seams of lines, as in images, but here columns stand beside each other in 3 x 2 x 4 (lateral, k, frames); seam.pyramid and "
-          "seam.graph_cut take any");
+          "seam.dynamic needs columns in one line, as in images, but there are 3 x 2 x 4 columns (lateral, k, frames); use seam.pyramid or seam.graph_cut");
 }

@@ -145,7 +145,7 @@ TEST_CASE("slabs over the memory budget go to a file that leaves no trace") {
     CHECK(!SlabStore(3, 1000, 6000, folder).on_disk());
     CHECK(failure_of([&] {
               SlabStore(1, 5'000'000, 1, "/proc/nowhere");
-          }).starts_with("10.0 MB of energies or seams exceed the memory budget and find no place in the work folder"));
+          }).starts_with("10.0 MB of energies or seams exceed the memory budget and can't be stored in the work folder"));
 }
 
 TEST_CASE("more energy than any memory holds is refused, not wrapped around") {

@@ -203,9 +203,9 @@ TEST_CASE("more seams than fit are refused with the number that does") {
     CHECK(fault(Seams::Kind::remove, 9, {2, 9}) == "9 seams do not fit: window [2, 9] has room to remove 8");
     CHECK(fault(Seams::Kind::insert, 9, {2, 9}) == "9 seams do not fit: window [2, 9] has room to insert 8");
     CHECK(fault(Seams::Kind::insert, 12, {0, 11}) ==
-          "12 seams do not fit: window [0, 11] has room to insert 11; new vertices stand between two old ones, so that none can follow the lattice's last");
+          "12 seams do not fit: window [0, 11] has room to insert 11; a new vertex goes between two old ones, so none can follow the lattice's last vertex");
     CHECK(fault(Seams::Kind::insert, 1, {11, 11}) ==
-          "1 seam does not fit: window [11, 11] has room to insert none; new vertices stand between two old ones, so that none can follow the lattice's last");
+          "1 seam does not fit: window [11, 11] has room to insert none; a new vertex goes between two old ones, so none can follow the lattice's last vertex");
     CHECK(find_seams(energy, Seams::Kind::remove, 12, {0, 11}, greedy(16), nobody).seams.size() == 12);
 }
 

@@ -124,7 +124,7 @@ TEST_CASE("the active voxels of any grid are a mask, whatever their value; point
     auto points = openvdb::points::PointDataGrid::create();
     points->setName("drops");
     CHECK(failure_of([&] { marked(*points, lattice); }) ==
-          "grid 'drops' is of type Tree_ptdataidx32_5_4_3, which is no mask; make one of a field, by mask.threshold");
+          "grid 'drops' is of type Tree_ptdataidx32_5_4_3, which is not a mask; make a mask from a field with mask.threshold");
 }
 
 TEST_CASE("masks are taken frame by frame or once for all, and what is protected is not attracted") {

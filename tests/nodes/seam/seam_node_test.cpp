@@ -119,7 +119,7 @@ TEST_CASE("windows that do not go together are told before anything runs") {
     CHECK(failure("{count: 1, window: [0, 3], pair_window: [4, 8]}") == "pair_window [4, 8] leaves the lattice, which has 8 vertices along u: 0 to 7");
     CHECK(failure("{count: 3, window: [0, 3], pair_window: [4, 5]}") == "3 seams do not fit: window [4, 5] has room to remove 2");
     CHECK(failure("{count: -3, window: [0, 3], pair_window: [5, 7]}") ==
-          "3 seams do not fit: window [5, 7] has room to insert 2; new vertices stand between two old ones, so that none can follow the lattice's last");
+          "3 seams do not fit: window [5, 7] has room to insert 2; a new vertex goes between two old ones, so none can follow the lattice's last vertex");
     CHECK(failure("{count: -1, guide: gaussian}") ==
           "guide 'gaussian' leads seams through a closed lattice back to where they began, but this lattice is open; leave `guide` out");
 }

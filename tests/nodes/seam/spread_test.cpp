@@ -161,6 +161,6 @@ TEST_CASE("a field that is the same everywhere is refused") {
     const CoordBBox all(Coord(0), Coord(5, 3, 3));
     const auto flat = energy_grid(all, [](const Coord&) { return 0.25f; });
     CHECK_THROWS_WITH(solve(seam_pyramid(), "{count: -1}", {flat}, {box({6, 4, 4})}, {{"field", {flat}}}, 1),
-                      "`field` is 0.25 at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that is seen, as the "
-                      "density, or leave `field` out");
+                      "`field` is 0.25 at all vertices of the lattice in all frames: it shows no content and no edges; connect the grid that people see, such "
+                      "as the density, or leave `field` out");
 }

@@ -98,7 +98,7 @@ TEST_CASE("pairs, and that their lattice is closed, come back from their file") 
 TEST_CASE("a file of pairs that is wrong is refused with the reason") {
     const auto pair_fault = [](const auto& edit, Seams::Kind kind = Seams::Kind::remove) { return fault(edit, kind, true); };
     CHECK(pair_fault([](Volume& volume, auto&) { volume.grids.pop_back(); }) ==
-          "3 grids want to be the float grids 'seam.0000' to 'seam.0001.pair', but there are seam.0000, seam.0000.pair, seam.0001");
+          "the 3 grids must be float grids named 'seam.0000' to 'seam.0001.pair', but there are seam.0000, seam.0000.pair, seam.0001");
     CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->insertMeta("kind", openvdb::StringMetadata("remove")); }) ==
           "grid 'seam.0000.pair' says remove as 'seam.0000' does, but one of a pair removes and the other inserts");
     CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), 6); }) ==
@@ -110,7 +110,7 @@ TEST_CASE("a file of pairs that is wrong is refused with the reason") {
               grids[2]->tree().setValueOn(Coord(4, 0, 2), 3);
               grids[1]->tree().setValueOn(Coord(4, 0, 2), 5);
               grids[3]->tree().setValueOn(Coord(4, 0, 2), 4);
-          }) == "at (4, 0, 2) a pair takes entry 4, but wants to be above all seams of the first window, which reach 4");
+          }) == "at (4, 0, 2) a pair takes entry 4, but must be above all seams of the first window, which reach 4");
     CHECK(metadata_fault("fluidcarve_closed", "maybe") == "'fluidcarve_closed' wants true or false, not 'maybe'");
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("a seam file that is wrong is refused with the reason") {
           "grid 'seam.0001' has the kind 'delete'; known: remove, insert");
     CHECK(fault([](Volume&, auto& grids) { grids[1]->removeMeta("energy"); }) == "grid 'seam.0001' has no number 'energy' in its metadata");
     CHECK(fault([](Volume& volume, auto&) { volume.grids[1] = openvdb::Int32Grid::create(); }) ==
-          "3 grids want to be the float grids 'seam.0000' to 'seam.0002', but there are seam.0000, , seam.0002");
+          "the 3 grids must be float grids named 'seam.0000' to 'seam.0002', but there are seam.0000, , seam.0002");
 }
 
 TEST_CASE("a fault names the file, and a missing file is told before a run") {
