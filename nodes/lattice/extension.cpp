@@ -38,7 +38,7 @@ std::string Extension::where(const Worst& worst) const {
 std::string Extension::fault() const {
     if (folds_.count == 0 && overlap_.count == 0) return {};
     std::string out = fmt::format("to insert {}, the lattice is extended beyond its {} vertex along {}, and there",
-                                  counted(static_cast<std::size_t>(below_ + above_), "seam"),
+                                  counted(static_cast<std::size_t>(below_) + static_cast<std::size_t>(above_), "seam"),
                                   below_ == 0   ? "last"
                                   : above_ == 0 ? "first"
                                                 : "first and last",

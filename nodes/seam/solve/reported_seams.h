@@ -10,8 +10,8 @@
 namespace fluidcarve {
 
 /// A seam set with its report.
-struct ReportedSeams {
-    Ref<Seams> seams;  ///< null: none
+struct ReportedSeams {  // NOLINT(bugprone-exception-escape): JSON moves without exceptions
+    Ref<Seams> seams;   ///< null: none
     nlohmann::ordered_json report;
 
     /// The first `count` seams and pairs, as if no more had been asked for.
