@@ -1,8 +1,19 @@
 #include "runtime/keep/dependencies.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace fluidcarve {
+
+std::vector<std::string> named_files(const Node& node, int frame) {
+    std::vector<std::string> out;
+    for (const auto& spec : node.type->params) {
+        if (spec.shape.kind != Shape::Kind::input_path) continue;
+        const auto& path = spec.path(node.params.get());
+        if (!path.text().empty()) out.push_back(path.at(frame));
+    }
+    return out;
+}
 
 Dependencies::OfNode Dependencies::of(std::size_t n) const {
     const auto& node = pipeline_.nodes[n];
@@ -26,17 +37,19 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     return out;
 }
 
-std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const {
-    const auto& node = pipeline_.nodes[n];
-    int frame = frames_.at(place);
-    if (const auto of_node = stands_in_.find(n); of_node != stands_in_.end())
-        if (const auto other = of_node->second.find(frame); other != of_node->second.end()) frame = other->second;
-    std::vector<std::string> out;
-    for (const auto& spec : node.type->params) {
-        if (spec.shape.kind != Shape::Kind::input_path) continue;
-        const auto& path = spec.path(node.params.get());
-        if (!path.text().empty()) out.push_back(path.at(frame));
-    }
+int Dependencies::read_frame(std::size_t n, std::size_t place) const {
+    const int frame = frames_.at(place);
+    const auto of_node = stands_in_.find(n);
+    if (of_node == stands_in_.end()) return frame;
+    const auto other = of_node->second.find(frame);
+    return other == of_node->second.end() ? frame : other->second;
+}
+
+std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) const { return named_files(pipeline_.nodes[n], read_frame(n, place)); }
+
+std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t place) const {
+    auto out = files(n, place);
+    if (read_frame(n, place) != frames_.at(place)) std::ranges::move(named_files(pipeline_.nodes[n], frames_.at(place)), std::back_inserter(out));
     return out;
 }
 
@@ -47,11 +60,6 @@ Key Dependencies::contents(std::size_t n, std::size_t place) const {
         hash.key(content ? content->key : Key{});
     }
     return hash.digest();
-}
-
-bool Dependencies::files_changed(std::size_t n, std::size_t place) const {
-    const auto paths = files(n, place);
-    return std::any_of(paths.begin(), paths.end(), [&](const std::string& path) { return files_.changed(path); });
 }
 
 }  // namespace fluidcarve

@@ -12,6 +12,9 @@
 
 namespace fluidcarve {
 
+/// Paths of the files that a node's parameters name for a frame, given by its number.
+std::vector<std::string> named_files(const Node& node, int frame);
+
 /// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it a run can say what changed since the
 /// last one (History). Thread-safe.
 class Dependencies {
@@ -47,10 +50,13 @@ public:
     std::vector<std::string> files(std::size_t node, std::size_t place) const;
     /// Hash of the content of these files; zero if one can't be read.
     Key contents(std::size_t node, std::size_t place) const;
-    /// Whether one of these files changed after its content was hashed.
-    bool files_changed(std::size_t node, std::size_t place) const;
+    /// These files, and the missing ones for which they stand in: if one of the latter appears, the node may read it.
+    std::vector<std::string> watched_files(std::size_t node, std::size_t place) const;
 
 private:
+    /// Number of the frame whose files a node reads for the frame at a place.
+    int read_frame(std::size_t node, std::size_t place) const;
+
     const Pipeline& pipeline_;
     const std::vector<int>& frames_;
     const std::map<std::size_t, std::map<int, int>>& stands_in_;

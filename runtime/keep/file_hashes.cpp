@@ -22,14 +22,6 @@ constexpr double settled_seconds = 2;
 
 double seconds(const timespec& time) { return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec); }
 
-/// Identifies one state of a file: hash of inode, size and times.
-Key stamp_of(const struct stat& file) {
-    ContentHash hash;
-    hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
-    for (const auto& time : {file.st_mtim, file.st_ctim}) hash.number(static_cast<std::uint64_t>(time.tv_sec)).number(static_cast<std::uint64_t>(time.tv_nsec));
-    return hash.digest();
-}
-
 /// Checksum of a stored hash, to detect damage.
 Key seal_of(const struct stat& file, const Key& content) { return ContentHash().key(stamp_of(file)).key(content).digest(); }
 
@@ -40,18 +32,20 @@ bool settled(const struct stat& file) {
 
 }  // namespace
 
+Key stamp_of(const struct stat& file) {
+    ContentHash hash;
+    hash.number(file.st_ino).number(static_cast<std::uint64_t>(file.st_size));
+    for (const auto& time : {file.st_mtim, file.st_ctim}) hash.number(static_cast<std::uint64_t>(time.tv_sec)).number(static_cast<std::uint64_t>(time.tv_nsec));
+    return hash.digest();
+}
+
 std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
     // Without O_NONBLOCK, a pipe would not open before its writer does.
     const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat before {};
     if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode)) return std::nullopt;
     const auto stamp = stamp_of(before);
-    const Content found{{}, static_cast<std::uint64_t>(before.st_size), before.st_ino, stamp};
-    const auto with = [&](const Key& key) {
-        auto out = found;
-        out.key = key;
-        return out;
-    };
+    const auto with = [&](const Key& key) { return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino}; };
     const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp.path();
     if (!remembered.empty() && settled(before)) {
         std::string text, seal;
@@ -81,12 +75,6 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
         }
     }
     return with(key);
-}
-
-bool FileHashes::changed(const std::string& path) {
-    const auto content = of(path);
-    struct stat now {};
-    return content && (stat(path.c_str(), &now) != 0 || stamp_of(now) != content->stamp);
 }
 
 std::optional<FileHashes::Content> FileHashes::of(const std::string& path) {

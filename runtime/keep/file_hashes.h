@@ -8,7 +8,12 @@
 #include <string>
 #include <vector>
 
+struct stat;
+
 namespace fluidcarve {
+
+/// Identifies one state of a file: hash of inode, size and times.
+Key stamp_of(const struct stat& file);
 
 /// Content hashes of files. They are stored in the work folder by each file's size, times and inode, so that an unchanged file is
 /// not read again, even if it or its folder was moved.
@@ -18,7 +23,6 @@ public:
         Key key;                   ///< hash of the content
         std::uint64_t size = 0;    ///< bytes
         std::uint64_t number = 0;  ///< inode
-        Key stamp;                 ///< hash of size, times and inode
     };
 
     /// @param folder  where hashes are stored; empty: nowhere
@@ -26,8 +30,6 @@ public:
 
     /// The content of a file at the first call for its path; later changes are ignored. Nothing if the file can't be read.
     std::optional<Content> of(const std::string& path);
-    /// Whether the file changed after `of` or `anew` looked at it; false if it could not be read then.
-    bool changed(const std::string& path);
     /// The content of the file now. Later calls of `of` return it too.
     std::optional<Content> anew(const std::string& path);
     /// Calls `of` for many files, in parallel.

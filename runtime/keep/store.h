@@ -31,9 +31,6 @@ public:
     Said said(std::size_t node, std::size_t place);
     Said said_of_digest(std::size_t node, std::size_t place) const;
 
-    /// Whether a file that a node reads changed after the keys were computed.
-    bool inputs_changed(std::size_t node, std::size_t place) const { return cache_.on() && dependencies_.files_changed(node, place); }
-
     /// Cached outputs; nothing if they are missing or damaged.
     std::optional<std::vector<Payload>> result(std::size_t node, std::size_t place);
     std::optional<Payload> digest(std::size_t node, std::size_t place);
@@ -46,6 +43,8 @@ public:
     /// Caches a growing result, unless the entry already holds more. @param part  whether the node is still working on it
     void keep_grown(std::size_t node, std::size_t place, const Payload& result, const Said& said, bool part);
 
+    /// Paths of the files that a node may read for the frame at a place.
+    std::vector<std::string> inputs(std::size_t node, std::size_t place) const { return dependencies_.watched_files(node, place); }
     /// Paths of the files that a writer writes for the frame at a place.
     std::vector<std::string> outputs(std::size_t node, std::size_t place) const;
 

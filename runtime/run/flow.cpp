@@ -69,6 +69,7 @@ struct Flow::Self {
     const std::vector<int>& frames;
     const RunOptions& options;
     Store& store;
+    InputGuard& guard;
     Report& report;
     Progress& progress;
     RunProfile* const profile;
@@ -152,7 +153,7 @@ struct Flow::Self {
             connect(line.node, ports.get(), frame);
             auto where = context(line);
             if (frame) where.at(frame->place);
-            body(ports.get(), where);
+            guard.read(store.inputs(line.node, frame ? frame->place : 0), [&] { body(ports.get(), where); });
         });
     }
 
@@ -215,11 +216,6 @@ struct Flow::Self {
         end_once(line, *steps[n].finish, good, delivers);
     }
 
-    /// Throws if an input file changed after its key was computed: the result would be cached under a wrong key.
-    void require_inputs(std::size_t n, std::size_t place) {
-        if (store.inputs_changed(n, place)) throw Failure("its file changed during the run; run again", Failure::Kind::input);
-    }
-
     void once(std::size_t n) {
         const auto& node = pipeline.nodes[n];
         const auto& behaviour = behaviours[n];
@@ -230,7 +226,6 @@ struct Flow::Self {
             if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports, where), where);
             if (behaviour.finish) end_gathering(n, ports, where, line);
             if (behaviour.run) behaviour.run(ports, where);
-            require_inputs(n, 0);
             held[n] = collect(n, ports);
         });
         end_once(line, *steps[n].run, good, true);
@@ -259,7 +254,6 @@ struct Flow::Self {
             frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
                 where.wanting(wants);
                 behaviours[n].run(ports, where);
-                require_inputs(n, frame.place);
                 frame.outputs[n] = collect(n, ports);
             });
             report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
@@ -343,9 +337,9 @@ struct Flow::Self {
     void run_pass(std::size_t p, const Plan& plan, const Schedule& schedule);
 };
 
-Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
-           Progress& progress, RunProfile* profile, std::function<bool()> cancelled)
-    : self_(new Self{pipeline, registry, frames, options, store, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
+Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
+           Report& report, Progress& progress, RunProfile* profile, std::function<bool()> cancelled)
+    : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
     const auto count = pipeline.nodes.size();
     self_->steps.resize(count);
     self_->held.resize(count);

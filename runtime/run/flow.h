@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
+#include "runtime/keep/input_guard.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
 #include "runtime/tell/profile.h"
@@ -31,10 +32,11 @@ class Flow {
 public:
     /// @param frames     frame numbers of the sequence, without the frames that readers leave out
     /// @param store      cached results of former runs; receives those of this run
+    /// @param guard      watches the input files
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
-    Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, Report& report,
-         Progress& progress, RunProfile* profile, std::function<bool()> cancelled);
+    Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
+         Report& report, Progress& progress, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 
     /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a failure; frames in flight end.

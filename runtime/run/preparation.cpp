@@ -1,5 +1,7 @@
 #include "runtime/run/preparation.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -12,14 +14,30 @@ std::vector<bool> delivered_of(const std::vector<int>& frames, const std::option
     return out;
 }
 
+/// Paths of the files that the run will read, if none is missing.
+std::vector<std::string> files_to_read(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver) {
+    std::vector<std::string> out;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (!plan.needed[n]) continue;
+        const bool all = node.rate != Rate::frame || plan.in_sequence[n] || !deliver;
+        for (const auto frame : pipeline.frames.frames()) {
+            if (all || deliver->contains(frame)) std::ranges::move(named_files(node, frame), std::back_inserter(out));
+            if (node.rate != Rate::frame) break;
+        }
+    }
+    return out;
+}
+
 std::string folder_of(const RunOptions& options, const char* part) { return options.cache ? options.work_folder + part : std::string(); }
 
 }  // namespace
 
 Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options, const Wish& wish,
-                         const std::optional<FrameSet>& deliver, Report& report)
+                         const std::optional<FrameSet>& deliver, Report& report, Manifest* manifest)
     : pipeline_(pipeline),
       plan_(make_plan(pipeline, wish)),
+      guard_(manifest, files_to_read(pipeline, plan_, deliver)),
       inputs_(survey_inputs(pipeline, plan_, deliver, options.cache, report)),
       delivered_(delivered_of(inputs_.frames, deliver)),
       cache_(registry, folder_of(options, "")),
@@ -27,16 +45,34 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       dependencies_(pipeline, inputs_.frames, inputs_.stand_ins, files_),
       keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, dependencies_, keys_, cache_, files_) {
+    if (!cache_.on()) return;
     std::vector<std::string> paths;
-    for (std::size_t n = 0; n < pipeline.nodes.size() && cache_.on(); ++n) {
+    each_file([&](std::size_t, std::size_t, const std::string& path) { paths.push_back(path); });
+    files_.prepare(paths);
+    if (manifest) compare(*manifest);
+}
+
+void Preparation::each_file(const std::function<void(std::size_t node, std::size_t place, const std::string& path)>& see) const {
+    for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n) {
         const auto read = reads(n);
         for (std::size_t place = 0; place < read.size(); ++place) {
             if (!read[place]) continue;
-            for (auto& path : dependencies_.files(n, place)) paths.push_back(std::move(path));
-            if (pipeline.nodes[n].rate != Rate::frame) break;
+            for (const auto& path : dependencies_.files(n, place)) see(n, place, path);
+            if (pipeline_.nodes[n].rate != Rate::frame) break;
         }
     }
-    files_.prepare(paths);
+}
+
+void Preparation::compare(Manifest& manifest) {
+    each_file([&](std::size_t n, std::size_t place, const std::string& path) {
+        const auto& node = pipeline_.nodes[n];
+        try {
+            if (const auto content = files_.of(path)) manifest.require(path, {content->key, content->size});
+        } catch (const Failure& failure) {
+            const auto frame = node.rate == Rate::frame ? std::optional(inputs_.frames[place]) : std::nullopt;
+            unlike_manifest_.push_back({node.name, node.type->name, frame, failure.what(), failure.kind});
+        }
+    });
 }
 
 std::vector<bool> Preparation::reads(std::size_t n) const {

@@ -1,13 +1,17 @@
 #pragma once
 
 #include "graph/types/registry.h"
+#include "runtime/keep/input_guard.h"
+#include "runtime/keep/manifest.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
 #include "runtime/run/flow.h"
 #include "runtime/run/inputs.h"
 #include "runtime/tell/report.h"
 
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -16,10 +20,11 @@ namespace fluidcarve {
 class Preparation {
 public:
     /// Looks at the input files. Warnings go to the report.
-    /// @param wish     must have no fault
-    /// @param deliver  frames that per-frame nodes deliver; nothing: all
+    /// @param wish      must have no fault
+    /// @param deliver   frames that per-frame nodes deliver; nothing: all
+    /// @param manifest  what the input files are to hold; null: nothing is known
     Preparation(const Pipeline& pipeline, const Registry& registry, const RunOptions& options, const Wish& wish, const std::optional<FrameSet>& deliver,
-                Report& report);
+                Report& report, Manifest* manifest = nullptr);
 
     const Plan& plan() const { return plan_; }
     const Inputs& inputs() const { return inputs_; }
@@ -28,8 +33,11 @@ public:
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
+    /// Files that are not as the manifest lists them, so far as the content is known without reading them: with the cache.
+    const std::vector<Fault>& unlike_manifest() const { return unlike_manifest_; }
     Cache& cache() { return cache_; }
     Store& store() { return store_; }
+    InputGuard& guard() { return guard_; }
 
     Schedule schedule();
     /// For use after a cached result was missing or damaged: checks every byte of the entries it uses, and does not expect to load
@@ -42,10 +50,14 @@ public:
 
 private:
     bool wants(std::size_t node, std::size_t place) const;
+    /// Calls `see` for each file of the nodes that the run needs.
+    void each_file(const std::function<void(std::size_t node, std::size_t place, const std::string& path)>& see) const;
+    void compare(Manifest& manifest);
     Schedule schedule(bool careful);
 
     const Pipeline& pipeline_;
     const Plan plan_;
+    InputGuard guard_;
     const Inputs inputs_;
     const std::vector<bool> delivered_;  ///< per place in `frames()`
     Cache cache_;
@@ -53,6 +65,7 @@ private:
     const Dependencies dependencies_;
     Keys keys_;
     Store store_;
+    std::vector<Fault> unlike_manifest_;
 };
 
 }  // namespace fluidcarve

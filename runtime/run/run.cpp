@@ -74,6 +74,20 @@ int write_file(const char* what, const std::string& path, const std::string& tex
     }
 }
 
+int code_of(const Failure& failure) { return failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed; }
+
+/// Adds to the manifest what the run read. @return the exit code
+int save(Manifest& manifest, const RunRequest& request) {
+    try {
+        const auto [listed, added] = manifest.save();
+        if (!request.quiet) tell(fmt::format("manifest {}: {} files are as it lists them, {} added", request.manifest_path, listed, added));
+        return exit_code::done;
+    } catch (const Failure& failure) {
+        tell(fmt::format("failed: manifest: {}", failure.what()));
+        return code_of(failure);
+    }
+}
+
 /// Writes the report, the page and the profile, if requested. @return the exit code
 int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
               std::filesystem::file_time_type start, int code) {
@@ -111,7 +125,7 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
         {
             Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
             arena.execute([&] {
-                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), report, progress, profile, cancelled);
+                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, profile, cancelled);
                 flow.run(prepared.plan(), schedule);
                 stopped = flow.stopped();
                 lost = flow.lost();
@@ -180,6 +194,12 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
     }
+    std::optional<Manifest> manifest;
+    try {
+        if (!request.manifest_path.empty()) manifest.emplace(request.manifest_path);
+    } catch (const Failure& failure) {
+        return tell(fmt::format("failed: manifest: {}", failure.what())), code_of(failure);
+    }
     Report report(pipeline);
     RunProfile profile(pipeline);
     try {
@@ -187,13 +207,14 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     } catch (const Failure&) {
         // Results are then not kept, which is told at the end.
     }
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report, manifest ? &*manifest : nullptr);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     const auto told = report.warnings();
     // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (const auto& fault : prepared.inputs().missing) report.failed(fault);
+    for (const auto& fault : prepared.unlike_manifest()) report.failed(fault);
     if (prepared.frames().empty()) {
         const auto& targets = prepared.plan().targets;
         const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
@@ -231,7 +252,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
                                  size_text(request.options.cache_size), fault));
         }
     }
-    const int code = exit_of(report, cancelled(), stopped);
+    int code = exit_of(report, cancelled(), stopped);
+    if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
     if (!request.quiet) tell_of_cache(prepared.cache());
     tell_outcome(report, request, summary, told);

@@ -19,6 +19,7 @@ struct RunRequest {
     std::string report_path;          ///< empty: no report
     std::string html_path;            ///< empty: no page
     std::string profile_path;         ///< empty: no trace
+    std::string manifest_path;        ///< empty: no manifest
     Origins origins;                  ///< origins of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
     bool quiet = false;    ///< print failures only

@@ -121,6 +121,9 @@ struct RunArguments {
             ->type_name("FILE.html");
         verb.add_option("--profile", request.profile_path, "Write a trace for chrome://tracing or Perfetto: when each node ran, and on which thread")
             ->type_name("FILE.json");
+        verb.add_option("--manifest", request.manifest_path,
+                        "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
+            ->type_name("FILE");
         verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
         verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
         const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
@@ -162,8 +165,8 @@ struct RunArguments {
         if (request.wish.only) request.wish.to = only;
         if (const auto fault = fault_of(request.wish, pipeline); !fault.empty()) return wrong(fault);
         std::map<std::filesystem::path, const char*> own;
-        for (const auto& [option, path] :
-             {std::pair("--report", request.report_path), std::pair("--html", request.html_path), std::pair("--profile", request.profile_path)}) {
+        for (const auto& [option, path] : {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
+                                           std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)}) {
             if (path.empty()) continue;
             if (const auto user = user_of(pipeline, path); !user.empty()) return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
             std::error_code unknown;  // what a descriptor leads to may have no path
@@ -258,6 +261,7 @@ void add_examples(CLI::App& app) {
         {"run",
          "  fluidcarve run pipelines/plume.yaml --set count=-20\n"
          "  fluidcarve run shot.yaml -f 1001-1010 --report out/shot.json     a farm's chunk\n"
+         "  fluidcarve run shot.yaml --manifest shot.manifest                no input may have rotted since the first run\n"
          "  fluidcarve run shot.yaml --to seams.energy -f 1-42              only the solver's data of these frames\n"
          "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
         {"check", "  fluidcarve check shot.yaml\n  fluidcarve check shot.yaml -v        where each value comes from"},

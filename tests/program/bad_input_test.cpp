@@ -307,3 +307,51 @@ TEST_CASE("a pipeline never writes over one that it extends") {
     CHECK(ran.code == 2);
     CHECK_THAT(ran.err, Catch::Contains("p.yaml: the pipeline extends it\n"));
 }
+
+TEST_CASE("a volume that is replaced while a run without the cache is on ends it, and nothing is made of the new one") {
+    const Bench bench;
+    constexpr int first = 11, last = 50;
+    for (int frame = first; frame <= last; ++frame) fs::copy_file(large_vdb, bench.scratch / "in.00" + std::to_string(frame) + ".vdb");
+    fs::copy_file(small_vdb, bench.scratch / "new.vdb");
+    const auto replace = "until [ -e " + (bench.scratch / "out/o.0011.vdb") + " ] || ! kill -0 $!; do sleep 0.01; done; mv " + (bench.scratch / "new.vdb") +
+                         " " + (bench.scratch / "in.0050.vdb");
+    require(bench.run("--no-cache --set frames=11-50 & " + replace + "; wait $!"), 3,
+            "failed: sim (vdb.read), frame 50: in.0050.vdb was changed while the run was on; run again when its writer is done\n");
+    CHECK(bench.files().size() == last - first);
+}
+
+TEST_CASE("with a manifest, a byte that rotted in a volume is told, and nothing is made of it") {
+    const Bench bench;
+    bench.put({1, 2, 3, 4, 5, 6});
+    const auto with = " --manifest " + (bench.scratch / "shot.manifest");
+    require(bench.run("-f 1-4" + with), 0, "manifest shot.manifest: 0 files are as it lists them, 4 added\ndone: 4 frames in N s\n");
+    require(bench.run("--no-cache" + with), 0, "manifest shot.manifest: 4 files are as it lists them, 2 added\ndone: 6 frames in N s\n");
+    const auto manifest = Scratch::read(bench.scratch / "shot.manifest");
+    fs::remove_all(bench.scratch / "out");
+    const auto whole = Scratch::read(small_vdb);
+    auto rotten = whole;
+    rotten[rotten.size() - 50] = static_cast<char>(rotten[rotten.size() - 50] ^ 4);
+    bench.scratch.write("in.0003.vdb", rotten);
+    const std::string told =
+        "failed: sim (vdb.read), frame 3: in.0003.vdb is not the file that the manifest shot.manifest knows: its hash differs; "
+        "restore it, or delete its line from the manifest to accept it\n";
+    require(bench.run(with), 3, told);
+    CHECK(bench.files().empty());
+    require(bench.run("--no-cache" + with), 3, told);
+    CHECK(bench.files() == Files{"o.0001.vdb", "o.0002.vdb"});
+    require(bench.run("--no-cache --keep-going" + with), 4, told);
+    CHECK(bench.files() == Files{"o.0001.vdb", "o.0002.vdb", "o.0004.vdb", "o.0005.vdb", "o.0006.vdb"});
+    bench.scratch.write("in.0003.vdb", whole);
+    require(bench.run(with), 0, "manifest shot.manifest: 6 files are as it lists them, 0 added\ndone: 6 frames in N s\n");
+    CHECK(Scratch::read(bench.scratch / "shot.manifest") == manifest);
+}
+
+TEST_CASE("a damaged manifest, and one in the place of an input, are refused") {
+    const Bench bench;
+    bench.put({1, 2, 3, 4, 5, 6});
+    require(bench.run("--manifest " + bench.scratch.write("shot.manifest", "smoke\n")), 3,
+            "failed: manifest: shot.manifest, line 1: it is not '# fluidcarve manifest 1: XXH128, bytes, path'; "
+            "restore the manifest, or delete it to begin a new one\n");
+    require(bench.run("--manifest " + (bench.scratch / "in.0002.vdb")), 2, "--manifest would overwrite in.0002.vdb: 'sim' reads it\n");
+    CHECK(bench.files().empty());
+}

@@ -81,6 +81,27 @@ struct Shot {
         return to_json(
             make_forecast(pipeline, prepared, schedule, shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule()), history, request.options));
     }
+    /// Runs frame after frame. Once the log has a line, the file of a frame is another one.
+    void change_at(const std::string& line, int frame) {
+        request.options.threads = 1;
+        request.options.in_flight = 1;
+        bool changed = false;
+        run([&] {
+            if (const auto lines = toy::log.sorted(); !changed && std::ranges::count(lines, line) > 0) {
+                set(frame, 44);
+                changed = true;
+            }
+            return false;
+        });
+        REQUIRE(changed);
+    }
+    /// "NODE FRAME: MESSAGE" of each failure.
+    std::vector<std::string> failures() const {
+        std::vector<std::string> out;
+        for (const auto& each : report["failures"])
+            out.push_back(fmt::format("{} {}: {}", each["node"].get<std::string>(), each["frame"].dump(), each["message"].get<std::string>()));
+        return out;
+    }
     std::string why(const std::string& node) const { return forecast["nodes"][node].value("why", ""); }
 };
 
@@ -321,23 +342,83 @@ TEST_CASE("estimates come from earlier runs") {
 }
 
 TEST_CASE("a file that changes while the run is on is told, and nothing that was made of it is kept") {
+    for (const bool cache : {true, false}) {
+        INFO("cache " << cache);
+        Shot shot;
+        shot.request.options.cache = cache;
+        shot.change_at("load 1", 4);
+        CHECK(shot.code == exit_code::input);
+        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 was changed while the run was on; run again when its writer is done"});
+        CHECK_FALSE(fs::exists(shot.folder + "/out/out.01"));
+        shot.set(4, 4);
+        shot.run();
+        CHECK(shot.text(3) == "9 25 16 ");
+    }
+}
+
+TEST_CASE("a file that was read in one pass and is replaced before the next one ends a run without the cache") {
     Shot shot;
-    shot.request.options.threads = 1;
-    shot.request.options.in_flight = 1;
-    bool changed = false;
-    shot.run([&] {
-        if (!changed) shot.set(4, 9);
-        changed = true;
-        return false;
-    });
-    CHECK(shot.code == exit_code::input);
-    REQUIRE(shot.report["failures"].size() == 1);
-    CHECK(shot.report["failures"][0]["node"] == "load");
-    CHECK(shot.report["failures"][0]["frame"] == 4);
-    CHECK(shot.report["failures"][0]["message"] == "its file changed during the run; run again");
-    shot.set(4, 4);
+    shot.request.options.cache = false;
+    for (const auto* const moment : {"step 2", "save 1"}) {
+        INFO(moment);
+        shot.change_at(moment, 4);
+        CHECK(shot.code == exit_code::input);
+        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 was changed while the run was on; run again when its writer is done"});
+        CHECK(shot.text(3) == "9 25 16 ");
+        CHECK_FALSE(fs::exists(shot.folder + "/out/out.04"));
+        shot.set(4, 4);
+    }
+}
+
+TEST_CASE("a manifest lists what a run read, and a later run takes nothing else") {
+    for (const bool cache : {true, false}) {
+        INFO("cache " << cache);
+        Shot shot;
+        shot.request.options.cache = cache;
+        shot.request.manifest_path = shot.folder + "/shot.manifest";
+        std::ofstream(shot.folder + "/in.03") << "x";
+        shot.run();
+        CHECK(shot.code == exit_code::input);
+        CHECK_FALSE(fs::exists(shot.request.manifest_path));
+        shot.set(3, 3);
+        shot.run();
+        REQUIRE(shot.code == exit_code::done);
+        const auto manifest = Scratch::read(shot.request.manifest_path);
+        CHECK(std::ranges::count(manifest, '\n') == 6);
+        fs::remove_all(shot.folder + "/out");
+        shot.set(4, 9);
+        const auto ran = shot.run();
+        CHECK(shot.code == exit_code::input);
+        CHECK(shot.failures() == Lines{"load 4: " + shot.folder + "/in.04 is not the file that the manifest " + shot.request.manifest_path +
+                                       " knows: its hash differs; restore it, or delete its line from the manifest to accept it"});
+        CHECK(std::ranges::count(ran, "load 4") == 0);
+        CHECK_FALSE(fs::exists(shot.folder + "/out/out.01"));
+        shot.set(4, 4);
+        shot.run();
+        CHECK(shot.code == exit_code::done);
+        CHECK(Scratch::read(shot.request.manifest_path) == manifest);
+    }
+}
+
+TEST_CASE("a manifest lists the inputs of a run that computes nothing, too, and grows with chunks") {
+    Shot shot;
     shot.run();
-    CHECK(shot.text(3) == "9 25 16 ");
+    shot.request.manifest_path = shot.folder + "/shot.manifest";
+    CHECK(shot.run() == Lines{});
+    const auto whole = Scratch::read(shot.request.manifest_path);
+    CHECK(std::ranges::count(whole, '\n') == 6);
+
+    fs::remove(shot.request.manifest_path);
+    shot.replace("  top: {type: toy.top, number: square, count: 2}\n", "");
+    shot.replace(", text: top", "");
+    shot.request.options.cache = false;
+    std::string fault;
+    for (const auto* const chunk : {"1-2", "5", "2-4"}) {
+        shot.request.deliver = FrameSet::parse(chunk, fault);
+        shot.run();
+        CHECK(shot.code == exit_code::done);
+    }
+    CHECK(Scratch::read(shot.request.manifest_path) == whole);
 }
 
 TEST_CASE("what is remembered of former runs may be anything") {
