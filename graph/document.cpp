@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace fluidcarve {
@@ -26,23 +27,27 @@ std::vector<std::string> names(const Value& map) {
     return out;
 }
 
-/// Merges `later` into `earlier`, down to `levels` nested maps. A null field in `later` removes the field from `earlier`.
+/// Merges `later` into `earlier`, down to `levels` nested maps. A null field in `later` removes the field from `earlier`. Names are unique in each.
 void merge(Value& earlier, const Value& later, int levels) {
     if (levels == 0 || earlier.kind != Value::Kind::map || later.kind != Value::Kind::map) {
         earlier = later;
         return;
     }
+    std::map<std::string, std::size_t> places;
+    for (const auto& field : earlier.fields) places.emplace(field.name, places.size());
+    std::set<std::string> removed;
     for (const auto& field : later.fields) {
-        auto* const found = earlier.find(field.name);
-        if (!found) {
+        const auto found = places.find(field.name);
+        if (found == places.end()) {
             earlier.fields.push_back(field);
         } else if (field.value.kind == Value::Kind::null) {
-            std::erase_if(earlier.fields, [&](const Value::Field& each) { return each.name == field.name; });
+            removed.insert(field.name);
         } else {
-            found->mark = field.mark;
-            merge(found->value, field.value, levels - 1);
+            earlier.fields[found->second].mark = field.mark;
+            merge(earlier.fields[found->second].value, field.value, levels - 1);
         }
     }
+    std::erase_if(earlier.fields, [&](const Value::Field& each) { return removed.contains(each.name); });
     earlier.mark = later.mark;
 }
 
@@ -57,7 +62,7 @@ void put_before(Value& later, const Value& earlier, const char* list) {
 /// Reads a pipeline file and the files that it extends.
 class Reader {
 public:
-    explicit Reader(Problems& problems) : problems_(problems) {}
+    Reader(Problems& problems, TextRoom& room) : problems_(problems), room_(room) {}
 
     /// Reads a file and merges it over the files that it extends. Returns a map even if the file can't be read.
     Value load(const std::string& path, const Mark& from) {
@@ -71,7 +76,8 @@ public:
         const auto source = open(path, from);
         if (!source) return nothing;
         const auto before = problems_.size();
-        Value root = read_yaml(source, problems_);
+        Value root = read_yaml(source, problems_, room_);
+        if (from.source && !is_pipeline(root)) return refuse_unshown(*source, from, before, root.kind), nothing;
         nothing.mark = {source, 0, 0};
         sources.push_back(nothing.mark);
         if (problems_.size() > before && root.kind == Value::Kind::null) return nothing;
@@ -99,13 +105,36 @@ public:
     std::vector<Mark> sources;  ///< the files read so far
 
 private:
+    static bool is_pipeline(const Value& root) {
+        const auto* const version = root.find("fluidcarve");
+        return version && version->value.text == "1";
+    }
+
+    /// Refuses an extended file without showing any of its text: whoever wrote the pipeline may name files that only its reader may read.
+    /// @param from    where the file is extended
+    /// @param before  number of problems before the file was read
+    /// @param kind    what was read
+    void refuse_unshown(const Source& file, const Mark& from, std::size_t before, Value::Kind kind) {
+        Mark at{std::make_shared<Source>(Source{file.name, {}, file.folder}), 0, 0};
+        std::string fault = "it does not state 'fluidcarve: 1'";
+        if (kind == Value::Kind::null && problems_.size() > before) {
+            const auto& first = problems_[before];
+            at.line = first.at.line;
+            at.column = first.at.column;
+            // Problems of a file as a whole quote nothing.
+            fault = room_.full() ? TextRoom::fault() : at.line > 0 ? "it does not parse here" : first.message;
+        }
+        problems_.resize(before);
+        add(problems_, at, "no pipeline: " + fault, from, "it is extended here");
+    }
+
     std::shared_ptr<const Source> open(const std::string& path, const Mark& from) {
         auto source = std::make_shared<Source>();
         source->name = path;
         source->folder = fs::path(path).parent_path().string();
         try {
             // One byte more than read_yaml accepts: it then reports that the file is too large.
-            source->text = InputFile(path, {.what = "a pipeline"}).head(most_yaml_bytes + 1);
+            source->text = InputFile(path, {.what = "a pipeline", .anywhere = !from.source}).head(most_yaml_bytes + 1);
         } catch (const Unreadable& unreadable) {
             add(problems_, from, fmt::format("cannot read {}: it {}", path, unreadable.fault));
             return nullptr;
@@ -133,13 +162,14 @@ private:
     }
 
     Problems& problems_;
+    TextRoom& room_;
     std::vector<std::string> loading_;
 };
 
 /// Holds the values of params and environment variables, and replaces `${name}` by them.
 class Names {
 public:
-    explicit Names(Problems& problems) : problems_(problems) {}
+    Names(Problems& problems, TextRoom& room) : problems_(problems), room_(room) {}
 
     void declare_environment(const Value& list) {
         if (list.kind == Value::Kind::null) return;
@@ -230,16 +260,24 @@ private:
     void replace_scalar(Value& value, const std::map<std::string, Value>& params, const Mark& in) {
         if (value.text.find("${") == std::string::npos) return;
         const auto give_up = [&] { value.kind = Value::Kind::unresolved; };
+        const auto no_room = [&](std::size_t bytes) {
+            const bool told = room_.full();
+            if (room_.take(bytes)) return false;
+            if (!told) add(problems_, value.mark, TextRoom::fault());
+            return true;
+        };
         std::string out;
+        std::set<std::string> inserted;
         for (std::size_t at = 0; at < value.text.size();) {
             const auto begin = value.text.find("${", at);
-            out += value.text.substr(at, begin - at);
+            out.append(value.text, at, begin - at);
             if (begin == std::string::npos) break;
             const auto end = value.text.find('}', begin);
             if (end == std::string::npos) return add(problems_, value.mark, "'${' has no '}'"), give_up();
             const auto name = value.text.substr(begin + 2, end - begin - 2);
             const auto* const found = look_up(name, value.mark, params);
             if (!found || found->kind == Value::Kind::unresolved) return give_up();
+            if (no_room(found->text_bytes())) return give_up();
             if (begin == 0 && end + 1 == value.text.size()) {
                 insertions.push_back({in, name});
                 const Value whole = *found;
@@ -248,7 +286,7 @@ private:
             }
             if (found->kind != Value::Kind::scalar)
                 return add(problems_, value.mark, fmt::format("${{{}}} is {} and can't be put inside a text", name, found->describe())), give_up();
-            insertions.push_back({value.mark, name});
+            if (inserted.insert(name).second) insertions.push_back({value.mark, name});
             out += found->text;
             at = end + 1;
         }
@@ -259,7 +297,9 @@ private:
         if (const auto found = params.find(name); found != params.end()) return &found->second;
         if (environment_.contains(name)) {
             if (!std::getenv(name.c_str())) return add(problems_, at, fmt::format("the environment variable {} is not set", name)), nullptr;
-            return &(from_environment_[name] = environment_value(name));
+            const auto [value, fresh] = from_environment_.try_emplace(name);
+            if (fresh) value->second = environment_value(name);
+            return &value->second;
         }
         std::vector<std::string> known;
         for (const auto& [param, value] : params) known.push_back(param);
@@ -269,6 +309,7 @@ private:
     }
 
     Problems& problems_;
+    TextRoom& room_;
     std::map<std::string, Mark> environment_;
     std::map<std::string, Value> values_;
     std::map<std::string, Value> from_environment_;
@@ -344,7 +385,8 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
 }  // namespace
 
 Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
-    Reader reader(problems);
+    TextRoom room;
+    Reader reader(problems, room);
     Value root = reader.load(path, {});
     const auto part = [&](const char* name, Value::Kind kind) {
         const auto* const field = root.find(name);
@@ -367,7 +409,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
         add(problems, frames->mark, "'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one");
 
     const auto params = part("params", Value::Kind::map);
-    Names known(problems);
+    Names known(problems, room);
     known.declare_environment(part("env", Value::Kind::null));
     out.params = known.declare_params(params, apply(settings, out.nodes, out.frames, params, problems));
     known.replace(out.frames);

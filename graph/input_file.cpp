@@ -1,5 +1,7 @@
 #include "graph/input_file.h"
 
+#include "graph/confinement.h"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -30,12 +32,17 @@ std::string fault_of_opened(const struct stat& opened, const FileUse& use) {
 }  // namespace
 
 InputFile::InputFile(std::string path, const FileUse& use) : path_(std::move(path)) {
+    const Confinement none;
+    const auto& confinement = use.anywhere ? none : Confinement::of_program();
+    if (const auto refusal = confinement.refusal(path_); !refusal.empty()) throw Unreadable(path_, refusal);
     // Without O_NONBLOCK, a pipe would not open before its writer does. Regular files take no notice of it.
     do file_ = open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     while (file_ < 0 && errno == EINTR);
     if (file_ < 0) throw Unreadable(path_, fault_of_opening(errno, use));
     struct stat opened {};
-    const auto fault = fstat(file_, &opened) == 0 ? fault_of_opened(opened, use) : fault_of_opening(errno, use);
+    auto fault = fstat(file_, &opened) == 0 ? fault_of_opened(opened, use) : fault_of_opening(errno, use);
+    // A link may have changed since the path was looked at.
+    if (fault.empty()) fault = confinement.refusal_of_open(file_);
     if (!fault.empty()) {
         close(file_);
         throw Unreadable(path_, fault);
@@ -44,6 +51,8 @@ InputFile::InputFile(std::string path, const FileUse& use) : path_(std::move(pat
 }
 
 InputFile::~InputFile() { close(file_); }
+
+std::string InputFile::path_to_open() const { return Confinement::of_program().on() ? fmt::format("/proc/self/fd/{}", file_) : path_; }
 
 std::string InputFile::head(std::size_t most) const {
     std::string out(most, '\0');

@@ -23,18 +23,21 @@ struct FileUse {
     std::string_view what;                                                ///< for messages: "a mesh"
     std::uint64_t most = any_size;                                        ///< bytes that the file may hold
     std::string_view missing = "does not exist", folder = "is a folder";  ///< faults of a path that leads to nothing, or to a folder
+    bool anywhere = false;                                                ///< also outside of --confine: the user named it
 };
 
 /// A regular file, open for reading. Nothing else is opened: a pipe would keep the program waiting for its writer, a device may have no end.
 class InputFile {
 public:
-    /// @throws Unreadable if the path leads to no regular file, or the file can't be opened or is too large
+    /// @throws Unreadable if the path leads to no regular file or outside of --confine, or the file can't be opened or is too large
     InputFile(std::string path, const FileUse& use);
     ~InputFile();
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
 
     const std::string& path() const { return path_; }
+    /// What a library opens that reads the file by itself. In a confined program it leads to this very file, as long as this object lives.
+    std::string path_to_open() const;
     /// Bytes that the file held when it was opened.
     std::uint64_t size() const { return size_; }
 

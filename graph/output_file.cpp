@@ -1,5 +1,6 @@
 #include "graph/output_file.h"
 
+#include "graph/confinement.h"
 #include "graph/text/problem.h"
 
 #include <fmt/format.h>
@@ -29,6 +30,8 @@ namespace fs = std::filesystem;
 std::mutex unfinished_mutex;
 std::set<std::string> unfinished;
 
+std::atomic<bool> synced{false};
+
 std::map<std::string, std::uint64_t> committed;  ///< path to inode of the file renamed to it
 
 /// Identifies the boot and PID namespace, within which a process id is unique: 16 hex digits.
@@ -41,6 +44,8 @@ const std::string& realm() {
     }();
     return name;
 }
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 /// The name of a temporary file: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
 std::string aside_name(const fs::path& target, unsigned serial) {
@@ -101,6 +106,21 @@ bool is_stream(const fs::path& path) {
     return place.starts_with("/proc/") || place.starts_with("/dev/fd/") || target.starts_with("/proc/");
 }
 
+Failure refused(const std::string& path, const std::string& refusal) { return Failure(fmt::format("cannot write {}: it {}", path, refusal)); }
+
+/// @throws Failure if --confine forbids a path
+void require_allowed(const std::string& path) {
+    if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty()) throw refused(path, refusal);
+}
+
+/// Waits until a file or a folder is on the disk. @param target  the output that it is for @throws Failure if the disk does not take it
+void flush(const std::string& path, const std::string& target) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    int code = file >= 0 && fsync(file) == 0 ? 0 : errno;
+    if (file >= 0 && close(file) != 0 && code == 0) code = errno;
+    if (code != 0) throw Failure(fmt::format("cannot write {}: {} can't be flushed to the disk: {}", target, path, std::strerror(code)));
+}
+
 /// @throws Failure if a device is a disk, which a text would destroy
 void require_no_disk(const std::string& path) {
     std::error_code error;
@@ -109,6 +129,7 @@ void require_no_disk(const std::string& path) {
 
 /// Opens a device or a pipe for writing, without waiting for a reader. @throws Failure
 int open_stream(const std::string& path) {
+    require_allowed(path);
     require_no_disk(path);
     const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) throw Failure(fmt::format("cannot write {}: {}", path, errno == ENXIO ? "nobody reads this pipe" : std::strerror(errno)));
@@ -147,14 +168,16 @@ void OutputFile::require_writable(const std::string& path) {
         const OutputFile file(path);
         return;
     }
+    require_allowed(path);
     require_no_disk(path);
     if (access(path.c_str(), W_OK) != 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
 }
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     static std::atomic<unsigned> serial{0};
+    require_allowed(path_);
     const std::filesystem::path target(path_);
-    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+    const auto folder = folder_of(target);
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
@@ -170,7 +193,13 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
         file = open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (file < 0 && errno == EEXIST);
     if (file < 0) throw Failure(fmt::format("cannot write {}: no file can be made in the folder {}: {}", path_, folder.string(), std::strerror(errno)));
+    // A link may have changed since the path was looked at.
+    const auto refusal = Confinement::of_program().refusal_of_open(file);
     close(file);
+    if (!refusal.empty()) {
+        std::filesystem::remove(aside_, error);
+        throw refused(path_, refusal);
+    }
     unfinished.insert(aside_);
 }
 
@@ -182,14 +211,21 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::commit() {
-    const std::lock_guard lock(unfinished_mutex);
-    std::error_code error;
-    struct stat file {};
-    if (stat(aside_.c_str(), &file) == 0) committed[path_] = file.st_ino;
-    std::filesystem::rename(aside_, path_, error);
-    if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
-    unfinished.erase(aside_);
+    require_allowed(path_);
+    if (synced) flush(aside_, path_);
+    {
+        const std::lock_guard lock(unfinished_mutex);
+        std::error_code error;
+        struct stat file {};
+        if (stat(aside_.c_str(), &file) == 0) committed[path_] = file.st_ino;
+        std::filesystem::rename(aside_, path_, error);
+        if (error) throw Failure(fmt::format("cannot write {}: {}", path_, error.message()));
+        unfinished.erase(aside_);
+    }
+    if (synced) flush(folder_of(path_).string(), path_);
 }
+
+void OutputFile::sync_commits(bool on) { synced = on; }
 
 void OutputFile::commit(std::ofstream& stream) {
     stream.close();

@@ -14,7 +14,7 @@ namespace fluidcarve {
 /// the folder removes it.
 class OutputFile {
 public:
-    /// Makes missing folders. @throws Failure if the folder can't be written to, or the path is a device or a pipe
+    /// Makes missing folders. @throws Failure if the folder can't be written to, or the path is a device or a pipe or leads outside of --confine
     explicit OutputFile(std::string path);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
@@ -22,12 +22,16 @@ public:
 
     /// The temporary file to write to: in the same folder, with the same extension.
     const std::string& aside() const { return aside_; }
-    /// Renames the temporary file to the path. Verify the content first. @throws Failure if it can't be renamed
+    /// Renames the temporary file to the path. Verify the content first. @throws Failure if it can't be renamed or, with sync_commits, flushed
     void commit();
     /// Closes a stream into the temporary file, then commits. @throws Failure also if the stream did not take all
     void commit(std::ofstream& stream);
     /// What a writer throws that finds its temporary file cut off.
     Failure not_whole() const;
+
+    /// Whether commits wait until the file, and then its name in the folder, are on the disk, so that files are whole or absent after a power
+    /// cut, too. Off at first; to be set before files are written.
+    static void sync_commits(bool on);
 
     /// Inode of the file that this process last renamed to `path`; 0: none.
     static std::uint64_t number_at(const std::string& path);

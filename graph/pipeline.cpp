@@ -1,5 +1,6 @@
 #include "graph/pipeline.h"
 
+#include "graph/confinement.h"
 #include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
@@ -69,6 +70,7 @@ public:
         if (!order()) return out;
         infer_rates();
         check_paths(out.frames);
+        check_confinement(out.frames);
         for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
         return out;
     }
@@ -373,6 +375,25 @@ private:
                 break;
             }
         });
+    }
+
+    /// Checks that all files lie where the program may read and write.
+    void check_confinement(const FrameSet& frames) {
+        const auto& confinement = Confinement::of_program();
+        if (!confinement.on()) return;
+        for (const auto& [node, value, references, unsure] : drafts_)
+            for (const auto& spec : node.type->params) {
+                const bool path = spec.shape.kind == Shape::Kind::input_path || spec.shape.kind == Shape::Kind::output_path;
+                const auto* const field = value->find(spec.name);
+                if (!path || !field || !node.params) continue;
+                const auto& files = spec.path(node.params.get());
+                for (const auto frame : frames.frames()) {
+                    const auto file = files.at(frame);
+                    const auto refusal = confinement.refusal(file);
+                    if (!refusal.empty()) add(problems_, field->value.mark, fmt::format("{} parameter '{}': {} {}", node.type->name, spec.name, file, refusal));
+                    if (!refusal.empty() || !files.per_frame()) break;
+                }
+            }
     }
 
     const Document& document_;

@@ -26,6 +26,13 @@ const Value::Field* Value::find(std::string_view name) const {
 
 Value::Field* Value::find(std::string_view name) { return const_cast<Field*>(std::as_const(*this).find(name)); }
 
+std::size_t Value::text_bytes() const {
+    auto out = text.size();
+    for (const auto& item : items) out += item.text_bytes();
+    for (const auto& field : fields) out += field.name.size() + field.value.text_bytes();
+    return out;
+}
+
 std::string Value::describe() const {
     switch (kind) {
         case Kind::null: return "nothing";

@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ struct Value {
 
     /// Short form for messages: the text in quotes, "a list", "a map", "nothing".
     std::string describe() const;
+
+    /// Bytes of all texts in it: scalars and names.
+    std::size_t text_bytes() const;
 };
 
 struct Value::Field {

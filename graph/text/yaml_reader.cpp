@@ -21,7 +21,7 @@ struct Stop {};  // a problem was added: stop reading
 /// Builds a Value from the parser's events. yaml-cpp's own tree drops duplicate keys and expands alias bombs.
 class Builder : public YAML::EventHandler {
 public:
-    Builder(const std::shared_ptr<const Source>& source, Problems& problems) : source_(source), problems_(problems) {}
+    Builder(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room) : source_(source), problems_(problems), room_(room) {}
 
     Value take() { return std::move(root_); }
 
@@ -47,7 +47,7 @@ public:
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
         if (found == anchors_.end()) fail(place(mark), "this alias is part of the value that it refers to");
-        count(place(mark), found->second.size);
+        count(place(mark), found->second.size, found->second.value.text_bytes());
         add(Value(found->second.value));
     }
 
@@ -80,13 +80,14 @@ private:
         throw Stop{};
     }
 
-    void count(const Mark& at, std::size_t values) {
+    void count(const Mark& at, std::size_t values, std::size_t text_bytes) {
         values_ += values;
         if (values_ > most_values) fail(at, fmt::format("more than {} values, with all aliases expanded: no pipeline needs so many", most_values));
+        if (!room_.take(text_bytes)) fail(at, TextRoom::fault());
     }
 
     void open(Value::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
-        count(place(mark), 1);
+        count(place(mark), 1, 0);
         if (open_.size() >= most_levels) fail(place(mark), fmt::format("nested more than {} levels deep", most_levels));
         Value value;
         value.kind = kind;
@@ -102,7 +103,7 @@ private:
     }
 
     void finish(Value value, YAML::anchor_t anchor) {
-        count(value.mark, 1);
+        count(value.mark, 1, value.text.size());
         if (anchor != YAML::NullAnchor) anchors_[anchor] = {value, 1};
         add(std::move(value));
     }
@@ -128,6 +129,7 @@ private:
 
     std::shared_ptr<const Source> source_;
     Problems& problems_;
+    TextRoom& room_;
     Value root_;
     std::vector<Open> open_;
     std::map<YAML::anchor_t, Anchored> anchors_;
@@ -136,7 +138,7 @@ private:
 
 }  // namespace
 
-Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems) {
+Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems, TextRoom& room) {
     const Mark whole{source, 0, 0};
     if (source->text.size() > most_yaml_bytes) {
         problems.push_back({whole, fmt::format("the file holds more than {} MiB: not a pipeline", most_yaml_bytes >> 20), {}, {}});
@@ -147,13 +149,14 @@ Value read_yaml(const std::shared_ptr<const Source>& source, Problems& problems)
         problems.push_back({whole, "binary data: a pipeline is a text in UTF-8", {}, {}});
         return {};
     }
-    Builder builder(source, problems);
+    Builder builder(source, problems, room);
     try {
         std::istringstream in(source->text);
         YAML::Parser parser(in);
         parser.HandleNextDocument(builder);
         Problems ignored;
-        Builder second(source, ignored);
+        TextRoom other;
+        Builder second(source, ignored, other);
         if (parser.HandleNextDocument(second)) problems.push_back({whole, "a second YAML document follows; a pipeline file holds one", {}, {}});
     } catch (const Stop&) {
         return {};

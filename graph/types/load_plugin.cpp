@@ -1,5 +1,6 @@
 #include "graph/types/load_plugin.h"
 
+#include "graph/confinement.h"
 #include "graph/types/plugin.h"
 
 #include <dlfcn.h>
@@ -162,6 +163,8 @@ void load_plugins(const Value& paths, const PluginTrust& trust, Registry& regist
         const auto file = find_file(path, trust, looked);
         if (!file) {
             add(fmt::format("there is no plugin {}: no file {}; build it, or correct the path", path.text, fmt::join(looked, ", ")));
+        } else if (const auto outside = Confinement::of_program().refusal(file->string()); !outside.empty()) {
+            add(fmt::format("the plugin {} is not loaded: it {}", path.text, outside));
         } else if (const auto why = refusal(path.text, *file, trust); !why.empty()) {
             add(why);
         } else {

@@ -29,7 +29,7 @@ std::vector<std::string> trusted_plugin_folders();
 void load_plugin(const std::string& file, Registry& registry, PluginFiles& files);
 
 /// Loads the plugins that a pipeline names, if they are trusted. A relative path starts at the folder of the text that states it,
-/// else at the current folder, else at a trusted folder.
+/// else at the current folder, else at a trusted folder. None outside of --confine is loaded, trusted or not.
 /// @param paths     list of paths, or null
 /// @param problems  receives a problem with the remedy for each plugin that is not loaded
 void load_plugins(const Value& paths, const PluginTrust& trust, Registry& registry, PluginFiles& files, Problems& problems);

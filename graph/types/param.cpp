@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <climits>
 #include <cmath>
 
 namespace fluidcarve {
@@ -37,6 +38,8 @@ std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& re
 template <class P>
 std::optional<P> read_path(const Value& value, ValueReader& reader, std::string folder) {
     if (value.kind != Value::Kind::scalar || value.text.empty()) return reader.unwanted(value, "a path"), std::nullopt;
+    if (value.text.size() >= PATH_MAX)
+        return reader.fault(value, fmt::format("has {} bytes; a path has at most {}", value.text.size(), PATH_MAX - 1)), std::nullopt;
     P path(value.text, std::move(folder));
     if (path.bad_token().empty()) return path;
     const auto best = nearest(path.bad_token(), {"####", "%04d", "$F4", "<frame04>", "<frame>"});

@@ -6,6 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
 
 namespace fluidcarve {
 namespace {
@@ -45,11 +48,16 @@ std::string yaml(const Value& value) {
 /// Finds the origins of values in a document.
 class Finder {
 public:
-    explicit Finder(const Document& document) : document_(document) {}
+    explicit Finder(const Document& document) : document_(document) {
+        std::set<std::pair<Place, std::string>> names_seen;  // an alias repeats what was inserted
+        for (const auto& [in, name] : document.insertions)
+            if (names_seen.emplace(place_of(in), name).second) inserted_[place_of(in)].push_back(name);
+    }
 
     ValueOrigin stated(const Value& value) const {
         ValueOrigin out{yaml(value), place(value.mark), {}};
-        add_names(value, out.with);
+        std::set<std::string> seen;
+        add_names(value, out.with, seen);
         return out;
     }
 
@@ -72,6 +80,10 @@ public:
     }
 
 private:
+    using Place = std::tuple<const Source*, int, int>;
+
+    static Place place_of(const Mark& mark) { return {mark.source.get(), mark.line, mark.column}; }
+
     std::string place(const Mark& mark) const {
         const auto is = [&](const Mark& file) { return file.source == mark.source; };
         const bool file = std::any_of(document_.sources.begin(), document_.sources.end(), is);
@@ -79,16 +91,16 @@ private:
     }
 
     /// Adds the names inserted into a value or its parts, without duplicates.
-    void add_names(const Value& value, std::vector<std::string>& names) const {
-        for (const auto& [in, name] : document_.insertions)
-            if (in.source == value.mark.source && in.line == value.mark.line && in.column == value.mark.column &&
-                std::find(names.begin(), names.end(), name) == names.end())
-                names.push_back(name);
-        for (const auto& item : value.items) add_names(item, names);
-        for (const auto& field : value.fields) add_names(field.value, names);
+    void add_names(const Value& value, std::vector<std::string>& names, std::set<std::string>& seen) const {
+        if (const auto found = inserted_.find(place_of(value.mark)); found != inserted_.end())
+            for (const auto& name : found->second)
+                if (seen.insert(name).second) names.push_back(name);
+        for (const auto& item : value.items) add_names(item, names, seen);
+        for (const auto& field : value.fields) add_names(field.value, names, seen);
     }
 
     const Document& document_;
+    std::map<Place, std::vector<std::string>> inserted_;  ///< names inserted at a place
 };
 
 std::string line(const std::string& name, const ValueOrigin& origin) {

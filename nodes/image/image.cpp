@@ -1,6 +1,5 @@
 #include "nodes/image/image.h"
 
-#include "graph/input_file.h"
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 
@@ -43,7 +42,7 @@ const ImageFormat* format_of_name(const std::string& path) {
 }
 
 const ImageFormat& format_of_file(const std::string& path) {
-    const auto begin = InputFile(path, {.what = "an image", .folder = "is not a file"}).head(8);
+    const auto begin = InputFile(path, image_use).head(8);
     for (const auto& format : formats())
         for (const auto& start : format.starts)
             if (begin.starts_with(start)) return format;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "graph/input_file.h"
+
 #include <string>
 #include <vector>
 
@@ -46,6 +48,9 @@ struct ImageModule {
     /// @throws Failure, without the path in its message
     void (*write)(const std::string& path, const Image& image, int quality);
 };
+
+/// How image files are opened.
+inline constexpr FileUse image_use{.what = "an image", .folder = "is not a file"};
 
 /// A supported image format.
 struct ImageFormat {

@@ -154,8 +154,9 @@ public:
 
 private:
     void open() {
-        size_ = InputFile(path_, {.what = "a volume", .folder = "is not a file"}).size();
-        stream_.open(path_, std::ios_base::binary);
+        const InputFile file(path_, {.what = "a volume", .folder = "is not a file"});
+        size_ = file.size();
+        stream_.open(file.path_to_open(), std::ios_base::binary);
         if (!stream_) refuse(fmt::format("cannot open {}: {}", path_, std::strerror(errno)));
         // OpenVDB never checks for short reads.
         stream_.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);

@@ -1,5 +1,6 @@
 #include "nodes/seams/slab_store.h"
 
+#include "graph/confinement.h"
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 
@@ -28,6 +29,8 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
             "{} of energies or seams exceed the memory budget and can't be stored in the work folder '{}': {}; raise --memory or choose another --work",
             size_text(bytes), folder, std::strerror(code)));
     };
+    if (const auto refusal = Confinement::of_program().refusal(folder); !refusal.empty())
+        throw Failure(fmt::format("the work folder '{}' {}", folder, refusal));
     std::error_code ignored;
     std::filesystem::create_directories(folder, ignored);
     auto path = folder + "/slabs." + unique_part;

@@ -1,5 +1,6 @@
 #include "runtime/keep/cache.h"
 
+#include "graph/confinement.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
@@ -80,6 +81,9 @@ T number_at(const char* data) {
     return out;
 }
 
+/// Opens an entry for reading. @return below 0 if it is not there, or lies outside of --confine
+int open_entry(const std::string& path) { return Confinement::of_program().refusal(path).empty() ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1; }
+
 bool read_all(int file, char* into, std::size_t size) {
     while (size > 0) {
         const auto got = read(file, into, size);
@@ -127,7 +131,7 @@ void Cache::touch(const Key& key) const {
 
 std::optional<Json> Cache::look(const Key& key) const {
     if (!on() || !key) return std::nullopt;
-    const Descriptor file{open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC)};
+    const Descriptor file{open_entry(path_of(key))};
     std::uint64_t size = 0;
     return file.number < 0 ? std::nullopt : header_of(file.number, size);
 }
@@ -140,7 +144,7 @@ void Cache::remove_damaged(const Key& key) {
 
 std::optional<Cache::Read> Cache::read(const Key& key) {
     if (!on() || !key) return std::nullopt;
-    const Descriptor file{open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC)};
+    const Descriptor file{open_entry(path_of(key))};
     if (file.number < 0) return std::nullopt;
     std::uint64_t size = 0;
     auto header = header_of(file.number, size);

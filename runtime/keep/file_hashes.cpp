@@ -1,5 +1,6 @@
 #include "runtime/keep/file_hashes.h"
 
+#include "graph/confinement.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
@@ -40,14 +41,17 @@ Key stamp_of(const struct stat& file) {
 }
 
 std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
+    const auto& confinement = Confinement::of_program();
+    if (!confinement.refusal(path).empty()) return std::nullopt;
     // Without O_NONBLOCK, a pipe would not open before its writer does.
     const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat before {};
-    if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode)) return std::nullopt;
+    if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode) || !confinement.refusal_of_open(file.number).empty())
+        return std::nullopt;
     const auto stamp = stamp_of(before);
     const auto with = [&](const Key& key) { return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino}; };
     const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp.path();
-    if (!remembered.empty() && settled(before)) {
+    if (!remembered.empty() && settled(before) && confinement.refusal(remembered).empty()) {
         std::string text, seal;
         std::ifstream(remembered) >> text >> seal;
         if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) {

@@ -1,5 +1,6 @@
 #include "runtime/keep/history.h"
 
+#include "graph/confinement.h"
 #include "graph/output_file.h"
 #include "runtime/keep/work_folder.h"
 
@@ -77,6 +78,10 @@ History::History(const std::string& folder, const std::string& pipeline) {
     nodes_ = json::object();
     if (folder.empty()) return;
     path_ = fmt::format("{}/history/{}.json", folder, std::filesystem::path(pipeline).stem().string());
+    if (!Confinement::of_program().refusal(path_).empty()) {
+        path_.clear();
+        return;
+    }
     std::ifstream in(path_);
     auto read = json::parse(in, nullptr, false);
     const bool whole = read.is_object() && std::ranges::all_of(read, [](const json& node) { return node.is_object(); });

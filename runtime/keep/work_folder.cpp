@@ -1,5 +1,6 @@
 #include "runtime/keep/work_folder.h"
 
+#include "graph/confinement.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/content_hash.h"
@@ -112,6 +113,14 @@ std::string WorkFolder::fault() const {
         if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, error))
             return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());
     return {};
+}
+
+std::string WorkFolder::refusal() const {
+    const auto& confinement = Confinement::of_program();
+    auto out = confinement.refusal(path_);
+    for (const auto* const part : parts)
+        if (out.empty()) out = confinement.refusal(path_ + "/" + part);
+    return out;
 }
 
 bool WorkFolder::is_entry(const fs::path& file) {

@@ -19,6 +19,9 @@ public:
     /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or there is no folder.
     std::string fault() const;
 
+    /// Why --confine forbids the folder or a part of it, which may be a link, and the remedy, to follow its path; empty: it does not.
+    std::string refusal() const;
+
     /// A cached result.
     struct Entry {
         std::filesystem::path path;

@@ -1,5 +1,6 @@
 #include "runtime/page/html_report.h"
 
+#include "graph/input_file.h"
 #include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
@@ -12,8 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
 
@@ -428,8 +427,12 @@ void read(PagePicture& picture) {
     if (error) picture.fault = "is not there";
     else if (bytes > most_picture_bytes) picture.fault = "is too large for a page";
     if (!picture.fault.empty()) return;
-    std::ifstream in(picture.path, std::ios::binary);
-    picture.png.assign(std::istreambuf_iterator<char>(in), {});
+    try {
+        picture.png = InputFile(picture.path, {.what = "a picture"}).whole();
+    } catch (const Unreadable& unreadable) {
+        picture.fault = unreadable.fault;
+        return;
+    }
     if (!picture.png.starts_with("\x89PNG\r\n\x1a\n")) picture = {picture.node, picture.path, "", "is no PNG file", picture.earlier};
 }
 

@@ -24,6 +24,7 @@ struct RunOptions {
     std::string work_folder = ".fluidcarve";
     bool keep_going = false;                                            ///< run the other frames after a failure
     bool cache = true;                                                  ///< read and write cached results in the work folder
+    bool sync = false;                                                  ///< wait until each written file is on the disk
     std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes of cached results that remain after a run
 };
 

@@ -186,6 +186,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
 
 int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const std::function<bool()>& cancelled) {
     const auto start = std::filesystem::file_time_type::clock::now();
+    OutputFile::sync_commits(request.options.sync);
     for (const auto& [what, path] :
          {std::pair("report", request.report_path), std::pair("page", request.html_path), std::pair("profile", request.profile_path)}) {
         try {

@@ -1,6 +1,7 @@
 #include "runtime/verbs/commands.h"
 #include "runtime/keep/work_folder.h"
 
+#include "graph/confinement.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/origins.h"
@@ -48,6 +49,7 @@ std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_P
 struct PipelineArguments {
     std::string path;
     std::vector<std::string> settings;
+    std::vector<std::string> folders;  ///< of --confine
     bool allow_plugins = false;
 
     void declare(CLI::App& verb) {
@@ -57,6 +59,10 @@ struct PipelineArguments {
             ->expected(1)
             ->take_all();
         verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names; their code runs with all your rights");
+        verb.add_option("--confine", folders, "Let the pipeline read and write in this folder only; may be repeated, for several folders")
+            ->type_name("DIR")
+            ->expected(1)
+            ->take_all();
     }
 
     /// Loads the plugins that a document names, adds their types to the registry, and builds the pipeline.
@@ -125,6 +131,7 @@ struct RunArguments {
                         "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
             ->type_name("FILE");
         verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
+        verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
         verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
         const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
         verb.add_flag("-v,--verbose", request.verbose, "Show the plan and the time of each node")->excludes(quiet);
@@ -154,6 +161,8 @@ struct RunArguments {
             if (!outside.empty()) return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(), pipeline.frames.text()));
         }
         request.options.cache = !no_cache;
+        if (const auto refusal = WorkFolder(request.options.work_folder).refusal(); !refusal.empty())
+            return wrong(fmt::format("--work: {} {}", request.options.work_folder, refusal));
         if (!cache_size.empty()) {
             const auto size = parse_size(cache_size);
             if (!size) return wrong(fmt::format("--cache-size wants a size such as 50G, not '{}'", cache_size));
@@ -168,6 +177,7 @@ struct RunArguments {
         for (const auto& [option, path] : {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
                                            std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)}) {
             if (path.empty()) continue;
+            if (const auto refusal = Confinement::of_program().refusal(path); !refusal.empty()) return wrong(fmt::format("{}: {} {}", option, path, refusal));
             if (const auto user = user_of(pipeline, path); !user.empty()) return wrong(fmt::format("{} would overwrite {}: {}", option, path, user));
             std::error_code unknown;  // what a descriptor leads to may have no path
             auto place = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
@@ -263,8 +273,11 @@ void add_examples(CLI::App& app) {
          "  fluidcarve run shot.yaml -f 1001-1010 --report out/shot.json     a farm's chunk\n"
          "  fluidcarve run shot.yaml --manifest shot.manifest                no input may have rotted since the first run\n"
          "  fluidcarve run shot.yaml --to seams.energy -f 1-42              only the solver's data of these frames\n"
+         "  fluidcarve run theirs.yaml --confine /shots/sh010 --work /shots/sh010/work\n"
          "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
-        {"check", "  fluidcarve check shot.yaml\n  fluidcarve check shot.yaml -v        where each value comes from"},
+        {"check",
+         "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
+         "from"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
@@ -364,6 +377,11 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error, std::cout, std::cerr) == 0 ? exit_code::done : exit_code::usage;
+    }
+    try {
+        Confinement::confine_program(pipeline.folders);
+    } catch (const Failure& failure) {
+        return complain(fmt::format("{}\n", failure.what())), exit_code::usage;
     }
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);

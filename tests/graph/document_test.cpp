@@ -5,6 +5,7 @@
 
 #include <sys/stat.h>
 #include <cstdlib>
+#include <ctime>
 
 using namespace fluidcarve;
 
@@ -116,6 +117,26 @@ TEST_CASE("extended files that are missing, or extend each other in a circle, ar
           "q.yaml:2:10: p.yaml extends itself, directly or through others\nextends: p.yaml\n         ^\n");
 }
 
+TEST_CASE("an extended file that is no pipeline is named, and nothing of it is shown") {
+    const Scratch scratch;
+    const auto told = [&](const std::string& text) {
+        scratch.write("secret.yml", text);
+        return read(scratch, "fluidcarve: 1\nextends: secret.yml\n").text;
+    };
+    const std::string here = "p.yaml:2:10: it is extended here\nextends: secret.yml\n         ^\n";
+    const std::string no_pipeline = "no pipeline: it does not state 'fluidcarve: 1'\n" + here;
+    CHECK(told("user: hunter2\nhunter2: x\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("hunter2\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("- hunter2\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("fluidcarve: hunter2\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("") == "secret.yml: " + no_pipeline);
+    CHECK(told("hunter2: 1\nhunter2: 2\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("fluidcarve: 1\npassword: [hunter2\n") == "secret.yml:3:1: no pipeline: it does not parse here\n" + here);
+    CHECK(told("a: *hunter2\n") == "secret.yml:1:4: no pipeline: it does not parse here\n" + here);
+    CHECK(told(std::string("hunter2\0", 8)) == "secret.yml: no pipeline: binary data: a pipeline is a text in UTF-8\n" + here);
+    CHECK(told("fluidcarve: 1\nnoodles: 1\n") == "secret.yml:2:1: a pipeline has no field 'noodles'; did you mean 'nodes'?\nnoodles: 1\n^\n");
+}
+
 TEST_CASE("a file that is no pipeline is refused in words") {
     CHECK(problems("") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
     CHECK(problems("- a\n- b\n") == "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- a\n^\n");
@@ -214,4 +235,64 @@ TEST_CASE("an unknown or unset name in a value is named where it stands") {
           "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
     CHECK(problems("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") ==
           "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
+}
+
+TEST_CASE("a small file never grows to a large text") {
+    const std::string long_text(400'000, 'x'), grows = "here the pipeline grows beyond 16 MiB of text";
+    std::string many;
+    for (int n = 0; n < 60'000; ++n) many += "${a}";
+    const auto params = "fluidcarve: 1\nparams: {a: {type: string, default: " + long_text + "}}\nnodes:\n";
+    const auto inside = problems(params + "  one: {type: x, b: \"" + many + "\"}\n  two: {type: x, b: \"" + many + "\"}\n");
+    CHECK_THAT(inside, Catch::StartsWith("p.yaml:4:21: " + grows));
+    CHECK(inside.find(grows) == inside.rfind(grows));
+
+    std::string whole, aliases;
+    for (int n = 0; n < 1000; ++n) whole += "\"${a}\", ", aliases += "*a, ";
+    CHECK_THAT(problems(params + "  one: {type: x, b: [" + whole + "]}\n"), Catch::StartsWith("p.yaml:4:") && Catch::Contains(grows));
+    CHECK_THAT(problems("fluidcarve: 1\nnodes:\n  one: {type: &a " + long_text + ", b: [" + aliases + "]}\n"),
+               Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
+    std::string many_aliases;
+    for (int n = 0; n < 20'000; ++n) many_aliases += "*a, ";
+    CHECK_THAT(problems("fluidcarve: 1\nnodes:\n  one: {type: x, b: &a {" + std::string(1000, 'x') + ": 1}, c: [" + many_aliases + "]}\n"),
+               Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
+
+    const auto few = read(Scratch(), params + "  one: {type: x, b: \"${a}${a}\"}\n");
+    CHECK(few.text == "");
+    CHECK(few.field("one", "b").size() == 800'000);
+}
+
+TEST_CASE("the text of all extended files counts together") {
+    const Scratch scratch;
+    std::string aliases;
+    for (int n = 0; n < 24; ++n) aliases += "*a, ";
+    const auto large = "fluidcarve: 1\nparams:\n  p: {type: string, default: &a " + std::string(400'000, 'x') + ", doc: [" + aliases + "]}\n";
+    CHECK_THAT(read(scratch, large).text, !Catch::Contains("16 MiB"));
+    scratch.write("base.yaml", large);
+    CHECK_THAT(read(scratch, large + "extends: base.yaml\n").text, Catch::Contains("no pipeline: here the pipeline grows beyond 16 MiB of text"));
+}
+
+TEST_CASE("one name in one text is told once of, however often it is inserted") {
+    std::string many;
+    for (int n = 0; n < 1000; ++n) many += "${a}";
+    const auto out = read(Scratch(), "fluidcarve: 1\nparams: {a: {type: string, default: x}}\nnodes:\n  one: {type: x, b: \"" + many + "\"}\n");
+    CHECK(out.document.insertions.size() == 1);
+    CHECK(out.field("one", "b") == std::string(1000, 'x'));
+}
+
+TEST_CASE("the time to merge two files grows with their length, and not faster") {
+    const Scratch scratch;
+    std::string base = "fluidcarve: 1\nparams:\n", over = "fluidcarve: 1\nextends: base.yaml\nparams:\n";
+    for (int n = 0; n < 45'000; ++n) {
+        base += "  n" + std::to_string(n) + ": {}\n";
+        over += "  n" + std::to_string(n) + ":\n";
+    }
+    scratch.write("base.yaml", base);
+    const auto begin = std::clock();
+    CHECK(read(scratch, over).text == "p.yaml: the pipeline has no nodes\n");
+    CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 3);
+}
+
+TEST_CASE("a path longer than any file's is refused") {
+    CHECK_THAT(problems("fluidcarve: 1\nparams: {a: {type: path, default: " + std::string(5000, 'x') + "}}\nnodes:\n  a: {type: x}\n"),
+               Catch::StartsWith("p.yaml:2:35: param 'a' has 5000 bytes; a path has at most 4095\n"));
 }

@@ -6,11 +6,25 @@
 #include <catch2/catch.hpp>
 
 #include <sys/stat.h>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <vector>
 
 using namespace fluidcarve;
+
+namespace {
+std::vector<std::string> flushed;  ///< what fsync was called with
+int fault_of_disk = 0;             ///< errno that fsync fails with
+}  // namespace
+
+/// In place of the system's.
+extern "C" int fsync(int file) {
+    flushed.push_back(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file)).string());
+    errno = fault_of_disk;
+    return fault_of_disk == 0 ? 0 : -1;
+}
 
 TEST_CASE("what a killed run of the same process number left aside does not stop the next") {
     const Scratch scratch;
@@ -92,4 +106,26 @@ TEST_CASE("a text to a regular file is there as a whole, also over a former one"
     CHECK(Scratch::read(path) == "text");
     CHECK(fault_of_output([] { OutputFile::require_writable("/proc/nowhere/r.json"); }) ==
           "cannot write /proc/nowhere/r.json: the folder /proc/nowhere cannot be made: No such file or directory");
+}
+
+TEST_CASE("with sync a file is flushed before it has its name, and then its folder; a disk that fails is told") {
+    const Scratch scratch;
+    const auto root = std::filesystem::canonical(scratch.path()).string(), path = root + "/new/r.json";
+    OutputFile::write(path, "unsynced");
+    CHECK(flushed.empty());
+    OutputFile::sync_commits(true);
+    {
+        OutputFile file(path);
+        std::ofstream(file.aside()) << "synced";
+        file.commit();
+        CHECK(flushed == std::vector{file.aside(), root + "/new"});
+    }
+    CHECK(Scratch::read(path) == "synced");
+    fault_of_disk = EIO;
+    const auto fault = fault_of_output([&] { OutputFile::write(path, "lost"); });
+    fault_of_disk = 0;
+    OutputFile::sync_commits(false);
+    CHECK_THAT(fault, Catch::StartsWith("cannot write " + path + ": ") && Catch::EndsWith(" can't be flushed to the disk: Input/output error"));
+    CHECK(Scratch::read(path) == "synced");
+    CHECK(std::distance(std::filesystem::directory_iterator(root + "/new"), {}) == 1);
 }

@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -38,18 +37,15 @@ using OIIO::TypeDesc;
 }
 
 /// Checks that a PNG is complete, by the lengths of its chunks. The PNG library finds a missing end late, and prints to the terminal.
-void require_whole_png(const std::string& path) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
+void require_whole_png(const InputFile& file) {
     constexpr std::uint64_t signature = 8, length_and_type = 8, checksum = 4;
-    for (std::uint64_t at = signature; at + length_and_type + checksum <= size;) {
+    for (std::uint64_t at = signature; at + length_and_type + checksum <= file.size();) {
         std::array<unsigned char, length_and_type> head{};
-        file.seekg(static_cast<std::streamoff>(at));
-        file.read(reinterpret_cast<char*>(head.data()), head.size());
+        file.read(at, reinterpret_cast<char*>(head.data()), head.size());
         at += length_and_type + checksum + (std::uint64_t{head[0]} << 24 | std::uint64_t{head[1]} << 16 | std::uint64_t{head[2]} << 8 | head[3]);
-        if (at <= size && std::memcmp(head.data() + 4, "IEND", 4) == 0) return;
+        if (at <= file.size() && std::memcmp(head.data() + 4, "IEND", 4) == 0) return;
     }
-    refuse_damaged(path, fmt::format("it is cut off at byte {}", size));
+    refuse_damaged(file.path(), fmt::format("it is cut off at byte {}", file.size()));
 }
 
 /// Calls `call` with a value of a depth's C++ type. @return false if the depth is not a numeric type
@@ -122,13 +118,13 @@ void set_attributes(ImageSpec& spec, const std::vector<Image::Attribute>& attrib
 /// An open image file. All errors name the file.
 class Input {
 public:
-    Input(const std::string& path, const std::string& format) : path_(path), file_(ImageInput::create(format)) {
+    Input(const std::string& path, const std::string& format) : path_(path), opened_(path, image_use), file_(ImageInput::create(format)) {
         if (!file_) refuse(path_, OIIO::geterror());
-        if (format == "png") require_whole_png(path_);
+        if (format == "png") require_whole_png(opened_);
         ImageSpec wish;
         wish.attribute("oiio:UnassociatedAlpha", 1);
         wish.attribute("oiio:RawColor", 1);
-        if (!file_->open(path_, spec_, wish)) refuse_damaged(path_, file_->geterror());
+        if (!file_->open(opened_.path_to_open(), spec_, wish)) refuse_damaged(path_, file_->geterror());
         if (spec_.deep) refuse(path_, "it holds deep pixels; flatten it first");
         if (spec_.depth > 1) refuse(path_, "it holds a volume; an image has one layer of pixels");
         if (spec_.width < 1 || spec_.height < 1 || spec_.nchannels < 1) refuse(path_, "it has no pixels");
@@ -181,6 +177,7 @@ private:
     static constexpr int most_pictures = 1000;
     static constexpr int furthest = 1 << 24;  ///< maximum coordinate of a pixel, so that sums of coordinates fit 32-bit integers
     std::string path_;
+    InputFile opened_;
     std::unique_ptr<ImageInput> file_;
     ImageSpec spec_;
 };
