@@ -14,7 +14,6 @@
 namespace fluidcarve {
 namespace {
 
-constexpr std::int64_t most_frames = 1'000'000;
 constexpr int most_digits = 10;
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
@@ -182,7 +181,7 @@ FrameSet::FrameSet(std::vector<int> frames) : frames_(std::move(frames)) {
     frames_.erase(std::unique(frames_.begin(), frames_.end()), frames_.end());
 }
 
-std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& fault) {
+std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& fault, std::int64_t most) {
     if (trimmed(text).empty()) return fault = "no frame is named; write 1001, 1001-1084 or 1001-1084x2", std::nullopt;
     std::vector<int> frames;
     std::int64_t total = 0;
@@ -192,7 +191,7 @@ std::optional<FrameSet> FrameSet::parse(std::string_view text, std::string& faul
         if (!range) return std::nullopt;
         // Repeated frames count too, so that every text is parsed fast.
         total += range->most();
-        if (total > most_frames) return fault = fmt::format("'{}' names more than {} frames", trimmed(text).substr(0, 60), most_frames), std::nullopt;
+        if (total > most) return fault = fmt::format("'{}' names more than {} frames", trimmed(text).substr(0, 60), most), std::nullopt;
         range->add_to(frames);
         begin = end + 1;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +16,9 @@ public:
     explicit FrameSet(std::vector<int> frames);
 
     /// @param fault  set to the reason if the text is wrong and nothing is returned
-    static std::optional<FrameSet> parse(std::string_view text, std::string& fault);
+    /// @param most   number of frames that the text may name, repeated ones and those left out included
+    static std::optional<FrameSet> parse(std::string_view text, std::string& fault, std::int64_t most = most_frames);
+    static constexpr std::int64_t most_frames = 1'000'000;
 
     const std::vector<int>& frames() const { return frames_; }
     bool contains(int frame) const;

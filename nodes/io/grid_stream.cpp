@@ -1,8 +1,10 @@
 #include "nodes/io/grid_stream.h"
 
 #include "nodes/io/openvdb_types.h"
+#include "nodes/io/point_check.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/transform_bytes.h"
+#include "nodes/io/tree_check.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Compression.h>
@@ -47,6 +49,20 @@ auto sound(Read read) {
     } catch (const std::exception& error) {
         throw Failure(fmt::format("kept data is damaged or cut off: {}", error.what()));
     }
+}
+
+/// Checks a tree of points before OpenVDB reads it. Of other trees OpenVDB trusts no length where values are not compressed.
+/// @param in  at the tree, where it stays
+void require_sound_points(std::istream& in, const std::string& type) {
+    const auto format = tree_format(type, false, openvdb::OPENVDB_FILE_VERSION, codec);
+    if (format.leaves != TreeFormat::Leaves::point_data) return;
+    const auto begin = in.tellg();
+    in.seekg(0, std::ios_base::end);
+    std::string bytes(static_cast<std::size_t>(in.tellg() - begin), '\0');
+    in.seekg(begin);
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    in.seekg(begin);
+    check_tree(format, bytes);
 }
 
 /// Whether metadata can be written: it can be restored from its type name and bytes.
@@ -131,7 +147,7 @@ openvdb::GridBase::Ptr GridReader::read_grid(int depth) {
     BinaryReader::require(depth < deepest);
     const bool raw = binary_.value<bool>();
     const auto type = binary_.text();
-    BinaryReader::require(raw || openvdb::GridBase::isRegistered(type));
+    BinaryReader::require(raw || is_known_tree(type));
     const auto out = raw ? std::make_shared<RawGrid>(type, 0, 0) : openvdb::GridBase::createGrid(type);
     read_tree(*out);
     out->insertMeta(read_metadata(binary_));
@@ -170,10 +186,12 @@ void GridReader::read_tree(openvdb::GridBase& grid) {
         bytes->buffers = binary_.text();
         grid.setTree(bytes);
     } else {
+        require_sound_points(in_, grid.type());
         const Tags tags(in_);
         openvdb::io::setDataCompression(in_, codec);
         grid.readTopology(in_);
         grid.readBuffers(in_);
+        check_offsets(grid);
     }
     trees_.push_back(grid.baseTreePtr());
 }

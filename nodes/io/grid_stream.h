@@ -30,7 +30,7 @@ private:
     std::map<const openvdb::TreeBase*, std::uint64_t> trees_;  ///< written trees and their numbers
 };
 
-/// Reads what a GridWriter wrote, in the same order. Shared trees are shared again.
+/// Reads what a GridWriter wrote, in the same order, from a stream that can seek. Shared trees are shared again.
 class GridReader {
 public:
     explicit GridReader(std::istream& from);

@@ -2,6 +2,7 @@
 
 #include <openvdb/points/AttributeArray.h>
 #include <openvdb/points/AttributeGroup.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <limits>
 #include <optional>
@@ -174,6 +175,11 @@ void check_points(TreeBytes& in, const std::vector<std::span<const char>>& leave
         in.require(all_paged || pages[n].empty(), "an attribute is paged in some leaves only");
         pages[n].read(in);
     }
+}
+
+void check_offsets(const openvdb::GridBase& grid) {
+    if (!grid.isType<openvdb::points::PointDataGrid>()) return;
+    for (auto leaf = static_cast<const openvdb::points::PointDataGrid&>(grid).tree().cbeginLeaf(); leaf; ++leaf) leaf->validateOffsets();
 }
 
 }  // namespace fluidcarve

@@ -2,6 +2,8 @@
 
 #include "nodes/io/tree_bytes.h"
 
+#include <openvdb/Grid.h>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,5 +16,9 @@ namespace fluidcarve {
 /// @param leaves  value masks of the leaves, in the order in which they are read
 /// @throws std::runtime_error
 void check_points(TreeBytes& in, const std::vector<std::span<const char>>& leaves);
+
+/// Checks that the points of each voxel lie within the attributes; a grid of another type is left alone.
+/// @throws openvdb::Exception
+void check_offsets(const openvdb::GridBase& grid);
 
 }  // namespace fluidcarve

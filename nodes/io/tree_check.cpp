@@ -42,14 +42,14 @@ public:
     const TreeSize& size() const { return size_; }
     /// Value masks of all leaves, in the order in which their buffers are read.
     const std::vector<std::span<const char>>& leaves() const { return leaves_; }
-    void require_end() const { in_.require(in_.left() == 0, "its topology is shorter than stated"); }
+    void require_end(std::string_view fault) const { in_.require(in_.left() == 0, fault); }
+    /// The buffers are not behind the topology, but here.
+    void go_on(std::span<const char> bytes) { in_ = TreeBytes(bytes); }
 
-    void buffers(std::span<const char> bytes) {
-        in_ = TreeBytes(bytes);
+    void buffers() {
         if (format_.leaves == TreeFormat::Leaves::point_data) check_points(in_, leaves_);
         else
             for (const auto& mask : leaves_) leaf(mask);
-        in_.require(in_.left() == 0, "its buffers are shorter than stated");
     }
 
 private:
@@ -170,8 +170,16 @@ TreeSize size_of_tree(const TreeFormat& format, std::span<const char> topology) 
 
 TreeSize check_tree(const TreeFormat& format, std::span<const char> topology, std::span<const char> buffers) {
     TreeCheck check(format, topology);
-    check.require_end();
-    check.buffers(buffers);
+    check.require_end("its topology is shorter than stated");
+    check.go_on(buffers);
+    check.buffers();
+    check.require_end("its buffers are shorter than stated");
+    return check.size();
+}
+
+TreeSize check_tree(const TreeFormat& format, std::span<const char> bytes) {
+    TreeCheck check(format, bytes);
+    check.buffers();
     return check.size();
 }
 

@@ -44,5 +44,7 @@ TreeSize size_of_tree(const TreeFormat& format, std::span<const char> topology);
 /// @param buffers   bytes of the leaves' values
 /// @throws std::runtime_error saying what is wrong
 TreeSize check_tree(const TreeFormat& format, std::span<const char> topology, std::span<const char> buffers);
+/// The same for a tree whose buffers follow its topology. Behind them, other bytes may follow.
+TreeSize check_tree(const TreeFormat& format, std::span<const char> bytes);
 
 }  // namespace fluidcarve

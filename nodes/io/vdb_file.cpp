@@ -4,6 +4,7 @@
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "nodes/io/openvdb_types.h"
+#include "nodes/io/point_check.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/tree_check.h"
 #include "nodes/io/triplet.h"
@@ -15,12 +16,12 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <span>
 #include <sstream>
 
@@ -109,7 +110,7 @@ public:
             grid->setSaveFloatAsHalf(from.saveFloatAsHalf());
             readGrid(grid, from, in);
             codecs_seen_ |= openvdb::io::getDataCompression(in);
-            check_points(*grid);
+            check_offsets(*grid);
         } catch (const std::exception& error) {
             refuse(fmt::format("{}: cannot read grid '{}': {}; write or copy the file again", path_, shown(from), error.what()));
         }
@@ -119,13 +120,14 @@ public:
     }
 
     const GridDescriptor& parent_of(const GridDescriptor& grid) const {
-        const auto found = std::find_if(grids_.begin(), grids_.end(), [&](const auto& each) { return each.uniqueName() == grid.instanceParentName(); });
-        if (found == grids_.end() || found->isInstance())
+        const auto found = by_name_.find(grid.instanceParentName());
+        if (found == by_name_.end() || grids_[found->second].isInstance())
             refuse(fmt::format("{}: grid '{}' shares the tree of '{}', which is not there", path_, shown(grid),
                                GridDescriptor::nameAsString(grid.instanceParentName())));
-        if (found->gridType() != grid.gridType())
-            refuse(fmt::format("{} is damaged: grid '{}' shares the tree of '{}', which is of another type", path_, shown(grid), shown(*found)));
-        return *found;
+        const auto& out = grids_[found->second];
+        if (out.gridType() != grid.gridType())
+            refuse(fmt::format("{} is damaged: grid '{}' shares the tree of '{}', which is of another type", path_, shown(grid), shown(out)));
+        return out;
     }
 
     unsigned version() const { return fileVersion(); }
@@ -179,6 +181,7 @@ private:
         if (count < 0) refuse(fmt::format("{} is damaged: its header states {} grids", path_, count));
         for (std::int32_t n = 0; n < count; ++n) {
             grids_.push_back(descriptor());
+            by_name_.emplace(grids_.back().uniqueName(), grids_.size() - 1);
             stream_.seekg(grids_.back().getEndPos());
         }
     }
@@ -207,12 +210,6 @@ private:
         const bool own = fileVersion() >= openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION;
         const auto flags = own ? number<std::uint32_t>() : openvdb::io::getDataCompression(stream_);
         return tree_format(grid.gridType(), grid.saveFloatAsHalf(), fileVersion(), flags);
-    }
-
-    /// Checks that points of each voxel lie within the attributes.
-    static void check_points(const openvdb::GridBase& grid) {
-        if (!grid.isType<openvdb::points::PointDataGrid>()) return;
-        for (auto leaf = static_cast<const openvdb::points::PointDataGrid&>(grid).tree().cbeginLeaf(); leaf; ++leaf) leaf->validateOffsets();
     }
 
     /// Reads metadata entry by entry, each from a text of known length: OpenVDB trusts lengths, and some of its types read another number
@@ -286,6 +283,7 @@ private:
     std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream refers to it
     std::ifstream stream_;
     std::vector<GridDescriptor> grids_;
+    std::map<std::string, std::size_t> by_name_;  ///< unique names and places in `grids_`; of several, the first
     openvdb::MetaMap metadata_;
     std::uint32_t codecs_seen_ = 0;
 };

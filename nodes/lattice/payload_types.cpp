@@ -26,6 +26,8 @@ Ref<Lattice> read_lattice(std::istream& from) {
     out->closed = in.value<bool>();
     out->closed_form = in.value<bool>();
     out->planes = in.list<Lattice::Plane>();
+    for (const int size : out->shape) in.require(size >= 1 && size <= most_vertices);
+    in.require(out->planes.size() == static_cast<std::size_t>(out->shape[2]));
     out->description = in.text();
     out->hash = in.text();
     return out;

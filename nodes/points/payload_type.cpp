@@ -34,7 +34,11 @@ PlyPoints read_ply_points(BinaryReader& in) {
         column.values = in.list<char>();
     }
     out.size = in.value<std::uint64_t>();
-    for (const auto& column : out.columns) in.require(column.values.size() == out.size * size_of(column.type));
+    in.require(out.size == 0 || !out.columns.empty());
+    for (const auto& column : out.columns) {
+        const auto bytes = size_of(column.type);
+        in.require(column.values.size() % bytes == 0 && column.values.size() / bytes == out.size);
+    }
     return out;
 }
 

@@ -15,11 +15,13 @@ void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
     }
 }
 
-std::vector<Seams::Seam> read_list(BinaryReader& in) {
+/// @param columns  entries of each seam
+std::vector<Seams::Seam> read_list(BinaryReader& in, std::uint64_t columns) {
     std::vector<Seams::Seam> out;
     for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
         auto& seam = out.emplace_back();
         seam.at = in.list<std::uint16_t>();
+        in.require(seam.at.size() == columns);
         seam.energy = in.value<double>();
         seam.lower_bound = in.optional<double>();
     }
@@ -51,14 +53,17 @@ Ref<Seams> read_all(std::istream& from) {
     out->closed = in.value<bool>();
     out->shape = in.value<std::array<int, 3>>();
     out->frames = in.list<int>();
+    std::uint64_t columns = out->frames.size();
+    for (const auto n : {lateral_dimension(out->axis), std::size_t{2}})
+        in.require(out->shape[n] >= 1 && !__builtin_mul_overflow(columns, static_cast<std::uint64_t>(out->shape[n]), &columns));
     out->lattice = in.text();
     out->lattice_hash = in.text();
     out->window = in.optional<Window>();
     out->pair_window = in.optional<Window>();
     out->anchor.at = in.value_up_to(Anchor::At::vertex);
     out->anchor.vertex = in.value<int>();
-    out->seams = read_list(in);
-    out->pairs = read_list(in);
+    out->seams = read_list(in, columns);
+    out->pairs = read_list(in, columns);
     out->find_shifts();
     return out;
 }

@@ -1,15 +1,18 @@
 #include "nodes/seams/seam_file.h"
 
 #include "graph/text/problem.h"
-#include "graph/types/frames.h"
 #include "nodes/io/vdb_file.h"
+#include "nodes/seams/seam_checksum.h"
+#include "nodes/seams/seam_metadata.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 #include <map>
+#include <set>
 
 namespace fluidcarve {
 
@@ -17,10 +20,11 @@ namespace {
 
 using openvdb::Coord;
 
-Failure wrong(const std::string& message) { return Failure(message, Failure::Kind::input); }
+constexpr const char* checksum_name = "fluidcarve_checksum";
 
 std::string seam_name(std::size_t n) { return fmt::format("seam.{:04}", n); }
 std::string pair_name(std::size_t n) { return seam_name(n) + ".pair"; }
+std::string place(const Coord& at) { return fmt::format("({}, {}, {})", at.x(), at.y(), at.z()); }
 
 template <class Visit>
 void each_column(const Seams& seams, Visit&& visit) {
@@ -40,108 +44,184 @@ openvdb::GridBase::Ptr to_grid(const Seams& seams, const Seams::Seam& seam, cons
     return grid;
 }
 
-std::string text_of(const openvdb::MetaMap& map, const std::string& name, const std::string& owner) {
-    const auto found = map.getMetadata<openvdb::StringMetadata>(name);
-    if (!found) throw wrong(fmt::format("{} has no text '{}' in its metadata, so it is no seam file", owner, name));
-    return found->value();
+/// The names of grids for messages; of many, the first.
+std::string some_names(const Volume& volume) {
+    constexpr std::size_t most = 12;
+    if (volume.grids.size() <= most) return volume.names();
+    Volume first;
+    first.grids.assign(volume.grids.begin(), volume.grids.begin() + most);
+    return fmt::format("{} and {} more", first.names(), volume.grids.size() - most);
 }
 
-void read_shape(const std::string& text, Seams& out, std::size_t& frames) {
-    int shape[4] = {}, end = 0;
-    const bool four =
-        std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &shape[0], &shape[1], &shape[2], &shape[3], &end) == 4 && text.size() == static_cast<std::size_t>(end);
-    for (const int n : shape)
-        if (!four || n < 1 || n > 65535) throw wrong(fmt::format("'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '{}'", text));
-    for (std::size_t n = 0; n < 3; ++n) out.shape[n] = shape[n];
-    frames = static_cast<std::size_t>(shape[3]);
-}
+/// The grids of a seam file, in the order of the seams.
+struct SeamGrids {
+    std::vector<FloatGrid::ConstPtr> seams, pairs;
 
-/// The two ends of a window; nothing if the file states none.
-std::optional<Window> read_window(const Volume& volume, const char* name, int size) {
-    if (!volume.metadata[name]) return std::nullopt;
-    const auto text = text_of(volume.metadata, name, "the file");
-    Window out;
-    int end = 0;
-    const bool two = std::sscanf(text.c_str(), "%d,%d%n", &out.first, &out.last, &end) == 2 && text.size() == static_cast<std::size_t>(end);
-    if (!two || out.first < 0 || out.last < out.first || out.last >= size)
-        throw wrong(fmt::format("'{}' wants two vertices from 0 to {}, first,last, not '{}'", name, size - 1, text));
+    std::vector<FloatGrid::ConstPtr> all() const {
+        auto out = seams;
+        out.insert(out.end(), pairs.begin(), pairs.end());
+        return out;
+    }
+};
+
+SeamGrids grids_of(const Volume& volume) {
+    SeamGrids out;
+    if (volume.grids.empty()) return out;
+    std::map<std::string, FloatGrid::ConstPtr> named;
+    for (const auto& grid : volume.grids) named.emplace(grid->getName(), openvdb::GridBase::grid<FloatGrid>(grid));
+    if (!named.contains(seam_name(0))) throw wrong_seams(fmt::format("there is no grid '{}' among {}", seam_name(0), some_names(volume)));
+    const bool paired = named.contains(pair_name(0));
+    const auto count = paired ? (volume.grids.size() + 1) / 2 : volume.grids.size();
+    const auto grid_of = [&](const std::string& name) {
+        const auto found = named.find(name);
+        if (found == named.end() || !found->second)
+            throw wrong_seams(fmt::format("the {} grids must be float grids named '{}' to '{}', but there are {}", volume.grids.size(), seam_name(0),
+                                          paired ? pair_name(count - 1) : seam_name(count - 1), some_names(volume)));
+        return found->second;
+    };
+    for (std::size_t n = 0; n < count; ++n) {
+        out.seams.push_back(grid_of(seam_name(n)));
+        if (paired) out.pairs.push_back(grid_of(pair_name(n)));
+    }
     return out;
 }
 
-Anchor read_anchor(const Volume& volume, int size) {
-    const auto* const name = "fluidcarve_anchor";
-    if (!volume.metadata[name]) return {};
-    const auto text = text_of(volume.metadata, name, "the file");
-    for (const auto at : {Anchor::At::low, Anchor::At::middle, Anchor::At::high})
-        if (text == to_text(Anchor{at, 0})) return {at, 0};
-    int vertex = -1, end = 0;
-    const bool whole = std::sscanf(text.c_str(), "%d%n", &vertex, &end) == 1 && text.size() == static_cast<std::size_t>(end);
-    if (!whole || vertex < 0 || vertex >= size)
-        throw wrong(fmt::format("'{}' wants low, middle, high or a vertex from 0 to {}, not '{}'", name, size - 1, text));
-    return {Anchor::At::vertex, vertex};
-}
-
 Seams::Kind kind_of(const FloatGrid& grid) {
-    const auto text = text_of(grid, "kind", "grid '" + grid.getName() + "'");
+    const auto text = seam_text(grid, "kind", "grid '" + grid.getName() + "'");
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         if (text == to_text(kind)) return kind;
-    throw wrong(fmt::format("grid '{}' has the kind '{}'; known: remove, insert", grid.getName(), text));
+    throw wrong_seams(fmt::format("grid '{}' has the kind '{}'; known: remove, insert", grid.getName(), cut_short(text)));
 }
 
-/// @param n  number of seams of this kind before it
-Seams::Seam read_seam(const FloatGrid& grid, const Seams& seams, Seams::Kind kind, std::size_t n) {
-    const auto energy = grid.getMetadata<openvdb::DoubleMetadata>("energy");
-    if (!energy) throw wrong(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
-    // A removal is an index among the entries that its predecessors leave. The last entry can't be doubled.
-    const int highest = seams.carved() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
-    // Checked before memory is allocated: the file may not hold the columns that its shape claims.
-    const auto columns = seams.columns_per_frame() * seams.frames.size();
-    if (grid.activeVoxelCount() != columns)
-        throw wrong(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid.getName(), grid.activeVoxelCount(), columns));
-    std::vector<std::uint16_t> entries(columns);
-    auto values = grid.getConstAccessor();
-    each_column(seams, [&](const Coord& at, std::size_t column) {
-        float value = 0;
-        const bool active = values.probeValue(at, value);
-        if (!active || !(value >= 0 && value <= static_cast<float>(highest)) || value != std::floor(value))
-            throw wrong(fmt::format("grid '{}' has {} at ({}, {}, {}), but wants a whole number from 0 to {}", grid.getName(),
-                                    active ? fmt::format("{}", value) : "nothing", at.x(), at.y(), at.z(), highest));
-        entries[column] = static_cast<std::uint16_t>(value);
-    });
-    return {std::move(entries), energy->value()};
+/// The kind of the seams; that of their pairs is the opposite.
+Seams::Kind kind_of(const SeamGrids& grids) {
+    if (grids.seams.empty()) return Seams::Kind::remove;
+    const auto kind = kind_of(*grids.seams.front());
+    for (const auto& grid : grids.seams)
+        if (kind_of(*grid) != kind)
+            throw wrong_seams(fmt::format("grid '{}' says {}, but '{}' says {}", grid->getName(), to_text(opposite(kind)), seam_name(0), to_text(kind)));
+    for (std::size_t n = 0; n < grids.pairs.size(); ++n)
+        if (kind_of(*grids.pairs[n]) == kind)
+            throw wrong_seams(
+                fmt::format("grid '{}' says {} as '{}' does, but one of a pair removes and the other inserts", pair_name(n), to_text(kind), seam_name(n)));
+    return kind;
 }
+
+std::size_t columns_of(const Seams& seams) { return seams.columns_per_frame() * seams.frames.size(); }
+
+/// Requires that each grid holds all columns and nothing else, and that entries take little more memory than the grids: a file may hold
+/// very many columns in a few tiles, and one tree for very many seams.
+void require_columns(const SeamGrids& grids, const Seams& seams) {
+    constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
+    const auto all = grids.all();
+    const auto columns = columns_of(seams);
+    const openvdb::CoordBBox wanted(Coord(0), Coord(seams.lateral() - 1, seams.shape[2] - 1, static_cast<int>(seams.frames.size()) - 1));
+    std::set<const FloatGrid::TreeType*> trees;
+    std::uint64_t held = 0;
+    for (const auto& grid : all) {
+        if (!trees.insert(&grid->tree()).second) continue;
+        held += grid->memUsage();
+        if (const auto voxels = grid->activeVoxelCount(); voxels != columns)
+            throw wrong_seams(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid->getName(), voxels, columns));
+        if (const auto box = grid->evalActiveVoxelBoundingBox(); box != wanted)
+            throw wrong_seams(fmt::format("grid '{}' has active voxels from {} to {}, but wants the columns from {} to {}", grid->getName(), place(box.min()),
+                                          place(box.max()), place(wanted.min()), place(wanted.max())));
+    }
+    if (!all.empty() && columns > (always_allowed + most_per_byte * held) / (all.size() * sizeof(std::uint16_t)))
+        throw wrong_seams(
+            fmt::format("the shape states {} columns, but the grids hold them in tiles or shared trees of {} bytes; write each column of each "
+                        "grid as a voxel of its own",
+                        columns, held));
+}
+
+/// Reads the entries of grids that hold all columns. Grids that share a tree share their entries.
+class EntriesReader {
+public:
+    explicit EntriesReader(const Seams& seams) : seams_(seams) {}
+
+    /// @param n  number of seams of this kind before it
+    Seams::Seam read(const FloatGrid& grid, Seams::Kind kind, std::size_t n) {
+        const auto energy = grid.getMetadata<openvdb::DoubleMetadata>("energy");
+        if (!energy) throw wrong_seams(fmt::format("grid '{}' has no number 'energy' in its metadata", grid.getName()));
+        if (!std::isfinite(energy->value()))
+            throw wrong_seams(fmt::format("grid '{}' has the energy {}, which is not finite", grid.getName(), energy->value()));
+        // A removal is an index among the entries that its predecessors leave. The last entry can't be doubled.
+        const int highest = seams_.carved() - 1 - (kind == Seams::Kind::remove ? static_cast<int>(n) : 1);
+        auto& tree = trees_[&grid.tree()];
+        if (tree.entries.size() == 0 || tree.highest > highest) tree = read_tree(grid, highest);
+        return {tree.entries, energy->value()};
+    }
+
+private:
+    struct Tree {
+        SeamEntries entries;
+        int highest = 0;
+    };
+
+    Tree read_tree(const FloatGrid& grid, int highest) const {
+        std::vector<std::uint16_t> entries(columns_of(seams_));
+        float most = 0;
+        for (auto value = grid.cbeginValueOn(); value; ++value) {
+            const auto box = value.getBoundingBox();
+            if (!(*value >= 0 && *value <= static_cast<float>(highest)) || *value != std::floor(*value))
+                throw wrong_seams(
+                    fmt::format("grid '{}' has {} at {}, but wants a whole number from 0 to {}", grid.getName(), *value, place(box.min()), highest));
+            most = std::max(most, *value);
+            for (int t = box.min().z(); t <= box.max().z(); ++t)
+                for (int k = box.min().y(); k <= box.max().y(); ++k)
+                    std::fill_n(entries.begin() + column(box.min().x(), k, t), box.dim().x(), static_cast<std::uint16_t>(*value));
+        }
+        return {std::move(entries), static_cast<int>(most)};
+    }
+
+    std::ptrdiff_t column(int lateral, int k, int t) const { return (std::ptrdiff_t{t} * seams_.shape[2] + k) * seams_.lateral() + lateral; }
+
+    const Seams& seams_;
+    std::map<const FloatGrid::TreeType*, Tree> trees_;
+};
 
 /// Requires that no two insertions double the same entry of a column.
 /// @param name  gives the name of the n-th grid
 void require_distinct(const Seams& seams, const std::vector<Seams::Seam>& insertions, std::string (*name)(std::size_t n)) {
     std::vector<bool> taken(static_cast<std::size_t>(seams.carved()));
     each_column(seams, [&](const Coord& at, std::size_t column) {
-        taken.assign(taken.size(), false);
         for (std::size_t n = 0; n < insertions.size(); ++n) {
             const auto entry = insertions[n].at[column];
-            if (taken[entry])
-                throw wrong(fmt::format("grid '{}' doubles entry {} at ({}, {}, {}), which another seam doubles too", name(n), entry, at.x(), at.y(), at.z()));
+            if (taken[entry]) throw wrong_seams(fmt::format("grid '{}' doubles entry {} at {}, which another seam doubles too", name(n), entry, place(at)));
             taken[entry] = true;
         }
+        for (const auto& seam : insertions) taken[seam.at[column]] = false;
     });
 }
 
 /// Requires that in each column all second seams of pairs lie above all seams of the first window.
 void require_apart(const Seams& seams) {
-    std::vector<std::uint16_t> entries, sorted;
-    const auto originals = [&](const std::vector<Seams::Seam>& window, Seams::Kind kind, std::size_t column) {
-        entries.clear();
-        for (const auto& seam : window) entries.push_back(seam.at[column]);
-        if (kind == Seams::Kind::remove) to_original(entries, sorted);
-        return std::minmax_element(entries.begin(), entries.end());
+    // The lowest removal is an original entry, since nothing below it is removed. The highest original entry is the one that leaves the
+    // fewest behind it: the highest sum of an entry and the number of removals before it.
+    const auto range = [](const std::vector<Seams::Seam>& window, Seams::Kind kind, std::size_t column) {
+        int lowest = std::numeric_limits<int>::max(), highest = 0;
+        for (std::size_t n = 0; n < window.size(); ++n) {
+            const int entry = window[n].at[column];
+            lowest = std::min(lowest, entry);
+            highest = std::max(highest, entry + (kind == Seams::Kind::remove ? static_cast<int>(n) : 0));
+        }
+        return std::pair(lowest, highest);
     };
     each_column(seams, [&](const Coord& at, std::size_t column) {
-        const auto highest = *originals(seams.seams, seams.kind, column).second;
-        const auto lowest = *originals(seams.pairs, opposite(seams.kind), column).first;
+        const int highest = range(seams.seams, seams.kind, column).second, lowest = range(seams.pairs, opposite(seams.kind), column).first;
         if (lowest <= highest)
-            throw wrong(fmt::format("at ({}, {}, {}) a pair takes entry {}, but must be above all seams of the first window, which reach {}", at.x(), at.y(),
-                                    at.z(), lowest, highest));
+            throw wrong_seams(
+                fmt::format("at {} a pair takes entry {}, but must be above all seams of the first window, which reach {}", place(at), lowest, highest));
     });
+}
+
+/// Requires that a checksum that the file states matches.
+void require_checksum(const openvdb::MetaMap& metadata, const Seams& seams) {
+    if (metadata[checksum_name] && seam_text(metadata, checksum_name, "the file") != seam_checksum(seams))
+        throw wrong_seams(
+            fmt::format("the file is damaged or was changed: its content does not match its checksum; write it again, or remove the metadata "
+                        "'{}' if you changed it on purpose",
+                        checksum_name));
 }
 
 }  // namespace
@@ -154,73 +234,25 @@ Volume seams_to_volume(const Seams& seams) {
         out.grids[grids * n] = to_grid(seams, seams.seams[n], seam_name(n), seams.kind);
         if (seams.paired()) out.grids[grids * n + 1] = to_grid(seams, seams.pairs[n], pair_name(n), opposite(seams.kind));
     });
-    const auto say = [&](const char* name, const std::string& text) { out.metadata.insertMeta(name, openvdb::StringMetadata(text)); };
-    say("fluidcarve_axis", to_text(seams.axis));
-    say("fluidcarve_shape", fmt::format("{},{},{},{}", seams.shape[0], seams.shape[1], seams.shape[2], seams.frames.size()));
-    say("fluidcarve_frames", FrameSet(seams.frames).text());
-    say("fluidcarve_lattice", seams.lattice);
-    say("fluidcarve_lattice_hash", seams.lattice_hash);
-    if (seams.closed) say("fluidcarve_closed", "true");
-    if (seams.window) say("fluidcarve_window", fmt::format("{},{}", seams.window->first, seams.window->last));
-    if (seams.pair_window) say("fluidcarve_pair_window", fmt::format("{},{}", seams.pair_window->first, seams.pair_window->last));
-    if (seams.anchor != Anchor{}) say("fluidcarve_anchor", to_text(seams.anchor));
+    for (const auto& [name, text] : seam_texts(seams)) out.metadata.insertMeta(name, openvdb::StringMetadata(text));
+    out.metadata.insertMeta(checksum_name, openvdb::StringMetadata(seam_checksum(seams)));
     return out;
 }
 
 Seams seams_from_volume(const Volume& volume) {
-    const auto say = [&](const char* name) { return text_of(volume.metadata, name, "the file"); };
-    Seams out;
-    const auto axis = say("fluidcarve_axis");
-    if (axis != "u" && axis != "v") throw wrong(fmt::format("'fluidcarve_axis' wants u or v, not '{}'", axis));
-    out.axis = axis == "u" ? Axis::u : Axis::v;
-    std::size_t frames = 0;
-    read_shape(say("fluidcarve_shape"), out, frames);
-    std::string fault;
-    const auto set = FrameSet::parse(say("fluidcarve_frames"), fault);
-    if (!set) throw wrong("'fluidcarve_frames' " + fault);
-    if (set->frames().size() != frames)
-        throw wrong(fmt::format("'fluidcarve_frames' lists {} frames, but 'fluidcarve_shape' {}", set->frames().size(), frames));
-    out.frames = set->frames();
-    out.lattice = say("fluidcarve_lattice");
-    out.lattice_hash = say("fluidcarve_lattice_hash");
-
-    if (volume.metadata["fluidcarve_closed"]) {
-        const auto closed = say("fluidcarve_closed");
-        if (closed != "true" && closed != "false") throw wrong(fmt::format("'fluidcarve_closed' wants true or false, not '{}'", closed));
-        out.closed = closed == "true";
-    }
-
-    out.window = read_window(volume, "fluidcarve_window", out.carved());
-    out.pair_window = read_window(volume, "fluidcarve_pair_window", out.carved());
-    out.anchor = read_anchor(volume, out.carved());
-
-    if (!volume.grids.empty() && !volume.find(seam_name(0))) throw wrong(fmt::format("there is no grid '{}' among {}", seam_name(0), volume.names()));
-    const bool paired = volume.find(pair_name(0)) != nullptr;
-    const auto count = paired ? (volume.grids.size() + 1) / 2 : volume.grids.size();
-    const auto grid_of = [&](const std::string& name) {
-        const auto grid = openvdb::GridBase::grid<FloatGrid>(volume.find(name));
-        if (!grid)
-            throw wrong(fmt::format("the {} grids must be float grids named '{}' to '{}', but there are {}", volume.grids.size(), seam_name(0),
-                                    paired ? pair_name(count - 1) : seam_name(count - 1), volume.names()));
-        return grid;
-    };
-    for (std::size_t n = 0; n < count; ++n) {
-        const auto grid = grid_of(seam_name(n));
-        const auto kind = kind_of(*grid);
-        if (n == 0) out.kind = kind;
-        if (kind != out.kind) throw wrong(fmt::format("grid '{}' says {}, but '{}' says {}", seam_name(n), to_text(kind), seam_name(0), to_text(out.kind)));
-        if (static_cast<int>(n) >= out.carved()) throw wrong(fmt::format("{} seams do not fit {} vertices", count, out.carved()));
-        out.seams.push_back(read_seam(*grid, out, out.kind, n));
-        if (!paired) continue;
-        const auto pair = grid_of(pair_name(n));
-        if (kind_of(*pair) != opposite(out.kind))
-            throw wrong(
-                fmt::format("grid '{}' says {} as '{}' does, but one of a pair removes and the other inserts", pair_name(n), to_text(out.kind), seam_name(n)));
-        out.pairs.push_back(read_seam(*pair, out, opposite(out.kind), n));
-    }
+    auto out = seams_of_texts(volume.metadata);
+    const auto grids = grids_of(volume);
+    if (const auto count = static_cast<int>(grids.seams.size()); count > out.carved())
+        throw wrong_seams(fmt::format("{} seams do not fit {} vertices", count, out.carved()));
+    out.kind = kind_of(grids);
+    require_columns(grids, out);
+    EntriesReader entries(out);
+    for (std::size_t n = 0; n < grids.seams.size(); ++n) out.seams.push_back(entries.read(*grids.seams[n], out.kind, n));
+    for (std::size_t n = 0; n < grids.pairs.size(); ++n) out.pairs.push_back(entries.read(*grids.pairs[n], opposite(out.kind), n));
     if (out.kind == Seams::Kind::insert) require_distinct(out, out.seams, seam_name);
     else require_distinct(out, out.pairs, pair_name);
-    if (paired) require_apart(out);
+    if (out.paired()) require_apart(out);
+    require_checksum(volume.metadata, out);
     out.find_shifts();
     return out;
 }

@@ -27,6 +27,7 @@ void Seams::find_shifts() {
     shifts.clear();
     if (anchor.at != Anchor::At::vertex || paired()) return;
     shifts.push_back(0);
+    if (seams.empty()) return;
     // `[column]`: how far the anchor's content moves. Removals are indices in the space that those before leave.
     std::vector<int> moves(columns_per_frame() * frames.size(), 0);
     std::int64_t sum = 0;

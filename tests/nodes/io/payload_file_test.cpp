@@ -269,3 +269,45 @@ TEST_CASE("what is cut off or damaged is refused or read, never a crash: rigs, l
     require_damage_survived(mesh(scratch / "two.obj", {{1, 2, 3}, 2, Vec3d(0)}));
     require_damage_survived(points);
 }
+
+TEST_CASE("kept data whose sizes contradict each other is refused") {
+    const Scratch scratch;
+    const auto require_refused = [](const auto& value) {
+        using Value = std::remove_cvref_t<decltype(value)>;
+        CHECK_THROWS_AS(read_back<Value>(filed(std::make_shared<const Value>(value))), Failure);
+    };
+    auto seams = *paired_seams(scratch.path());
+    seams.anchor = {Anchor::At::vertex, 2};
+    CHECK_NOTHROW(read_back<Seams>(filed(std::make_shared<const Seams>(seams))));
+    for (const int size : {-1, 0, seams.shape[2] + 1, std::numeric_limits<int>::max()}) {
+        auto other = seams;
+        other.shape[2] = size;
+        require_refused(other);
+        other.shape = {size, size, size};
+        require_refused(other);
+    }
+    auto short_seam = seams;
+    short_seam.pairs[1].at = std::vector<std::uint16_t>{1, 2, 3};
+    require_refused(short_seam);
+
+    for (const std::size_t n : {0, 1, 2})
+        for (const int size : {-1, 0, most_vertices + 1, std::numeric_limits<int>::max()}) {
+            auto lattice = *bent_lattice();
+            lattice.shape[n] = size;
+            require_refused(lattice);
+        }
+    auto plane_less = *bent_lattice();
+    plane_less.planes.pop_back();
+    require_refused(plane_less);
+
+    // Times the eight bytes of a number, the size is 0.
+    auto points = points_at({});
+    auto ply = *points.ply;
+    ply.columns.resize(3);
+    ply.size = std::size_t{1} << 61;
+    points.ply = std::make_shared<PlyPoints>(ply);
+    require_refused(points);
+    ply.columns.clear();
+    points.ply = std::make_shared<PlyPoints>(ply);
+    require_refused(points);
+}

@@ -6,13 +6,16 @@
 #include "nodes/points/file.h"
 #include "tests/support/filed.h"
 #include "tests/support/grid_bytes.h"
+#include "tests/support/point_lists.h"
 #include "tests/support/scratch.h"
 
 #include <openvdb/points/PointDataGrid.h>
+#include <openvdb/tools/PointIndexGrid.h>
 #include <catch2/catch.hpp>
 
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -303,6 +306,24 @@ TEST_CASE("a stream of grids that is damaged is refused or read, never a crash")
     require_damage_survived(grid, 997);
     require_damage_survived(openvdb::gridConstPtrCast<VectorGrid>(placed(velocity_of_three(), moved)), 4999);
     require_damage_survived(any(rich_volume()->grids.back()));
+}
+
+TEST_CASE("a stream of points that is damaged is refused or read, never a crash, and takes no more memory than it is good for") {
+    const auto points = std::make_shared<const Points>(read_points(data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved));
+    require_damage_survived(points, 1 + filed(points).size() / 50);
+    const Ref<AnyGrid> grid = any(in_vdb(points_at({{0.1, 0.2, 0.3}, {4, 5, 6}})).grid);
+    require_damage_survived(grid, 1 + filed(grid).size() / 300);
+}
+
+TEST_CASE("point indices, which OpenVDB cannot read safely, are refused") {
+    const auto name = openvdb::tools::PointIndexGrid::gridType();
+    auto bytes = filed<FloatGrid>(FloatGrid::create());
+    const std::string floats = FloatGrid::gridType();
+    const std::uint64_t length = name.size();
+    const auto at = bytes.find(floats);
+    bytes.replace(at, floats.size(), name);
+    std::memcpy(bytes.data() + at - sizeof length, &length, sizeof length);
+    CHECK_THROWS_AS(read_back<AnyGrid>(bytes), Failure);
 }
 
 TEST_CASE("a grid is read only as what it is") {

@@ -1,12 +1,19 @@
 #include "nodes/seams/seam_file.h"
 #include "nodes/io/vdb_file.h"
 #include "nodes/seams/read.h"
+#include "nodes/seams/seam_metadata.h"
 #include "nodes/seams/write.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/scratch.h"
+#include "tests/support/seams_through.h"
 
 #include <catch2/catch.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
@@ -24,8 +31,7 @@ Seams some_seams(Axis axis = Axis::u, Seams::Kind kind = Seams::Kind::remove, in
 }
 
 bool equal(const Seams& a, const Seams& b) {
-    bool same = a.axis == b.axis && a.kind == b.kind && a.shape == b.shape && a.frames == b.frames && a.lattice == b.lattice &&
-                a.lattice_hash == b.lattice_hash && a.closed == b.closed;
+    bool same = seam_texts(a) == seam_texts(b) && a.kind == b.kind;
     for (const auto window : {&Seams::seams, &Seams::pairs}) {
         same = same && (a.*window).size() == (b.*window).size();
         for (std::size_t n = 0; same && n < (a.*window).size(); ++n)
@@ -61,12 +67,40 @@ std::string fault(const std::function<void(Volume&, std::vector<FloatGrid::Ptr>&
     return {};
 }
 
-std::string metadata_fault(const char* name, const std::string& value) {
-    return fault([&](Volume& volume, auto&) {
-        volume.metadata.removeMeta(name);
-        if (!value.empty()) volume.metadata.insertMeta(name, openvdb::StringMetadata(value));
-    });
+void restate(Volume& volume, const char* name, const std::string& value) {
+    volume.metadata.removeMeta(name);
+    if (!value.empty()) volume.metadata.insertMeta(name, openvdb::StringMetadata(value));
 }
+
+std::string metadata_fault(const char* name, const std::string& value) {
+    return fault([&](Volume& volume, auto&) { restate(volume, name, value); });
+}
+
+/// What the file at a path says of seams, within a second; nothing if it is refused.
+std::optional<Seams> read_or_refused(const std::string& path) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::optional<Seams> out;
+    try {
+        out = read_seams(path);
+    } catch (const Failure& failure) {
+        CHECK(failure.kind == Failure::Kind::input);
+    }
+    CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
+    return out;
+}
+
+/// So many removals, each at entry 1 in all columns.
+Seams straight(const std::array<int, 3>& shape, std::vector<int> frames, std::size_t count) {
+    const auto lattice = make_box(Vec3d(0), {shape[0], shape[1], 1}, 1, {0, 1, 2});
+    auto out = no_seams(lattice, Axis::u, Seams::Kind::remove, std::move(frames));
+    out.shape = shape;
+    for (std::size_t n = 0; n < count; ++n) out.seams.push_back(straight_seam(out, 1));
+    return out;
+}
+
+constexpr auto changed =
+    "the file is damaged or was changed: its content does not match its checksum; write it again, or remove the metadata 'fluidcarve_checksum' if you changed "
+    "it on purpose";
 
 }  // namespace
 
@@ -152,7 +186,7 @@ TEST_CASE("a seam file that is wrong is refused with the reason") {
     CHECK(fault([](Volume&, auto& grids) {
               grids[0]->tree().setValueOff(Coord(4, 0, 2));
               grids[0]->tree().setValueOn(Coord(5, 0, 2), 1);
-          }) == "grid 'seam.0000' has nothing at (4, 0, 2), but wants a whole number from 0 to 6");
+          }) == "grid 'seam.0000' has active voxels from (0, 0, 0) to (5, 3, 2), but wants the columns from (0, 0, 0) to (4, 3, 2)");
     CHECK(fault([](Volume&, auto& grids) { grids[0]->tree().setValueOn(Coord(4, 0, 2), 6); }, Seams::Kind::insert) ==
           "grid 'seam.0000' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
     CHECK(fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), grids[0]->tree().getValue(Coord(4, 0, 2))); }, Seams::Kind::insert)
@@ -185,4 +219,161 @@ TEST_CASE("seams.write and seams.read pass seams through a file") {
     const auto yaml = "{path: " + (scratch / "seams.vdb") + "}";
     NodeBench(seams_write(), yaml).run({{"seams", {Payload(seams)}}});
     CHECK(equal(*NodeBench(seams_read(), yaml).run({}).at("seams").as<Seams>(), *seams));
+}
+
+TEST_CASE("a shape or frames that the grids do not hold are refused before there is room made for them") {
+    const auto no_numbers = [](const std::string& text) { return "'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '" + text + "'"; };
+    // The second is 7,5,4,3 to readers that keep 32 bits.
+    for (const std::string text : {"2147483648,5,4,3", "4294967303,5,4,3", "7,5,4,-3", "7,5,4,0", "1e3,5,4,3"})
+        CHECK(metadata_fault("fluidcarve_shape", text) == no_numbers(text));
+    CHECK(metadata_fault("fluidcarve_shape", std::string(1000, '7')) == no_numbers(std::string(60, '7') + "..."));
+    CHECK(metadata_fault("fluidcarve_shape", "65535,65535,65535,3") == "grid 'seam.0000' has 60 active voxels, but wants one for each of 12884508675 columns");
+    CHECK(metadata_fault("fluidcarve_shape", "7,4,5,3") ==
+          "grid 'seam.0000' has active voxels from (0, 0, 0) to (4, 3, 2), but wants the columns from (0, 0, 0) to (3, 4, 2)");
+    CHECK(metadata_fault("fluidcarve_frames", "1-99999999") == "'fluidcarve_frames' '1-99999999' names more than 9 frames");
+    CHECK(metadata_fault("fluidcarve_frames", "1-10") == "'fluidcarve_frames' '1-10' names more than 9 frames");
+    CHECK(metadata_fault("fluidcarve_window", "0,4294967297") == "'fluidcarve_window' wants two vertices from 0 to 6, first,last, not '0,4294967297'");
+    CHECK(metadata_fault("fluidcarve_anchor", "4294967296") == "'fluidcarve_anchor' wants low, middle, high or a vertex from 0 to 6, not '4294967296'");
+}
+
+TEST_CASE("a file without grids takes no memory, whatever it states") {
+    auto seams = straight({65535, 65535, 65535}, {1, 2, 3}, 0);
+    seams.anchor = {Anchor::At::vertex, 7};
+    const auto back = seams_from_volume(seams_to_volume(seams));
+    CHECK(equal(back, seams));
+    CHECK(back.shifts == std::vector<int>{0});
+}
+
+TEST_CASE("columns in tiles and in shared trees are read, but not more than the file's size is good for") {
+    std::vector<int> frames;
+    for (int n = 1; n <= 16; ++n) frames.push_back(n);
+    const auto two = straight({7, 16, 16}, frames, 2);
+    auto volume = seams_to_volume(two);
+    const auto tiles = openvdb::GridBase::grid<FloatGrid>(volume.grids[0]->deepCopyGrid());
+    tiles->pruneGrid();
+    REQUIRE(tiles->tree().leafCount() == 0);
+    const auto same = tiles->copy();
+    same->setName("seam.0001");
+    volume.grids = {tiles, same};
+    CHECK(equal(seams_from_volume(volume), two));
+    const Scratch scratch;
+    write_vdb(scratch / "seams.vdb", volume);
+    CHECK(equal(read_seams(scratch / "seams.vdb"), two));
+
+    // Each removal leaves one entry less: the first seam may have what the second may not.
+    const auto high = openvdb::GridBase::grid<FloatGrid>(tiles->deepCopyGrid());
+    high->tree().setValueOn(Coord(1, 2, 3), 6);
+    const auto high_again = high->copy();
+    high_again->setName("seam.0001");
+    volume.grids = {high, high_again};
+    CHECK(failure_of([&] { seams_from_volume(volume); }) == "grid 'seam.0001' has 6 at (1, 2, 3), but wants a whole number from 0 to 5");
+
+    volume.grids.clear();
+    for (int n = 0; n < 9000; ++n) {
+        volume.grids.push_back(tiles->copyGrid());
+        std::const_pointer_cast<openvdb::GridBase>(volume.grids.back())->setName(fmt::format("seam.{:04}", n));
+    }
+    restate(volume, "fluidcarve_shape", "65535,16,16,16");
+    CHECK(failure_of([&] { seams_from_volume(volume); }).find("the shape states 4096 columns, but the grids hold them in tiles") == 0);
+
+    const auto one_tile = FloatGrid::create();
+    one_tile->tree().addTile(3, Coord(0), 1, true);
+    one_tile->setName("seam.0000");
+    one_tile->insertMeta("kind", openvdb::StringMetadata("remove"));
+    one_tile->insertMeta("energy", openvdb::DoubleMetadata(1));
+    volume.grids = {one_tile};
+    restate(volume, "fluidcarve_shape", "7,4096,4096,4096");
+    restate(volume, "fluidcarve_frames", "1-4096");
+    CHECK(failure_of([&] { seams_from_volume(volume); }).find("the shape states 68719476736 columns, but the grids hold them in tiles") == 0);
+}
+
+TEST_CASE("grids that are missing, doubled, too many or of another type are refused, and so are numbers that are none") {
+    CHECK(fault([](Volume& volume, auto&) { volume.grids.erase(volume.grids.begin()); }) == "there is no grid 'seam.0000' among seam.0001, seam.0002");
+    CHECK(fault([](Volume& volume, auto&) { volume.grids.erase(volume.grids.begin() + 1); }) ==
+          "the 2 grids must be float grids named 'seam.0000' to 'seam.0001', but there are seam.0000, seam.0002");
+    CHECK(fault([](Volume&, auto& grids) { grids[1]->setName("seam.0000"); }) ==
+          "the 3 grids must be float grids named 'seam.0000' to 'seam.0002', but there are seam.0000, seam.0000, seam.0002");
+    CHECK(fault([](Volume& volume, auto&) {
+              for (int n = 0; n < 20; ++n) volume.grids.push_back(FloatGrid::create());
+          }).ends_with(" and 11 more"));
+    CHECK(fault([](Volume& volume, auto& grids) {
+              for (std::size_t n = 3; n < 8; ++n) {
+                  volume.grids.push_back(grids[0]->copy());
+                  std::const_pointer_cast<openvdb::GridBase>(volume.grids.back())->setName(fmt::format("seam.{:04}", n));
+              }
+          }) == "8 seams do not fit 7 vertices");
+    const auto other_type = [](const openvdb::GridBase::Ptr& grid) {
+        grid->setName("seam.0001");
+        return fault([&](Volume& volume, auto&) { volume.grids[1] = grid; });
+    };
+    for (const auto& grid : std::initializer_list<openvdb::GridBase::Ptr>{openvdb::Int32Grid::create(), openvdb::DoubleGrid::create(),
+                                                                          openvdb::BoolGrid::create(), openvdb::Vec3SGrid::create()})
+        CHECK(other_type(grid).find("the 3 grids must be float grids") == 0);
+    for (const float value : {1e30f, -1e30f, std::numeric_limits<float>::infinity(), 0.5f, 65536.0f})
+        CHECK(fault([&](Volume&, auto& grids) { grids[0]->tree().setValueOn(Coord(4, 0, 2), value); }).find("but wants a whole number from 0 to 6") !=
+              std::string::npos);
+    CHECK(fault([](Volume&, auto& grids) { grids[1]->insertMeta("energy", openvdb::DoubleMetadata(NAN)); }) ==
+          "grid 'seam.0001' has the energy nan, which is not finite");
+}
+
+TEST_CASE("seams that were changed without their checksum are refused, and read without one") {
+    CHECK(fault([](Volume&, auto&) {}).empty());
+    const auto another = [](Volume&, auto& grids) {
+        auto& tree = grids[1]->tree();
+        tree.setValueOn(Coord(4, 0, 2), tree.getValue(Coord(4, 0, 2)) == 0 ? 1 : 0);
+    };
+    CHECK(fault(another) == changed);
+    CHECK(fault([](Volume&, auto& grids) { grids[1]->insertMeta("energy", openvdb::DoubleMetadata(1)); }) == changed);
+    CHECK(metadata_fault("fluidcarve_lattice_hash", "0123456789abcdef") == changed);
+    CHECK(metadata_fault("fluidcarve_frames", "12-16x2") == changed);
+    CHECK(metadata_fault("fluidcarve_closed", "true") == changed);
+    CHECK(metadata_fault("fluidcarve_anchor", "high") == changed);
+    CHECK(metadata_fault("fluidcarve_checksum", "md5:0123") == changed);
+    CHECK(fault([&](Volume& volume, auto& grids) {
+              another(volume, grids);
+              restate(volume, "fluidcarve_checksum", "");
+          }).empty());
+    // What states the same in other words is the same.
+    CHECK(metadata_fault("fluidcarve_closed", "false").empty());
+    CHECK(metadata_fault("fluidcarve_shape", "7, 5, 4, 3").empty());
+    CHECK(metadata_fault("fluidcarve_frames", "11,13,15").empty());
+}
+
+TEST_CASE("a seam file that is written again with another codec is read, and so is one without a checksum") {
+    const Scratch scratch;
+    const auto seams = some_pairs(Axis::u, Seams::Kind::insert);
+    auto volume = seams_to_volume(seams);
+    for (const auto codec : {Codec::none, Codec::zip, Codec::blosc}) {
+        write_vdb(scratch / "seams.vdb", volume, codec);
+        CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
+    }
+    restate(volume, "fluidcarve_checksum", "");
+    write_vdb(scratch / "seams.vdb", volume);
+    CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
+}
+
+TEST_CASE("a seam file with random faults is refused, or gives the same seams") {
+    const Scratch scratch;
+    std::mt19937 random(11);
+    auto seams = some_pairs(Axis::u, Seams::Kind::remove);
+    seams.window = Window{0, 4};
+    seams.closed = true;
+    for (const auto codec : {Codec::none, Codec::blosc}) {
+        write_vdb(scratch / "seams.vdb", seams_to_volume(seams), codec);
+        const auto whole = Scratch::read(scratch / "seams.vdb");
+        for (int n = 0; n < 150; ++n) {
+            auto mutant = whole;
+            for (auto faults = 1 + random() % 3; faults > 0; --faults) {
+                // Half of the faults at the front, where the metadata is.
+                const auto at = random() % (random() % 2 ? std::min<std::size_t>(mutant.size() - 8, 1200) : mutant.size() - 8);
+                const std::uint64_t number = random() % 2 ? random() : ~std::uint64_t{0} << (random() % 64);
+                if (random() % 2) mutant[at] = static_cast<char>(mutant[at] ^ (1 << random() % 8));
+                else std::memcpy(mutant.data() + at, &number, 1 + random() % 8);
+            }
+            INFO("mutant " << n);
+            const auto read = read_or_refused(scratch.write("mutant.vdb", mutant));
+            // What no longer states a checksum is read as it is.
+            CHECK((!read || equal(*read, seams) || mutant.find("fluidcarve_checksum") == std::string::npos));
+        }
+    }
 }
