@@ -56,7 +56,7 @@ class Failure : public std::runtime_error {
 public:
     enum class Kind {
         data,   ///< the node could not do its work
-        input,  ///< an input file is missing or unreadable
+        input,  ///< an input is missing, unreadable or too large
     };
     explicit Failure(const std::string& message, Kind kind = Kind::data) : std::runtime_error(message), kind(kind) {}
     Kind kind;

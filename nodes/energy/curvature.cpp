@@ -16,7 +16,10 @@ struct Curvature {
         Ref<FloatGrid> surface;
         Ref<FloatGrid> energy;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.energy = curvature_energy(*io.surface, params.gain); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
+        io.energy = curvature_energy(*io.surface, params.gain);
+    }
 };
 
 }  // namespace

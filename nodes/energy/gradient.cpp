@@ -14,7 +14,10 @@ struct Gradient {
         Ref<FloatGrid> field;
         Ref<FloatGrid> energy;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.energy = gradient_energy(*io.field, params.gain); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        io.energy = gradient_energy(*io.field, params.gain);
+    }
 };
 
 }  // namespace

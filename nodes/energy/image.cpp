@@ -51,7 +51,11 @@ struct ImageEnergy {
         Ref<Volume> source;
         Ref<FloatGrid> energy, intensity;
     };
-    static void run(const Params& params, Ports& io, Context&) {
+    static void run(const Params& params, Ports& io, Context& context) {
+        for (const auto& [channel, weight] : terms_of(*io.source, params.channels)) {
+            require_near(channel->getName(), channel->evalActiveVoxelBoundingBox());
+            require_dense_fits(*channel, sizeof(float), context.memory_budget());
+        }
         io.intensity = intensity(*io.source, params.channels);
         io.energy = image_energy(*io.intensity);
     }

@@ -14,7 +14,10 @@ struct Kinetic {
         Ref<VectorGrid> velocity;
         Ref<FloatGrid> energy;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.energy = kinetic_energy(io.velocity, params.gain); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_collocation_fits(*io.velocity, context.memory_budget());
+        io.energy = kinetic_energy(io.velocity, params.gain);
+    }
 };
 
 }  // namespace

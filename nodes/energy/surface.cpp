@@ -3,6 +3,8 @@
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/kinetic.h"
 #include "nodes/energy/term_ranges.h"
+#include "nodes/field/collocate.h"
+#include "nodes/field/stencil.h"
 
 namespace fluidcarve {
 namespace {
@@ -28,7 +30,13 @@ struct SurfaceEnergy {
         params.range.check(1 + velocities, check);
     }
 
-    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) {
+    static void require_terms_fit(const Ports& io, const Context& context) {
+        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
+        if (io.velocity) require_collocation_fits(*io.velocity, context.memory_budget());
+    }
+
+    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context& context) {
+        require_terms_fit(io, context);
         std::vector<Ref<FloatGrid>> energies;
         for (const auto& term : surface_terms(*io.surface, io.velocity, params)) energies.push_back(term.energy);
         return ranges_of(params.range, energies);
@@ -38,7 +46,8 @@ struct SurfaceEnergy {
 
     void finish(const Params&, Ports&, Context&) {}
 
-    void run(const Params& params, Ports& io, Context&) const {
+    void run(const Params& params, Ports& io, Context& context) const {
+        require_terms_fit(io, context);
         auto terms = surface_terms(*io.surface, io.velocity, params);
         for (std::size_t n = 0; n < terms.size(); ++n) terms[n].range = gathered.of(params.range, n);
         io.energy = combined_energy(terms);

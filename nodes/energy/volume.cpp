@@ -5,6 +5,7 @@
 #include "nodes/energy/term_ranges.h"
 #include "nodes/energy/vorticity.h"
 #include "nodes/field/collocate.h"
+#include "nodes/field/stencil.h"
 
 namespace fluidcarve {
 namespace {
@@ -36,7 +37,13 @@ struct VolumeEnergy {
         params.range.check(2 * velocities + fields, check);
     }
 
-    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context&) {
+    static void require_terms_fit(const Ports& io, const Context& context) {
+        if (io.velocity) require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        for (const auto& field : io.fields) require_borders_fit(*field, sizeof(float), context.memory_budget());
+    }
+
+    static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context& context) {
+        require_terms_fit(io, context);
         std::vector<Ref<FloatGrid>> energies;
         for (const auto& term : volume_terms(io.velocity, io.fields, params)) energies.push_back(term.energy);
         return ranges_of(params.range, energies);
@@ -46,7 +53,8 @@ struct VolumeEnergy {
 
     void finish(const Params&, Ports&, Context&) {}
 
-    void run(const Params& params, Ports& io, Context&) const {
+    void run(const Params& params, Ports& io, Context& context) const {
+        require_terms_fit(io, context);
         auto terms = volume_terms(io.velocity, io.fields, params);
         for (std::size_t n = 0; n < terms.size(); ++n) terms[n].range = gathered.of(params.range, n);
         io.energy = combined_energy(terms);

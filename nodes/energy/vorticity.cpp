@@ -15,7 +15,10 @@ struct Vorticity {
         Ref<VectorGrid> velocity;
         Ref<FloatGrid> energy;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.energy = vorticity_energy(io.velocity, params.gain); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        io.energy = vorticity_energy(io.velocity, params.gain);
+    }
 };
 
 }  // namespace

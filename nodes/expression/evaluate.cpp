@@ -17,9 +17,12 @@ namespace {
 using openvdb::FloatTree;
 
 /// The grid in the form that a program reads: a mask as 1 and 0, a staggered vector grid collocated.
-openvdb::GridBase::ConstPtr readable(const std::string& name, const openvdb::GridBase::ConstPtr& grid) {
+openvdb::GridBase::ConstPtr readable(const std::string& name, const openvdb::GridBase::ConstPtr& grid, std::uint64_t budget) {
     if (grid->isType<FloatGrid>()) return grid;
-    if (grid->isType<VectorGrid>()) return collocated(openvdb::gridConstPtrCast<VectorGrid>(grid));
+    if (const auto vectors = openvdb::gridConstPtrCast<VectorGrid>(grid)) {
+        require_collocation_fits(*vectors, budget);
+        return collocated(vectors);
+    }
     if (!grid->isType<MaskGrid>())
         throw Failure(fmt::format("input '{}' is the grid '{}' of type {}; programs read numbers (float), vectors (vec3s) and masks", name, grid->getName(),
                                   grid->valueType()));
@@ -73,7 +76,7 @@ FloatGrid::Ptr evaluated(const ExpressionModule& module, const CompiledExpressio
                          const std::string& output, float least, std::uint64_t budget, const std::function<std::string(int line, int column)>& place) {
     std::vector<NamedGrid> grids;
     for (const auto& [name, any] : inputs) {
-        const auto grid = readable(name, any->grid);
+        const auto grid = readable(name, any->grid, budget);
         const auto read = std::find_if(program.reads.begin(), program.reads.end(), [&, &name = name](const auto& each) { return each.input == name; });
         if (read != program.reads.end() && read->vector != grid->isType<VectorGrid>())
             throw Failure(fmt::format("input '{0}' holds {1}, but {2} reads it as {3}@{0}; write {4}@{0}", name, read->vector ? "numbers" : "vectors",

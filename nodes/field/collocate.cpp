@@ -10,7 +10,10 @@ struct FieldCollocate {
     struct Ports {
         Ref<VectorGrid> velocity, collocated;
     };
-    static void run(const Params&, Ports& io, Context&) { io.collocated = collocated(io.velocity); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_collocation_fits(*io.velocity, context.memory_budget());
+        io.collocated = collocated(io.velocity);
+    }
 };
 
 }  // namespace
@@ -26,6 +29,10 @@ Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
     out->setName(velocity->getName());
     out->setVectorType(velocity->getVectorType());
     return out;
+}
+
+void require_collocation_fits(const VectorGrid& velocity, std::uint64_t budget) {
+    if (velocity.getGridClass() == openvdb::GRID_STAGGERED) require_borders_fit(velocity, sizeof(openvdb::Vec3s), budget);
 }
 
 NodeType field_collocate() {

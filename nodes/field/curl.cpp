@@ -12,7 +12,10 @@ struct FieldCurl {
     struct Ports {
         Ref<VectorGrid> velocity, curl;
     };
-    static void run(const Params&, Ports& io, Context&) { io.curl = curl_field(io.velocity); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        io.curl = curl_field(io.velocity);
+    }
 };
 
 }  // namespace

@@ -17,7 +17,10 @@ struct FieldCurvature {
         Ref<FloatGrid> field;
         Ref<FloatGrid> curvature;
     };
-    static void run(const Params&, Ports& io, Context&) { io.curvature = curvature_field(*io.field); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        io.curvature = curvature_field(*io.field);
+    }
 };
 
 /// Limit of the curvature: that of a ball with a radius of one voxel, 1 / voxel.

@@ -1,5 +1,6 @@
 #include "nodes/field/filter.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/field/stencil.h"
 
 #include <openvdb/tools/Filter.h>
@@ -40,7 +41,7 @@ std::optional<openvdb::Coord> lowest_near_not_finite(const Tree& tree, int width
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         const auto at = value.getCoord();
         if (lowest && *lowest < at) continue;
-        const auto cube = value.isVoxelValue() ? openvdb::CoordBBox(at.offsetBy(-width), at.offsetBy(width)) : openvdb::CoordBBox(at, at);
+        const auto cube = value.isVoxelValue() ? padded({at, at}, width) : openvdb::CoordBBox(at, at);
         for (auto near = cube.begin(); near; ++near)
             if (!std::isfinite(accessor.getValue(*near))) {
                 lowest = at;
@@ -49,6 +50,9 @@ std::optional<openvdb::Coord> lowest_near_not_finite(const Tree& tree, int width
     }
     return lowest;
 }
+
+/// How far a voxel's value comes from, voxels.
+int reach(FilterMode mode, int width, int iterations) { return width * iterations * (mode == FilterMode::gaussian ? 4 : 1); }
 
 struct FieldFilter {
     struct Params {
@@ -59,7 +63,10 @@ struct FieldFilter {
     struct Ports {
         Ref<FloatGrid> field, filtered;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.filtered = filtered_field(*io.field, params.mode, params.width, params.iterations); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.field, sizeof(float), context.memory_budget(), reach(params.mode, params.width, params.iterations));
+        io.filtered = filtered_field(*io.field, params.mode, params.width, params.iterations);
+    }
 };
 
 }  // namespace
@@ -67,7 +74,7 @@ struct FieldFilter {
 FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width, int iterations) {
     const auto out = field.deepCopy();
     // The filter's own setProcessTiles only compares values beyond a tile's faces, but a cube also reaches over its edges and corners.
-    open_tile_borders(out->tree(), width * iterations * (mode == FilterMode::gaussian ? 4 : 1));
+    open_tile_borders(out->tree(), reach(mode, width, iterations));
     const auto refuse = [&](int near) {
         if (const auto lowest = lowest_near_not_finite(out->tree(), near)) refuse_not_finite(field, *lowest);
     };

@@ -12,7 +12,10 @@ struct FieldGradient {
         Ref<FloatGrid> field;
         Ref<VectorGrid> gradient;
     };
-    static void run(const Params&, Ports& io, Context&) { io.gradient = gradient_field(*io.field); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_borders_fit(*io.field, sizeof(openvdb::Vec3s), context.memory_budget());
+        io.gradient = gradient_field(*io.field);
+    }
 };
 
 }  // namespace

@@ -11,7 +11,10 @@ struct FieldLaplacian {
         Ref<FloatGrid> field;
         Ref<FloatGrid> laplacian;
     };
-    static void run(const Params&, Ports& io, Context&) { io.laplacian = laplacian_field(*io.field); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        io.laplacian = laplacian_field(*io.field);
+    }
 };
 
 }  // namespace

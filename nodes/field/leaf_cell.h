@@ -3,11 +3,15 @@
 #include <openvdb/Types.h>
 #include <openvdb/math/Coord.h>
 
+#include <algorithm>
+
 namespace fluidcarve {
 
-/// Coord::floor, without a library call per component.
+/// Coord::floor, without a library call per component. Places beyond all voxels, or not finite, count as at the ends of index space.
 inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {
-    const auto floor = [](double x) {
+    static constexpr double end = 2147483000;  // steps to neighbours still fit in 32 bits
+    const auto floor = [](double at) {
+        const double x = std::max(-end, std::min(at, end));
         const int towards_0 = static_cast<int>(x);
         return towards_0 - (towards_0 > x ? 1 : 0);
     };

@@ -12,7 +12,10 @@ struct FieldMagnitude {
         Ref<VectorGrid> vectors;
         Ref<FloatGrid> magnitude;
     };
-    static void run(const Params&, Ports& io, Context&) { io.magnitude = magnitude_field(io.vectors); }
+    static void run(const Params&, Ports& io, Context& context) {
+        require_collocation_fits(*io.vectors, context.memory_budget());
+        io.magnitude = magnitude_field(io.vectors);
+    }
 };
 
 }  // namespace

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "nodes/field/dense.h"
+#include "nodes/field/extent.h"
 #include "nodes/payloads.h"
 
 #include <openvdb/tree/LeafManager.h>
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -18,27 +21,61 @@ double cubic_voxel_size(const openvdb::GridBase& grid);
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
 [[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
 
+/// Leaves along a side of a tile that belong to its border.
+/// @param reach  voxels
+template <class Tree>
+constexpr int border_leaves(int reach) {
+    return (reach + static_cast<int>(Tree::LeafNodeType::DIM) - 1) / static_cast<int>(Tree::LeafNodeType::DIM);
+}
+
+/// Calls `visit(box)` for each active tile of a tree.
+template <class Tree, class Visit>
+void each_active_tile(const Tree& tree, const Visit& visit) {
+    auto tile = tree.cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) visit(tile.getBoundingBox());
+}
+
 /// Turns the border of each active tile into leaves, so that all voxels within `reach` voxels of what remains of the tile have its value.
 /// @param reach  voxels
 template <class Tree>
 void open_tile_borders(Tree& tree, int reach = 1) {
     constexpr int step = Tree::LeafNodeType::DIM;
-    const int border = (reach + step - 1) / step * step;
+    const int border = border_leaves<Tree>(reach);
     std::vector<openvdb::CoordBBox> boxes;
-    auto tile = std::as_const(tree).cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile) boxes.push_back(tile.getBoundingBox());
+    each_active_tile(tree, [&](const openvdb::CoordBBox& box) { boxes.push_back(box); });
     for (const auto& box : boxes) {
-        const auto last = box.max().offsetBy(1 - step);
-        for (int x = box.min().x(); x <= last.x(); x += step)
-            for (int y = box.min().y(); y <= last.y(); y += step) {
-                const bool inner = x >= box.min().x() + border && x <= last.x() - border && y >= box.min().y() + border && y <= last.y() - border;
-                for (int z = box.min().z(); z <= last.z(); z += step) {
-                    if (inner && z == box.min().z() + border) z = last.z() - border + step;
-                    tree.touchLeaf({x, y, z});
+        // Counted in leaves: one tile ends where index space ends.
+        const int leaves = (box.max().x() - box.min().x() + 1) / step;
+        const auto inside = [&](int n) { return n >= border && n < leaves - border; };
+        for (int x = 0; x < leaves; ++x)
+            for (int y = 0; y < leaves; ++y) {
+                const bool inner = inside(x) && inside(y);
+                for (int z = 0; z < leaves; ++z) {
+                    if (inner && z == border) z = leaves - border;
+                    tree.touchLeaf(box.min().offsetBy(x * step, y * step, z * step));
                 }
             }
     }
+}
+
+/// Checks, before open_tile_borders, that the voxels at the borders fit in memory, and that all voxels have neighbours in index space.
+/// @param value_bytes    bytes of a voxel's value
+/// @param budget, reach  as in grid_fits and open_tile_borders
+/// @throws Failure as refuse_dense and require_near
+template <class Grid>
+void require_borders_fit(const Grid& grid, double value_bytes, std::uint64_t budget, int reach = 1) {
+    using Tree = typename Grid::TreeType;
+    constexpr int step = Tree::LeafNodeType::DIM;
+    require_near(grid.getName(), grid.evalActiveVoxelBoundingBox());
+    double leaves = 0;
+    each_active_tile(grid.tree(), [&](const openvdb::CoordBBox& box) {
+        const auto cube = [](double side) { return side * side * side; };
+        const int side = (box.max().x() - box.min().x() + 1) / step;
+        leaves += cube(side) - cube(std::max(0, side - 2 * border_leaves<Tree>(reach)));
+    });
+    const double bytes = leaves * Tree::LeafNodeType::SIZE * value_bytes;
+    if (!grid_fits(bytes, budget)) refuse_dense(grid, "as voxels, the borders of these", bytes, budget);
 }
 
 namespace detail {

@@ -1,6 +1,7 @@
 #include "nodes/image/image_volume.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 #include "nodes/image/upright.h"
 
 #include <fmt/format.h>
@@ -54,6 +55,30 @@ T meta(const MetaMap& from, const char* key, const T& fallback) {
 
 openvdb::Vec4i packed(const Image::Window& window) { return {window.x, window.y, window.width, window.height}; }
 Image::Window unpacked(const openvdb::Vec4i& window) { return {window[0], window[1], window[2], window[3]}; }
+
+/// The largest picture that is written, and the farthest place and largest side of its windows, pixels.
+constexpr std::uint64_t most_image_pixels = std::uint64_t{1} << 32;
+constexpr int farthest_pixel = 100'000'000;
+
+/// The window of a picture, from a volume's metadata. @throws Failure (input) if no picture is as large
+Image::Window window_of(const MetaMap& from, const char* key, const Image::Window& fallback) {
+    if (!from[key]) return fallback;
+    const auto out = unpacked(meta(from, key, packed(fallback)));
+    const auto within = [](int at, int least) { return at >= least && at <= farthest_pixel; };
+    if (!within(out.x, -farthest_pixel) || !within(out.y, -farthest_pixel) || !within(out.width, 0) || !within(out.height, 0))
+        throw Failure(fmt::format("the metadata '{}' states a window of {} x {} pixels at [{}, {}]; {} is the most: remove it", key, out.width, out.height,
+                                  out.x, out.y, farthest_pixel),
+                      Failure::Kind::input);
+    return out;
+}
+
+/// @param box  of the voxels or pixels that make a picture of `names`
+void require_pixels(const std::string& names, const CoordBBox& box) {
+    require_near(names, box);
+    if (voxels_in(box) > most_image_pixels)
+        throw Failure(fmt::format("the picture of {} spans {}; {} pixels are the most: crop the grid", names, span_text(box), most_image_pixels),
+                      Failure::Kind::input);
+}
 
 Image::Window united(const Image::Window& a, const Image::Window& b) {
     const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
@@ -350,14 +375,15 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
     if (box.min().z() != box.max().z())
         throw Failure(
             fmt::format("the active voxels of {} go from z = {} to {}; an image is one plane of voxels", names_of(channels), box.min().z(), box.max().z()));
+    require_pixels(names_of(channels), box);
     out.attributes = attributes_for(volume, out.format, same_depth);
     const int held = meta(volume.metadata, orientation_key, 1), orientation = orientation_of(out);
 
     // Without a stored window the box is the whole picture.
     const auto flat = CoordBBox({box.min().x(), box.min().y(), 0}, {box.max().x(), box.max().y(), 0});
     const auto size = turned_size(held, flat.dim().x(), flat.dim().y());
-    auto display = unpacked(meta(volume.metadata, display_key, openvdb::Vec4i(0, 0, size[0], size[1])));
-    auto data = unpacked(meta(volume.metadata, data_key, packed(display)));
+    auto display = window_of(volume.metadata, display_key, {0, 0, size[0], size[1]});
+    auto data = window_of(volume.metadata, data_key, display);
     if (orientation != held) {
         const Upright stored(held, display);
         const auto voxels = stored.voxels(data);
@@ -375,6 +401,7 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
         // The display window grows or shrinks with the box.
         const auto picture = read.voxels(display);
         const CoordBBox now(picture.min() + flat.min() - was.min(), picture.max() + flat.max() - was.max());
+        require_pixels(names_of(channels), now);
         const auto turned = turned_size(orientation, now.dim().x(), now.dim().y());
         out.display = {display.x, display.y, turned[0], turned[1]};
         const Upright upright(orientation, out.display, now.min());

@@ -57,7 +57,7 @@ struct ImageWrite {
             output.commit();
         } catch (const Failure& failure) {
             const std::string reason = failure.what();
-            throw Failure(reason.starts_with("cannot write") ? reason : fmt::format("cannot write {}: {}", path, reason));
+            throw Failure(reason.starts_with("cannot write") ? reason : fmt::format("cannot write {}: {}", path, reason), failure.kind);
         }
     }
 

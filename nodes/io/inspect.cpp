@@ -1,6 +1,7 @@
 #include "nodes/io/inspect.h"
 
 #include "graph/text/one_line.h"
+#include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/grid_types.h"
 #include "nodes/io/profile.h"
@@ -135,7 +136,7 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
         say(fmt::format("{} values are not finite, the first at voxel {}: energies refuse them", facts["not_finite"].get<std::size_t>(),
                         facts["first_not_finite"].dump()));
     if (facts.contains("range") && !facts.contains("not_finite") && facts["range"][0] == facts["range"][1] && grid.activeVoxelCount() > 1 &&
-        grid.evalActiveVoxelBoundingBox().volume() == grid.activeVoxelCount())
+        voxels_in(grid.evalActiveVoxelBoundingBox()) == grid.activeVoxelCount())
         say(fmt::format("{:g} everywhere in its box: it shows no content, so fit the lattice to another grid", facts["range"][0].get<double>()));
     if (grid.isType<VectorGrid>()) {
         if (grid.getGridClass() == openvdb::GRID_STAGGERED) say("staggered: component c stands on the face below its voxel along axis c");

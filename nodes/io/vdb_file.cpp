@@ -3,6 +3,8 @@
 #include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
+#include "nodes/field/dense.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/point_check.h"
 #include "nodes/io/raw_grid.h"
@@ -62,7 +64,7 @@ std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS
 /// unknown grid types, and sorts the grids by name.
 class VdbFile::Stream : private openvdb::io::Archive {
 public:
-    explicit Stream(const std::string& path) : path_(path) {
+    Stream(const std::string& path, std::uint64_t budget) : path_(path), budget_(budget) {
         register_openvdb_types();
         open();
         try {
@@ -100,8 +102,11 @@ public:
                 const std::span<const char> all(bytes);
                 const auto offset = [&](std::int64_t at) { return static_cast<std::size_t>(at - from.getGridPos()); };
                 if (from.getBlockPos() < tree_at) throw std::runtime_error("its parts overlap");
-                check_tree(format_of(from), all.subspan(offset(tree_at), static_cast<std::size_t>(from.getBlockPos() - tree_at)),
-                           all.subspan(offset(from.getBlockPos())));
+                const auto size = check_tree(format_of(from), all.subspan(offset(tree_at), static_cast<std::size_t>(from.getBlockPos() - tree_at)),
+                                             all.subspan(offset(from.getBlockPos())));
+                if (!grid_fits(static_cast<double>(size.bytes), budget_))
+                    refuse(fmt::format("{}: grid '{}' takes {} of memory, but --memory allows {}: crop the grid, or raise --memory", path_, shown(from),
+                                       size_text(size.bytes), size_text(budget_)));
             }
             PartBuffer buffer(bytes, from.getGridPos());
             std::istream in(&buffer);
@@ -111,12 +116,31 @@ public:
             readGrid(grid, from, in);
             codecs_seen_ |= openvdb::io::getDataCompression(in);
             check_offsets(*grid);
+        } catch (const Failure&) {
+            throw;
         } catch (const std::exception& error) {
             refuse(fmt::format("{}: cannot read grid '{}': {}; write or copy the file again", path_, shown(from), error.what()));
         }
         // The half flag may be missing in the metadata, but is part of the type's name.
         if (from.saveFloatAsHalf() && !grid->saveFloatAsHalf()) grid->setSaveFloatAsHalf(true);
         return grid;
+    }
+
+    /// What a grid takes. An instance takes nothing of its own.
+    std::optional<GridMemory> memory(const GridDescriptor& of) {
+        constexpr std::int64_t most_counted = 4 << 20;
+        if (of.isInstance() || !is_known_tree(of.gridType())) return std::nullopt;
+        VdbHeader::Entry entry;
+        describe(of, entry);
+        const auto tree_at = static_cast<std::int64_t>(stream_.tellg()), size = of.getBlockPos() - tree_at;
+        if (size < 0 || size > most_counted) return std::nullopt;
+        try {
+            const auto format = format_of(of);
+            const auto counted = size_of_tree(format, part(tree_at, of.getBlockPos()));
+            return GridMemory{counted.bytes, counted.active_voxels * format.value_bytes};
+        } catch (const std::exception&) {
+            return std::nullopt;  // reading the grid says what is wrong
+        }
     }
 
     const GridDescriptor& parent_of(const GridDescriptor& grid) const {
@@ -279,6 +303,7 @@ private:
     }
 
     std::string path_;
+    std::uint64_t budget_;
     std::uint64_t size_ = 0;
     std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream refers to it
     std::ifstream stream_;
@@ -288,7 +313,7 @@ private:
     std::uint32_t codecs_seen_ = 0;
 };
 
-VdbFile::VdbFile(const std::string& path) : stream_(std::make_unique<Stream>(path)) {}
+VdbFile::VdbFile(const std::string& path, std::uint64_t budget) : stream_(std::make_unique<Stream>(path, budget)) {}
 VdbFile::~VdbFile() = default;
 
 const VdbHeader& VdbFile::header() {
@@ -324,6 +349,8 @@ openvdb::GridBase::Ptr VdbFile::read(std::size_t place) {
     if (from.isInstance()) grid->setTree(stream_->read(stream_->parent_of(from))->baseTreePtr());
     return grid;
 }
+
+std::optional<GridMemory> VdbFile::memory(std::size_t place) { return stream_->memory(stream_->grids()[place]); }
 
 namespace {
 

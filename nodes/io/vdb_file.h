@@ -4,6 +4,7 @@
 #include "nodes/payloads.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,22 +35,31 @@ struct VdbHeader {
     std::vector<std::string> names() const;
 };
 
+/// What a grid takes, counted from its tree's topology in the file.
+struct GridMemory {
+    std::uint64_t tree = 0;   ///< bytes, without points
+    std::uint64_t dense = 0;  ///< bytes of the values of all active voxels, those of tiles included
+};
+
 /// An open .vdb file. However much is read of it, its header is walked only once.
 class VdbFile {
 public:
     /// Opens the file and checks that it is complete; OpenVDB reads a truncated file without an error.
+    /// @param budget  memory that a grid's tree may take, as in grid_fits
     /// @throws Failure (input) if the file is missing, unreadable, not a VDB file, truncated, or too new for the library
-    explicit VdbFile(const std::string& path);
+    explicit VdbFile(const std::string& path, std::uint64_t budget = ~std::uint64_t{0});
     ~VdbFile();
 
     /// The header, read at the first call. @throws Failure (input) if the metadata or transform of a grid is damaged
     const VdbHeader& header();
     /// Reads all grids, in the order of VdbHeader::grids, without delayed loading. Shared trees stay shared. Half floats become floats, and
     /// the grid's half flag is set. A grid of an unknown type becomes a RawGrid.
-    /// @throws Failure (input) naming the grid that can't be read
+    /// @throws Failure (input) naming the grid that can't be read, or takes too much memory
     Volume read();
     /// Reads one grid only. @param place  index in VdbHeader::grids @throws Failure (input) as read()
     openvdb::GridBase::Ptr read(std::size_t place);
+    /// Counts what a grid takes. @return nothing if its topology is larger than 4 MiB, or can't be counted
+    std::optional<GridMemory> memory(std::size_t place);
 
 private:
     class Stream;

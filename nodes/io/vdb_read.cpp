@@ -101,8 +101,8 @@ std::string short_type(std::string type) {
 /// An open file, in whose header it finds the grids that a pipeline names.
 class Contents {
 public:
-    Contents(const std::string& path, Application application)
-        : file_(path),
+    Contents(const std::string& path, Application application, std::uint64_t budget = ~std::uint64_t{0})
+        : file_(path, budget),
           header_(file_.header()),
           profile_(application == Application::detect ? detected_profile(header_) : profile(ParamTraits<Application>::text(application))) {}
 
@@ -197,12 +197,18 @@ private:
     bool told_ = false;
 };
 
-/// Bytes of memory of the grids, as stated by the file's writer.
-std::uint64_t memory_of(const VdbHeader& header, const std::set<std::size_t>& places) {
+/// Bytes of memory of the grids: as stated by the file's writer, or as counted, if that is more.
+/// @param places  indices in the header of the grids that the run reads
+/// @param named   those of them that are outputs of their own: nodes may turn their tiles into voxels
+std::uint64_t memory_of(Contents& contents, const std::set<std::size_t>& places, const std::set<std::size_t>& named) {
     std::uint64_t out = 0;
-    for (const auto place : places)
-        if (const auto bytes = header.grids[place].metadata.getMetadata<openvdb::Int64Metadata>("file_mem_bytes"); bytes && bytes->value() > 0)
-            out += static_cast<std::uint64_t>(bytes->value());
+    for (const auto place : places) {
+        std::uint64_t most = 0;
+        if (const auto bytes = contents.header().grids[place].metadata.getMetadata<openvdb::Int64Metadata>("file_mem_bytes"); bytes && bytes->value() > 0)
+            most = static_cast<std::uint64_t>(bytes->value());
+        if (const auto counted = contents.file().memory(place)) most = std::max({most, counted->tree, named.contains(place) ? counted->dense : 0});
+        out += most;
+    }
     return out;
 }
 
@@ -230,20 +236,21 @@ struct VdbRead {
     static void survey(const Params& params, Survey& survey) {
         Steadiness steadiness;
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
-            const Contents contents(params.path.at(file), params.profile);
+            Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
             for (const auto& [output, choice] : params.grids)
                 if (survey.wants(output))
                     for (const auto place : contents.places(output, choice)) places.insert(place);
+            const auto named = places;
             if (survey.wants("volume"))
                 for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
             steadiness.look(contents.header(), places, frame, survey);
-            survey.expect(frame, memory_of(contents.header(), places));
+            survey.expect(frame, memory_of(contents, places, named));
         });
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        Contents contents(file_of(params.path, params.missing, context), params.profile);
+        Contents contents(file_of(params.path, params.missing, context), params.profile, context.memory_budget());
         const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
         std::map<std::string, std::vector<std::size_t>> places;
         for (const auto& [output, choice] : params.grids)

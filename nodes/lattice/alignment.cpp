@@ -1,5 +1,7 @@
 #include "nodes/lattice/alignment.h"
 
+#include "nodes/field/extent.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +37,8 @@ std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Tran
     std::array<int, 3> far;
     for (std::size_t n = 0; n < 3; ++n) far[n] = std::max(1, lattice.shape[n] - 1);
 
+    for (int n = 0; n < 8; ++n)
+        if (!voxel_at(index(n & 1 ? far[0] : 0, n & 2 ? far[1] : 0, n & 4 ? far[2] : 0))) return std::nullopt;
     const auto first = index(0, 0, 0);
     Alignment out;
     out.origin = Coord::round(first);

@@ -1,5 +1,6 @@
 #include "nodes/lattice/box.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/lattice/active_box.h"
 #include "nodes/lattice/lattice.h"
@@ -106,13 +107,14 @@ struct Box {
         }
         if (!transform_.transform()) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
         const auto& transform = *transform_.transform();
-        const auto counts = box_.dim();
-        if (const int most = std::max({counts.x(), counts.y(), counts.z()}); most > most_steps + 1)
-            throw Failure(
-                fmt::format("the active voxels of grid '{}' span {} x {} x {} voxels; {} along an axis is the most: state 'min', 'max' and 'spacing' of a part",
-                            name_, counts.x(), counts.y(), counts.z(), most_steps + 1));
-        io.lattice = std::make_shared<Lattice>(
-            make_box(transform.indexToWorld(box_.min()), shaped({counts.x(), counts.y(), counts.z()}), transform.voxelSize().x(), axes));
+        const auto counts = extents_of(box_);
+        if (*std::max_element(counts.begin(), counts.end()) > most_vertices)
+            throw Failure(fmt::format("the active voxels of grid '{}' span {}; {} along an axis is the most: crop the grid, or state 'min', 'max' and "
+                                      "'spacing' of a part",
+                                      name_, span_text(box_), most_vertices),
+                          Failure::Kind::input);
+        const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]), static_cast<int>(counts[2])};
+        io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()), shaped(shape), transform.voxelSize().x(), axes));
     }
 
     OneTransform transform_;

@@ -1,5 +1,6 @@
 #include "nodes/lattice/overlap.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/lattice/block_places.h"
 
 #include <tbb/blocked_range2d.h>
@@ -71,8 +72,10 @@ Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& tr
     const int slabs = mapping.slabs()->size();
     const auto meeting = meeting_box(*mapping.slabs(), mapping.extent());
     if (meeting == BBoxd()) return {};
-    const auto box = transform.worldToIndex(meeting);
-    const auto low = Coord::floor(box.min() / 8.0), high = Coord::ceil((box.max() + Vec3d(1)) / 8.0);
+    const auto box = voxels_around(meeting, transform, "the lattice");
+    require_walkable("the space where cells of the lattice meet", box, 2);
+    const Coord low(box.min().x() >> 3, box.min().y() >> 3, box.min().z() >> 3);
+    const Coord high((box.max().x() >> 3) + 1, (box.max().y() >> 3) + 1, (box.max().z() >> 3) + 1);
     const BlockPlaces prototype(mapping, transform);
 
     using Counts = std::vector<std::size_t>;  // `[slab]`

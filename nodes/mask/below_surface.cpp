@@ -1,6 +1,7 @@
 #include "nodes/mask/below_surface.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
 
 #include <array>
@@ -120,13 +121,17 @@ MaskGrid::Ptr below_surface_mask(const std::vector<Ref<FloatGrid>>& surfaces, co
         if (surfaces[n]->getGridClass() == openvdb::GRID_FOG_VOLUME)
             throw Failure(
                 fmt::format("grid '{}' is a fog volume, which has no surface; connect a level set, such as sdf.from_mesh makes", surfaces[n]->getName()));
-        if (CoordBBox known; surfaces[n]->tree().evalActiveVoxelBoundingBox(known)) box.expand(known);
+        if (CoordBBox known; surfaces[n]->tree().evalActiveVoxelBoundingBox(known)) {
+            require_near(surfaces[n]->getName(), known);
+            box.expand(known);
+        }
     }
     auto out = MaskGrid::create();
     out->setTransform(surfaces[0]->transform().copy());
     out->setName("below");
     if (box.empty()) return out;
 
+    require_walkable("the space around the surfaces", box, up.axis);
     const int b = (up.axis + 1) % 3, c = (up.axis + 2) % 3;
     std::vector<Coord> lines;
     auto block = box.min() & ~(edge - 1);

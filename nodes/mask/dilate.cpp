@@ -11,6 +11,9 @@
 namespace fluidcarve {
 namespace {
 
+/// How far from a tile's faces voxels may change.
+int reach(int voxels) { return std::max(std::abs(voxels), 1); }
+
 struct MaskDilate {
     struct Params {
         int voxels = 0;
@@ -18,7 +21,10 @@ struct MaskDilate {
     struct Ports {
         Ref<MaskGrid> mask, dilated;
     };
-    static void run(const Params& params, Ports& io, Context&) { io.dilated = dilated_mask(*io.mask, params.voxels); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.mask, state_bytes, context.memory_budget(), reach(params.voxels));
+        io.dilated = dilated_mask(*io.mask, params.voxels);
+    }
 };
 
 }  // namespace
@@ -27,7 +33,7 @@ MaskGrid::Ptr dilated_mask(const MaskGrid& mask, int voxels) {
     using namespace openvdb::tools;
     const auto out = mask.deepCopy();
     // OpenVDB would voxelise every tile. Once the borders of tiles are leaves, it can ignore their inside.
-    open_tile_borders(out->tree(), std::max(std::abs(voxels), 1));
+    open_tile_borders(out->tree(), reach(voxels));
     if (voxels > 0) dilateActiveValues(out->tree(), voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
     if (voxels < 0) erodeActiveValues(out->tree(), -voxels, NN_FACE_EDGE_VERTEX, IGNORE_TILES);
     prune(out->tree());

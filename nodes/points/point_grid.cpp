@@ -1,6 +1,7 @@
 #include "nodes/points/point_grid.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointDataGrid.h>
@@ -104,6 +105,7 @@ std::vector<Gathered> gather(const openvdb::GridBase& grid, const Leaves& leaves
         auto origin = from.origin();
         if (image.moved) {
             const auto at = grid.transform().worldToIndex(image.position);
+            if (!voxel_at(at)) throw Failure(fmt::format("a point of grid '{}' is moved beyond all voxels; check the lattice", grid.getName()));
             const auto voxel = Coord::round(at);
             origin = voxel & ~static_cast<std::int32_t>(Leaf::DIM - 1);
             entry.voxel = Leaf::coordToOffset(voxel);

@@ -1,5 +1,6 @@
 #include "nodes/preview/difference.h"
 
+#include "nodes/field/dense.h"
 #include "nodes/preview/lines_of_sight.h"
 
 #include <cmath>
@@ -23,10 +24,13 @@ private:
 };
 
 template <class Grid>
-Projection difference(const Grid& before, const Grid& after, View view, const openvdb::CoordBBox& box, int most) {
-    MaskGrid::TreeType compared(before.tree(), false, true, openvdb::TopologyCopy());
+Projection difference(const Grid& before, const Grid& after, View view, const openvdb::CoordBBox& box, std::uint64_t budget, int most) {
+    const auto either = MaskGrid::create(std::make_shared<MaskGrid::TreeType>(before.tree(), false, true, openvdb::TopologyCopy()));
+    either->setName(before.getName());
+    auto& compared = either->tree();
     compared.topologyUnion(after.tree());
     compared.clip(box);
+    require_dense_fits(*either, state_bytes, budget);
     compared.voxelizeActiveTiles();
 
     auto out = blank_projection(box, view, most, Projection::Keep::largest);
@@ -40,12 +44,12 @@ Projection difference(const Grid& before, const Grid& after, View view, const op
 
 }  // namespace
 
-Projection largest_difference(const FloatGrid& before, const FloatGrid& after, View view, const openvdb::CoordBBox& box, int most) {
-    return difference(before, after, view, box, most);
+Projection largest_difference(const FloatGrid& before, const FloatGrid& after, View view, const openvdb::CoordBBox& box, std::uint64_t budget, int most) {
+    return difference(before, after, view, box, budget, most);
 }
 
-Projection largest_difference(const VectorGrid& before, const VectorGrid& after, View view, const openvdb::CoordBBox& box, int most) {
-    return difference(before, after, view, box, most);
+Projection largest_difference(const VectorGrid& before, const VectorGrid& after, View view, const openvdb::CoordBBox& box, std::uint64_t budget, int most) {
+    return difference(before, after, view, box, budget, most);
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "nodes/preview/render.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>
@@ -58,8 +59,8 @@ struct ViewWindow {
     Vec3d right{0.0}, up{0.0}, towards{0.0}, eye{0.0}, centre{0.0};
 
     ViewWindow(View view, const openvdb::CoordBBox& box) {
-        const auto size = box.dim().asVec3d();
-        mean_side = std::cbrt(size.x() * size.y() * size.z());
+        const auto size = extents_of(box);
+        mean_side = std::cbrt(static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]));
         area = face_of(box, view);
         const int longer = std::max(area.size(0), area.size(1));
         int voxels = 1;
@@ -81,7 +82,7 @@ struct ViewWindow {
         centre[across] = (area.first[0] + area.last[0]) / 2.0;
         centre[upwards] = (area.first[1] + area.last[1]) / 2.0;
         centre[along] = (box.min()[along] + box.max()[along]) / 2.0;
-        eye = centre + towards * (box.dim()[along] + 8.0);
+        eye = centre + towards * (static_cast<double>(size[static_cast<std::size_t>(along)]) + 8.0);
     }
 
     double step() const { return std::max({view_step, mean_side / most_view_steps, cell}); }

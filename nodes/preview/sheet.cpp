@@ -94,7 +94,7 @@ struct Sheet {
         frame.energy = io.energy;
         frame.lattice = io.lattice;
         frame.seams = io.seams;
-        if (!rows_) rows_.emplace(SheetWish{params.grid, params.axis, params.show, params.slice, params.difference});
+        if (!rows_) rows_.emplace(SheetWish{params.grid, params.axis, params.show, params.slice, params.difference, context.memory_budget()});
         rows_->add(std::move(frame));
     }
 

@@ -1,6 +1,8 @@
 #include "nodes/preview/sheet_rows.h"
 
 #include "graph/text/words.h"
+#include "nodes/field/dense.h"
+#include "nodes/field/extent.h"
 #include "nodes/preview/difference.h"
 #include "nodes/preview/slice.h"
 
@@ -22,8 +24,8 @@ Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&.
 
 std::string size_text(const openvdb::CoordBBox& box) {
     if (box.empty()) return {};
-    const auto size = box.dim();
-    return fmt::format("{} x {} x {} voxels", size.x(), size.y(), size.z());
+    const auto [x, y, z] = extents_of(box);
+    return fmt::format("{} x {} x {} voxels", x, y, z);
 }
 
 std::string seams_text(const Seams& seams) {
@@ -60,6 +62,7 @@ void SheetRows::add(SheetFrame data) {
     frame.space = frame.data.before->constTransformPtr();
     frame.before = frame.data.before->evalActiveVoxelBoundingBox();
     if (frame.data.after) frame.after = frame.data.after->evalActiveVoxelBoundingBox();
+    require_room(frame);
     if (!frame.before.empty()) active_.expand(frame.before);
     if (frames_.empty()) plan(frame);
     for (std::size_t row = 0; row < kinds_.size(); ++row)
@@ -70,6 +73,20 @@ void SheetRows::add(SheetFrame data) {
     if (wish_.show == SheetWish::Show::maximum || wish_.show == SheetWish::Show::render) frame.data.before = frame.data.after = nullptr;
     frames_.push_back(std::move(frame));
     if (wish_.slice) slice(frames_.size() - 1, *wish_.slice);
+}
+
+void SheetRows::require_room(const Shown& frame) const {
+    const auto& data = frame.data;
+    const auto require = [](const openvdb::GridBase* grid) {
+        if (grid) require_near(grid->getName(), grid->evalActiveVoxelBoundingBox());
+    };
+    for (const auto* grid : {data.before.get(), data.after.get()}) require(grid);
+    require(data.energy.get());
+    for (const auto* scene : {&data.before_scene, &data.after_scene})
+        for (const auto* grid : {scene->smoke.get(), scene->fire.get()}) {
+            require(grid);
+            if (grid) require_dense_fits(*grid, sizeof(float), wish_.budget);
+        }
 }
 
 void SheetRows::slice(std::size_t place, int plane) {
@@ -118,7 +135,8 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
             if (!after.empty()) both.expand(after);
             const auto box = part(both);
             if (!box.empty())
-                out.projection = typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); }, *data.before, *data.after);
+                out.projection =
+                    typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box, wish_.budget); }, *data.before, *data.after);
             const auto& values = out.projection.values;
             if (std::none_of(values.begin(), values.end(), [](float value) { return value < 0 || value > 0; })) out.note = "no difference";
             break;

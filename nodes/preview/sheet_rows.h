@@ -18,6 +18,7 @@ struct SheetWish {
     Show show = Show::maximum;
     std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before` in all frames shown
     bool difference = true;
+    std::uint64_t budget = ~std::uint64_t{0};  ///< memory of what tiles become as voxels, bytes (grid_fits)
 };
 
 /// The data of one frame. All grids but `before` may be null, but then in all frames.
@@ -38,7 +39,7 @@ class SheetRows {
 public:
     explicit SheetRows(SheetWish wish) : wish_(std::move(wish)) {}
 
-    /// @throws Failure if seams belong to another lattice or do not hold the frame
+    /// @throws Failure if seams belong to another lattice or do not hold the frame, or grids are too large to show
     void add(SheetFrame frame);
     /// The page of all added frames. To be called once, after at least one `add`.
     /// @param total     number of frames in the whole sequence
@@ -62,6 +63,7 @@ private:
     void slice(std::size_t place, int plane);
     void render(const std::function<void(double)>& progress);
     SheetPanel panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const;
+    void require_room(const Shown& frame) const;
     std::string name_of(const Kind& kind) const;
     std::string text_of(const Kind& kind, int plane) const;
 

@@ -1,5 +1,11 @@
 #include "nodes/preview/slice.h"
 
+#include "graph/text/problem.h"
+#include "nodes/field/extent.h"
+#include "nodes/field/same_transform.h"
+
+#include <fmt/format.h>
+
 namespace fluidcarve {
 
 namespace {
@@ -9,7 +15,9 @@ openvdb::CoordBBox box_in(const openvdb::CoordBBox& box, const openvdb::math::Tr
     const auto half = openvdb::Vec3d(0.5);
     const auto world = from.indexToWorld(openvdb::BBoxd(box.min().asVec3d() - half, box.max().asVec3d() + half));
     const auto index = to.worldToIndex(world);
-    return {openvdb::Coord::round(index.min()), openvdb::Coord::round(index.max())};
+    const auto low = voxel_at(index.min()), high = voxel_at(index.max());
+    if (!low || !high) throw Failure(fmt::format("the energy lies too far from the grid that is shown, with {}; compare their units", place_text(to)));
+    return {*low, *high};
 }
 
 }  // namespace
@@ -30,6 +38,10 @@ Projection slice_in(const FloatGrid& grid, const openvdb::math::Transform& space
     if (box.empty()) return {};
     if (same) return maximum_projection(grid, view, box, most);
 
+    constexpr std::uint64_t most_voxels = std::uint64_t{1} << 32;
+    if (voxels_in(box) > most_voxels)
+        throw Failure(
+            fmt::format("a slice of grid '{}' spans {} of the grid that is shown; {} is the most: crop it", grid.getName(), span_text(box), most_voxels));
     auto out = blank_projection(box, view, most);
     const auto values = grid.getConstAccessor();
     for (auto at = box.begin(); at; ++at) {

@@ -77,7 +77,8 @@ struct Triangles {
         double reach = 0;
         for (const auto& point : mesh.points) {
             const auto at = transform.worldToIndex(point);
-            for (int c = 0; c < 3; ++c) reach = std::max(reach, std::abs(at[c]));
+            for (int c = 0; c < 3; ++c)
+                if (!(std::abs(at[c]) <= reach) && !std::isnan(reach)) reach = std::abs(at[c]);  // of a place that is no number, it stays none
             points.emplace_back(at);
         }
         if (!(reach <= farthest))

@@ -1,5 +1,7 @@
 #include "nodes/sdf/to_mesh.h"
 
+#include "nodes/field/stencil.h"
+
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <array>
@@ -16,7 +18,8 @@ struct SdfToMesh {
         Ref<FloatGrid> surface;
         Ref<Mesh> mesh;
     };
-    static void run(const Params& params, Ports& io, Context&) {
+    static void run(const Params& params, Ports& io, Context& context) {
+        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
         io.mesh = std::make_shared<Mesh>(surface_mesh(*io.surface, params.isovalue, params.adaptivity));
     }
 };

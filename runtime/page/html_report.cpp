@@ -135,7 +135,7 @@ private:
         switch (report_.at("exit").get<int>()) {
             case 0: return fmt::format("Done: {} in {}", frames, time);
             case 4: return fmt::format("Done in {}, but some frames failed", time);
-            case 3: return "Not run: an input is missing or unreadable";
+            case 3: return "Not run: an input is missing, unreadable or too large";
             case 130: return fmt::format("Interrupted after {}", time);
             default: return fmt::format("Failed after {}", time);
         }

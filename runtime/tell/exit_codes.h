@@ -19,7 +19,7 @@ inline constexpr std::array meanings{
     std::pair{done, "done"},
     std::pair{node_failed, "a node failed"},
     std::pair{usage, "wrong usage or pipeline"},
-    std::pair{input, "an input is missing or unreadable"},
+    std::pair{input, "an input is missing, unreadable or too large"},
     std::pair{some_frames_failed, "done, but some frames failed"},
     std::pair{interrupted, "interrupted"},
 };

@@ -111,7 +111,9 @@ struct RunArguments {
             ->excludes(from);
         verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
         verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")->check(CLI::Range(1, 100000));
-        verb.add_option("--memory", memory, "Memory that a node may use for the whole sequence before it uses files (default: half of the machine's memory)")
+        verb.add_option(
+                "--memory", memory,
+                "Memory that a node may use for the whole sequence before it uses files, and that a grid may take (default: half of the machine's memory)")
             ->type_name("SIZE")
             ->envname("FLUIDCARVE_MEMORY");
         verb.add_option("--work", request.options.work_folder, "Folder for temporary files, and for cached results that later runs use again")

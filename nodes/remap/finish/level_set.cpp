@@ -1,5 +1,6 @@
 #include "nodes/remap/finish/level_set.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/remap/voxels/blocks.h"
 #include "nodes/remap/voxels/seam_cells.h"
 
@@ -125,6 +126,7 @@ bool can_renormalize(const openvdb::GridBase& grid) {
 
 openvdb::GridBase::ConstPtr renormalized(const openvdb::GridBase::ConstPtr& grid, const CarvedPlaces& places, const CarveMap& map) {
     if (map.empty()) return grid;
+    require_near(grid->getName(), grid->evalActiveVoxelBoundingBox());
     if (grid->isType<openvdb::FloatGrid>()) return renormalize<openvdb::FloatGrid>(grid, places, map);
     return renormalize<openvdb::DoubleGrid>(grid, places, map);
 }

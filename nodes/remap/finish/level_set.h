@@ -16,6 +16,7 @@ bool can_renormalize(const openvdb::GridBase& grid);
 /// @param grid    carved by `map`; satisfies can_renormalize()
 /// @param places  of the grid's voxels
 /// @return the grid itself if nothing changes
+/// @throws Failure as require_near
 openvdb::GridBase::ConstPtr renormalized(const openvdb::GridBase::ConstPtr& grid, const CarvedPlaces& places, const CarveMap& map);
 
 }  // namespace fluidcarve

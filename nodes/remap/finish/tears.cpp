@@ -1,5 +1,7 @@
 #include "nodes/remap/finish/tears.h"
 
+#include "nodes/field/extent.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +56,8 @@ double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map, 
     auto values = grid.getConstAccessor();
     const auto holds = [&](const Vec3d& at) {
         typename GridT::ValueType value;
-        return values.probeValue(Coord::round(grid.worldToIndex(lattice.position(at))), value) && value != grid.background();
+        const auto voxel = voxel_at(grid.worldToIndex(lattice.position(at)));
+        return voxel && values.probeValue(*voxel, value) && value != grid.background();
     };
     // How far beyond the rim to look: a vertex, but at least a voxel.
     const double beyond = std::max(1.0, grid.voxelSize().x() / lattice.spacing);

@@ -1,7 +1,9 @@
 #include "nodes/remap/voxels/blocks.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/grid_types.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <memory>
@@ -41,6 +43,7 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
         Value value;
         bool on;
     };
+    require_walkable(fmt::format("the lattice, in voxels of grid '{}',", grid->getName()), box, 2);
     const openvdb::Coord low(box.min().x() >> 3, box.min().y() >> 3, box.min().z() >> 3);
     const auto size = openvdb::Coord(box.max().x() >> 3, box.max().y() >> 3, box.max().z() >> 3) - low + openvdb::Coord(1);
     std::vector<std::vector<Change>> rows(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));

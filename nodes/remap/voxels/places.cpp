@@ -1,6 +1,6 @@
 #include "nodes/remap/voxels/places.h"
 
-#include "nodes/field/leaf_cell.h"
+#include "nodes/field/extent.h"
 
 namespace fluidcarve {
 
@@ -19,10 +19,7 @@ CarvedPlaces::CarvedPlaces(const Lattice& lattice, const std::array<int, 3>& ext
     if (alignment_ && !alignment_->one_to_one()) alignment_.reset();
 }
 
-CoordBBox CarvedPlaces::voxels(const BBoxd& range) const {
-    const auto box = transform_->worldToIndex(mapping_->world_box(range));
-    return {voxel_below(box.min()).offsetBy(-1), voxel_below(box.max()).offsetBy(2)};
-}
+CoordBBox CarvedPlaces::voxels(const BBoxd& range) const { return padded(voxels_around(mapping_->world_box(range), *transform_, "the lattice"), 2); }
 
 BBoxd CarvedPlaces::move_to(const Coord& block) {
     if (!alignment_) return places_.move_to(block);

@@ -1,5 +1,6 @@
 #include "nodes/remap/voxels/sampled.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/grid_types.h"
 #include "nodes/lattice/block_places.h"
 #include "nodes/remap/voxels/blend.h"
@@ -310,8 +311,7 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
                                        const typename GridT::ConstPtr& unfaded) {
     if (map.empty()) return grid;
     // A component's face may lie in the lattice where its voxel's centre does not.
-    const auto range = grid->transform().worldToIndex(mapping.world_box(map.moved()));
-    const CoordBBox box(Coord::floor(range.min() - Vec3d(1)), Coord::ceil(range.max() + Vec3d(1)));
+    const auto box = padded(voxels_around(mapping.world_box(map.moved()), grid->transform(), "the lattice"), 1);
     const BlockPlaces places(mapping, grid->transform());
     return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
         return [worker = std::make_shared<SampledCarve<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {

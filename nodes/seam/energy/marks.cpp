@@ -1,6 +1,7 @@
 #include "nodes/seam/energy/marks.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 #include "nodes/field/leaf_cell.h"
 #include "nodes/grid_types.h"
 #include "nodes/lattice/alignment.h"
@@ -32,7 +33,7 @@ public:
     /// @param box  of the mask's active voxels
     Around(const MaskTree& mask, const openvdb::CoordBBox& box, const openvdb::math::Transform& transform, const Lattice& lattice,
            const std::optional<Alignment>& alignment, Axis axis)
-        : mask_(mask), box_(box.min().offsetBy(-1), box.max()), places_(transform, lattice, axis), alignment_(alignment), axis_(axis) {}
+        : mask_(mask), box_(padded(box, 1).min(), box.max()), places_(transform, lattice, axis), alignment_(alignment), axis_(axis) {}
 
     void move_to(const std::array<int, 3>& first) {
         if (alignment_) first_ = alignment_->voxel(first[0], first[1], first[2]);

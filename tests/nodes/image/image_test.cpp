@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 using namespace fluidcarve;
@@ -401,6 +402,12 @@ TEST_CASE("grids that nodes made are written as deep as the format holds, colour
     volume.grids = {grid};
     const auto failure = [&] { return failure_of([&] { write(std::make_shared<Volume>(volume), scratch / "b.png"); }); };
     CHECK(failure() == "cannot write " + scratch / "b.png" + ": no voxel of solid is active: there is no pixel to write");
+    const auto wide = FloatGrid::create();
+    wide->setName("wide");
+    for (const int x : {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}) wide->tree().setValue({x, 0, 0}, 1);
+    volume.grids = {wide};
+    CHECK_THAT(failure(), Catch::Contains("4294967296 x 1 x 1 voxels; voxel 1000000000 is the farthest: crop the grid"));
+    volume.grids = {grid};
     grid->tree().setValue({0, 0, 0}, 1);
     grid->tree().setValue({0, 0, 4}, 1);
     CHECK(failure() == "cannot write " + scratch / "b.png" + ": the active voxels of solid go from z = 0 to 4; an image is one plane of voxels");

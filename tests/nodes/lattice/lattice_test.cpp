@@ -174,5 +174,28 @@ TEST_CASE("a fitted box is refused where its entries would not fit 16 bits") {
     far->tree().setValue({100000, 0, 0}, 1);
     CHECK_THROWS_WITH(
         fitted({Payload(std::make_shared<AnyGrid>(AnyGrid{far}))}),
-        "the active voxels of grid 'density' span 100001 x 1 x 1 voxels; 65534 along an axis is the most: state 'min', 'max' and 'spacing' of a part");
+        "the active voxels of grid 'density' span [0, 0, 0] to [100000, 0, 0]: 100001 x 1 x 1 voxels; 65534 along an axis is the most: crop the grid, or state "
+        "'min', 'max' and 'spacing' of a part");
+}
+
+TEST_CASE("a fitted box is refused where its extents would not fit 32 bits") {
+    constexpr int lowest = std::numeric_limits<int>::min(), highest = std::numeric_limits<int>::max();
+    const auto whole = FloatGrid::create();
+    whole->setName("density");
+    whole->tree().setValue({lowest, 0, 0}, 1);
+    whole->tree().setValue({highest, 0, 0}, 1);
+    try {
+        fitted({Payload(std::make_shared<AnyGrid>(AnyGrid{whole}))});
+        FAIL("not refused");
+    } catch (const Failure& failure) {
+        CHECK(failure.kind == Failure::Kind::input);
+        CHECK(std::string(failure.what()) ==
+              "the active voxels of grid 'density' span [-2147483648, 0, 0] to [2147483647, 0, 0]: 4294967296 x 1 x 1 voxels; 65534 along an axis is the most: "
+              "crop the grid, or state 'min', 'max' and 'spacing' of a part");
+    }
+}
+
+TEST_CASE("a lattice beyond all voxels of a grid is aligned with none") {
+    CHECK(!align(make_box(Vec3d(0), {2, 2, 2}, 1e6, {0, 1, 2}), *voxels_of(1e-6)).has_value());
+    CHECK(!align(make_box(Vec3d(1e300, 0, 0), {2, 2, 2}, 1, {0, 1, 2}), *voxels_of(1)).has_value());
 }

@@ -230,3 +230,26 @@ TEST_CASE("a grid that is not there or can't be shown is a failure that names wh
     CHECK(failure("density", volume, {{vectors}, {}, {}}) == "grid 'density' holds float values in 'before', but vec3s in 'after'");
     CHECK(failure("density", volume, volume).empty());
 }
+
+TEST_CASE("a sheet refuses grids that reach to the ends of index space, and tiles beyond the memory") {
+    const auto far = named("density");
+    far->tree().setValue(Coord(std::numeric_limits<int>::min(), 0, 0), 1.0f);
+    far->tree().setValue(Coord(std::numeric_limits<int>::max(), 0, 0), 1.0f);
+    for (const auto show : {SheetWish::Show::maximum, SheetWish::Show::both, SheetWish::Show::render}) {
+        auto frame = frame_of(1, far, nullptr);
+        if (show == SheetWish::Show::render) frame.before_scene.smoke = far;
+        CHECK_THAT(failure_of([&] { page_of(wish_for(View::y, show), {frame}); }),
+                   Catch::StartsWith("the active voxels of grid 'density' span [-2147483648, 0"));
+    }
+
+    const auto tile = named("density");
+    tile->tree().root().addTile(Coord(0), 1.0f, true);
+    auto wish = wish_for(View::y, SheetWish::Show::render);
+    wish.budget = 1'000'000'000;
+    auto lit = frame_of(1, tile, nullptr);
+    lit.before_scene.smoke = tile;
+    CHECK_THAT(failure_of([&] { page_of(wish, {lit}); }), Catch::Contains("as voxels these would take 275 GB"));
+    wish.show = SheetWish::Show::maximum;
+    wish.difference = true;
+    CHECK_THAT(failure_of([&] { page_of(wish, {frame_of(1, tile, named("density"))}); }), Catch::Contains("as voxels these would take 17.2 GB"));
+}

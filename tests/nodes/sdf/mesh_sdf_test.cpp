@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <tuple>
 
@@ -291,4 +292,18 @@ TEST_CASE("below the surfaces is all that is beneath the uppermost inside voxel 
                       "grid 'surface' is a fog volume, which has no surface; connect a level set, such as sdf.from_mesh makes");
     CHECK(below_surface_mask({FloatGrid::create()}, Vec3d(0, 0, 1), 0)->empty());
     CHECK(NodeBench(mask_below_surface(), "{up: [0, 0, 0]}").faults() == "up: 'up' has no direction\n");
+}
+
+TEST_CASE("a mesh with a place that is no number, and surfaces that reach to the ends of index space, are refused") {
+    for (const int c : {0, 2}) {
+        auto mesh = boxed(Vec3d(0), Vec3d(1));
+        mesh.points[3][c] = std::nan("");
+        CHECK_THROWS_WITH(mesh_distance(mesh, *voxels(1), 3, std::nullopt), Catch::StartsWith("the mesh reaches nan voxels"));
+    }
+    const auto far = FloatGrid::create(3);
+    far->setGridClass(openvdb::GRID_LEVEL_SET);
+    far->setName("bank");
+    far->tree().setValue(Coord(std::numeric_limits<int>::min(), 0, 0), -1);
+    far->tree().setValue(Coord(std::numeric_limits<int>::max(), 0, 0), -1);
+    CHECK_THROWS_WITH(below_surface_mask({far}, Vec3d(0, 0, 1), 0), Catch::StartsWith("the active voxels of grid 'bank' span [-2147483648, 0, 0]"));
 }

@@ -1,0 +1,100 @@
+#include "nodes/field/dense.h"
+
+#include "nodes/energy/gradient.h"
+#include "nodes/energy/image.h"
+#include "nodes/energy/kinetic.h"
+#include "nodes/energy/surface.h"
+#include "nodes/energy/volume.h"
+#include "nodes/energy/vorticity.h"
+#include "nodes/field/curl.h"
+#include "nodes/field/curvature.h"
+#include "nodes/field/filter.h"
+#include "nodes/field/gradient.h"
+#include "nodes/field/laplacian.h"
+#include "nodes/field/stencil.h"
+#include "nodes/mask/dilate.h"
+#include "tests/support/node_bench.h"
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+
+using namespace fluidcarve;
+using openvdb::Coord;
+using test::failure_of;
+using test::NodeBench;
+
+namespace {
+
+constexpr std::uint64_t gigabyte = 1'000'000'000;
+
+/// A grid with one active tile of 4096^3 voxels.
+template <class Grid>
+typename Grid::Ptr tile(const std::string& name, const typename Grid::ValueType& value) {
+    const auto out = Grid::create();
+    out->setName(name);
+    out->tree().root().addTile(Coord(0), value, true);
+    return out;
+}
+
+Context scarce() { return Context().limits(gigabyte, "."); }
+
+}  // namespace
+
+TEST_CASE("what tiles take as voxels is counted before it is made") {
+    const auto grid = tile<FloatGrid>("density", 1);
+    CHECK(
+        failure_of([&] { require_dense_fits(*grid, sizeof(float), 8 * gigabyte); }) ==
+        "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels these would take 275 GB, but --memory allows 8.00 GB: crop the "
+        "grid, or raise --memory");
+    CHECK(failure_of([&] { require_dense_fits(*grid, sizeof(float), 300 * gigabyte); }) == "");
+    CHECK(failure_of([&] { require_borders_fit(*grid, sizeof(float), gigabyte); }) ==
+          "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels, the borders of these would take 3.21 GB, but --memory allows "
+          "1.00 GB: crop the grid, or raise --memory");
+    CHECK(failure_of([&] { require_borders_fit(*grid, sizeof(float), 4 * gigabyte); }) == "");
+    CHECK(grid_fits(6e7, 0));
+}
+
+TEST_CASE("the borders of a tile are counted as they are opened") {
+    for (const int reach : {1, 8, 9, 40}) {
+        FloatGrid grid;
+        grid.tree().addTile(2, Coord(128), 1.0f, true);
+        grid.tree().addTile(1, Coord(0), 1.0f, true);
+        auto opened = grid.tree();
+        open_tile_borders(opened, reach);
+        const auto bytes = static_cast<double>(opened.leafCount()) * 512 * sizeof(float) * 1e6;
+        INFO(reach);
+        CHECK(failure_of([&] { require_borders_fit(grid, sizeof(float) * 1e6, static_cast<std::uint64_t>(bytes), reach); }) == "");
+        CHECK(failure_of([&] { require_borders_fit(grid, sizeof(float) * 1e6, static_cast<std::uint64_t>(bytes) - 1, reach); }) != "");
+    }
+}
+
+TEST_CASE("nodes refuse tiles that would not fit as voxels") {
+    const auto payload = [](const auto& grid) { return std::vector{Payload(grid)}; };
+    const auto density = payload(tile<FloatGrid>("density", 1));
+    const auto velocity = tile<VectorGrid>("velocity", openvdb::Vec3s(1));
+    velocity->setGridClass(openvdb::GRID_STAGGERED);
+    const auto flow = payload(velocity);
+    const auto mask = payload(tile<MaskGrid>("mask", true));
+    const auto image = std::vector{Payload(std::make_shared<const Volume>(Volume{{tile<FloatGrid>("Y", 1)}, {}, {}}))};
+    const auto refused = [](const NodeType& type, const std::string& input, const std::vector<Payload>& payloads, const std::string& yaml = "{}") {
+        INFO(type.name);
+        CHECK_THAT(failure_of([&] { NodeBench(type, yaml, {{input, 1}}).run({{input, payloads}}, scarce()); }), Catch::Contains("68719476736 active voxels"));
+    };
+    for (const auto& type : {energy_gradient(), field_gradient(), field_laplacian(), field_curvature(), field_filter()}) refused(type, "field", density);
+    for (const auto& type : {energy_vorticity(), energy_kinetic(), field_curl()}) refused(type, "velocity", flow);
+    refused(energy_volume(), "fields", density, "range: [0, 1]");
+    refused(energy_surface(), "surface", density, "range: [0, 1]");
+    refused(energy_image(), "source", image);
+    refused(mask_dilate(), "mask", mask, "voxels: 64");
+}
+
+TEST_CASE("the borders of the last tile of index space are opened") {
+    constexpr int last = std::numeric_limits<int>::max() - 7;
+    FloatGrid grid;
+    grid.tree().addTile(1, Coord(last), 1.0f, true);
+    open_tile_borders(grid.tree());
+    CHECK(grid.tree().leafCount() == 1);
+    CHECK(grid.tree().probeConstLeaf(Coord(last)));
+    CHECK(grid.activeVoxelCount() == 512);
+}
