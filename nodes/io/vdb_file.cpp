@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -55,6 +56,22 @@ protected:
 private:
     std::int64_t at_;
 };
+
+/// Whether the numbers of a linear map agree: files hold its scale, voxel and inverse side by side, and OpenVDB trusts each.
+bool agrees_with_itself(const openvdb::math::Transform& transform) {
+    if (!transform.isLinear()) return true;
+    constexpr double tolerance = 0.01;  // voxels: far from the origin positions are coarse
+    const auto origin = transform.indexToWorld(openvdb::Vec3d(0));
+    for (int axis = 0; axis < 3; ++axis) {
+        openvdb::Vec3d step(0);
+        step[axis] = 1;
+        const auto to = transform.indexToWorld(step);
+        const auto edge = transform.voxelSize()[axis];
+        if (!(edge > 0 && std::abs((to - origin).length() - edge) <= tolerance * edge && (transform.worldToIndex(to) - step).length() <= tolerance))
+            return false;
+    }
+    return true;
+}
 
 std::string codec_of(std::uint32_t flags) { return flags & openvdb::io::COMPRESS_BLOSC ? "blosc" : flags & openvdb::io::COMPRESS_ZIP ? "zip" : "none"; }
 
@@ -168,6 +185,9 @@ public:
             transform->read(stream_);
             for (const auto& place : {transform->indexToWorld(openvdb::Vec3d(0)), transform->indexToWorld(openvdb::Vec3d(1)), transform->voxelSize()})
                 if (!openvdb::math::isFinite(place)) refuse(fmt::format("{} is damaged: the transform of grid '{}' is not finite", path_, shown(grid)));
+            if (!agrees_with_itself(*transform))
+                refuse(fmt::format("{} is damaged: the numbers of the transform of grid '{}' contradict each other; write or copy the file again", path_,
+                                   shown(grid)));
             out.transform = transform;
         } catch (const Failure&) {
             throw;

@@ -37,7 +37,7 @@ void confine(std::uint64_t memory, double seconds) {
     setrlimit(RLIMIT_CPU, &time);
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-#ifndef __SANITIZE_ADDRESS__  // AddressSanitizer's shadow memory takes terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers' shadow memory takes terabytes
     const rlimit space{memory, memory};
     setrlimit(RLIMIT_AS, &space);
 #else

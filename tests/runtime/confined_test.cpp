@@ -44,7 +44,7 @@ TEST_CASE("a confined call that crashes or never ends takes nothing down with it
     CHECK(call([]() -> std::string { _exit(0); }).end == Confined::End::crashed);
 }
 
-#ifndef __SANITIZE_ADDRESS__
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("a confined call gets no more memory than it is granted") {
     const auto greedy = call_confined([] { return std::string(std::size_t{2} << 30, 'x'); }, std::uint64_t{1} << 30, 20);
     CHECK(greedy.end == Confined::End::threw);

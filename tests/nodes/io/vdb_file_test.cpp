@@ -291,6 +291,12 @@ TEST_CASE("numbers in a header that make no sense are damage, and nothing is mad
     REQUIRE(map != std::string::npos);
     REQUIRE(statistic != std::string::npos);
     CHECK(refusal(map + 24, std::string(8, '\xff')) == scratch / "bad.vdb" + " is damaged: the transform of grid 'density' is not finite");
+    // The map's name is followed by a translation, three scales, the voxel's edges and the inverses of the scales.
+    for (const auto& [nth, number] : {std::pair{3, 0.0}, {3, 5.0}, {7, 1e-3}, {8, -0.2}, {11, 1e9}}) {
+        INFO("number " << nth << " is " << number);
+        CHECK(refusal(map + 24 + 8 * static_cast<std::size_t>(nth), std::string(reinterpret_cast<const char*>(&number), sizeof number)) ==
+              scratch / "bad.vdb" + " is damaged: the numbers of the transform of grid 'density' contradict each other; write or copy the file again");
+    }
     // The entry's type, int64, follows its name; then comes its size, 8.
     const auto size = whole.find("int64", statistic) + 5;
     CHECK(refusal(size, std::string("\x10\0\0\0", 4)) ==
