@@ -1,6 +1,5 @@
 #include "runtime/keep/file_hashes.h"
 
-#include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 
@@ -11,7 +10,7 @@
 #include <unistd.h>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <vector>
 
 namespace fluidcarve {
@@ -30,9 +29,6 @@ Key stamp_of(const struct stat& file) {
     return hash.digest();
 }
 
-/// Checksum of a stored hash, to detect damage.
-Key seal_of(const struct stat& file, const Key& content) { return ContentHash().key(stamp_of(file)).key(content).digest(); }
-
 bool settled(const struct stat& file) {
     const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     return std::abs(now - seconds(file.st_mtim)) > settled_seconds && std::abs(now - seconds(file.st_ctim)) > settled_seconds;
@@ -40,7 +36,16 @@ bool settled(const struct stat& file) {
 
 }  // namespace
 
-std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
+Key FileHashes::stored(const Key& stamp) {
+    Key out;
+    const auto bytes = stored_.read(stamp);
+    if (!bytes || bytes->size() != sizeof out) return {};
+    std::memcpy(&out, bytes->data(), sizeof out);
+    stored_.touch(stamp);
+    return out;
+}
+
+std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
     // Without O_NONBLOCK, a pipe would not open before its writer does.
     const Descriptor file{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat before {};
@@ -52,15 +57,8 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
         out.key = key;
         return out;
     };
-    const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp.path();
-    if (!remembered.empty() && settled(before)) {
-        std::string text, seal;
-        std::ifstream(remembered) >> text >> seal;
-        if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) {
-            utimensat(AT_FDCWD, remembered.c_str(), nullptr, 0);
-            return with(key);
-        }
-    }
+    if (settled(before))
+        if (const auto key = stored(stamp)) return with(key);
 
     ContentHash hash;
     std::vector<char> buffer(std::size_t{1} << 20);
@@ -73,9 +71,9 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
     struct stat after {};
     if (fstat(file.number, &after) != 0 || stamp_of(after) != stamp_of(before)) return std::nullopt;
     const auto key = hash.digest();
-    if (!remembered.empty() && settled(after)) {
+    if (settled(after)) {
         try {
-            OutputFile::write(remembered, key.text() + " " + seal_of(after, key).text() + "\n");
+            stored_.add(stamp, {reinterpret_cast<const char*>(&key), sizeof key});
         } catch (const Failure&) {
             // The hash is not stored: the next run reads the file again.
         }
