@@ -1,6 +1,7 @@
 #include "graph/pipeline.h"
 
 #include "graph/confinement.h"
+#include "graph/file_claims.h"
 #include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
@@ -325,7 +326,6 @@ private:
     /// Checks the paths of writers. A writer that runs per frame needs a frame token, unless there is one frame and it reads no
     /// sequence; a writer that runs once can't have one. No file may be written twice or overwrite an input.
     void check_paths(const FrameSet& frames) {
-        std::map<std::string, std::pair<Mark, std::string>> used;
         const auto each_path = [&](Shape::Kind kind, const auto& visit) {
             for (const auto& [node, value, references, unsure] : drafts_)
                 for (const auto& spec : node.type->params)
@@ -335,45 +335,27 @@ private:
                             visit(node, spec, path, field ? field->value.mark : node.mark);
                         }
         };
-        namespace fs = std::filesystem;
-        std::error_code error;
-        // Most frames lie in one folder: resolve the links of each folder once.
-        std::map<fs::path, fs::path> folders;
-        const auto resolved = [&](const fs::path& file) {
-            const auto [found, fresh] = folders.try_emplace(file.parent_path());
-            if (fresh) found->second = fs::weakly_canonical(fs::absolute(file, error).parent_path(), error);
-            return (found->second / file.filename()).string();
-        };
-        const auto files = [&](const PathPattern& path) {
-            std::vector<fs::path> out;
-            for (const auto frame : frames.frames()) {
-                out.emplace_back(path.at(frame));
-                if (!path.per_frame()) break;
-            }
-            return out;
-        };
+        std::vector<FileClaim> claims;
+        std::vector<std::pair<Mark, std::string>> who;  ///< per claim
         for (const auto& source : document_.sources) {
-            const bool itself = source.source->name == document_.name;
-            used.emplace(resolved(source.source->name), std::pair(source, itself ? "this is the pipeline itself" : "the pipeline extends it"));
+            claims.push_back({PathPattern::literal(source.source->name), false});
+            who.emplace_back(source, source.source->name == document_.name ? "this is the pipeline itself" : "the pipeline extends it");
         }
-        each_path(Shape::Kind::input_path, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
-            const std::pair here(mark, fmt::format("'{}' reads it here", node.name));
-            for (const auto& file : files(path)) {
-                used.emplace(resolved(file), here);
-                if (fs::is_symlink(file, error)) used.emplace(fs::weakly_canonical(file, error).string(), here);
-            }
-        });
+        for (const auto kind : {Shape::Kind::input_path, Shape::Kind::output_path})
+            each_path(kind, [&](const Node& node, const ParamSpec&, const PathPattern& path, const Mark& mark) {
+                const bool writes = kind == Shape::Kind::output_path;
+                claims.push_back({path, writes});
+                who.emplace_back(mark, fmt::format("'{}' {} it here", node.name, writes ? "writes" : "reads"));
+            });
+        const auto first = overwritten(claims, frames.frames());
+        auto claim = static_cast<std::size_t>(std::ranges::find(claims, true, &FileClaim::writes) - claims.begin());
         each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
             if (node.rate == Rate::frame && !path.per_frame() && (frames.frames().size() > 1 || sequences_.contains(node.name)))
                 add(problems_, mark, fmt::format("{} writes a file for every frame: '{}' needs a frame token such as ####", node.type->name, spec.name));
             if (node.rate != Rate::frame && path.per_frame())
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
-            for (const auto& file : files(path)) {
-                const auto [first, fresh] = used.emplace(resolved(file), std::pair(mark, fmt::format("'{}' writes it here", node.name)));
-                if (fresh) continue;
-                add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), first->second.first, first->second.second);
-                break;
-            }
+            if (const auto other = first[claim++])
+                add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), who[*other].first, who[*other].second);
         });
     }
 
@@ -411,8 +393,9 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
     namespace fs = std::filesystem;
     std::error_code error;
     const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
+    const auto name = wanted.filename().string();
     const auto is = [&](const std::string& other) {
-        return fs::path(other).filename() == wanted.filename() && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
+        return fs::path(other).filename() == name && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
     };
     for (const auto& file : pipeline.files)
         if (is(file)) return "it is the pipeline";
@@ -421,6 +404,7 @@ std::string user_of(const Pipeline& pipeline, const std::string& path) {
             const bool reads = spec.shape.kind == Shape::Kind::input_path;
             if (!reads && spec.shape.kind != Shape::Kind::output_path) continue;
             const auto& pattern = spec.path(node.params.get());
+            if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
             for (const auto frame : pipeline.frames.frames()) {
                 if (is(pattern.at(frame))) return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
                 if (!pattern.per_frame()) break;

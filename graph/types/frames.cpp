@@ -235,6 +235,14 @@ std::string FrameSet::text() const {
     return out;
 }
 
+bool NameEnds::fits(const NameEnds& other) const {
+    // Where one name goes on, the other has a number, which begins with a minus or a digit and ends with a digit.
+    const auto [less, more] = std::minmax(begin, other.begin, [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    if (!more.starts_with(less) || (more.size() > less.size() && !digit(more[less.size()]) && more[less.size()] != '-')) return false;
+    const auto [shorter, longer] = std::minmax(end, other.end, [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    return longer.ends_with(shorter) && (longer.size() == shorter.size() || digit(longer[longer.size() - shorter.size() - 1]));
+}
+
 PathPattern::PathPattern(std::string text, std::string folder) : text_(std::move(text)), folder_(std::move(folder)) {
     const std::string_view all = text_;
     std::string literal;
@@ -255,10 +263,30 @@ PathPattern::PathPattern(std::string text, std::string folder) : text_(std::move
     if (!literal.empty()) parts_.push_back({std::move(literal), 0});
 }
 
+PathPattern PathPattern::literal(std::string path) {
+    PathPattern out;
+    out.parts_.push_back({path, 0});
+    out.text_ = std::move(path);
+    return out;
+}
+
 std::string PathPattern::at(int frame) const {
     std::string out;
     for (const auto& part : parts_) out += part.digits == 0 ? part.text : fmt::format("{:0{}}", frame, part.digits);
     return in_folder(folder_, out);
+}
+
+std::optional<NameEnds> PathPattern::name_ends() const {
+    NameEnds out;
+    bool numbered = false;
+    for (const auto& part : parts_) {
+        const auto slash = part.text.rfind('/');
+        if (numbered && slash != std::string::npos) return std::nullopt;
+        out.end = slash == std::string::npos ? part.text : part.text.substr(slash + 1);
+        if (part.digits > 0) numbered = true;
+        else if (!numbered) out.begin = out.end;
+    }
+    return out;
 }
 
 bool PathPattern::exists() const {

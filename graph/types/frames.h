@@ -29,6 +29,14 @@ private:
     std::vector<int> frames_;
 };
 
+/// What a file's name is, but for its frame numbers: the text before the first and after the last. A name without one is both.
+struct NameEnds {
+    std::string begin, end;
+
+    /// Whether both names could be one, by whatever numbers. False is certain.
+    bool fits(const NameEnds& other) const;
+};
+
 /// A path that may hold frame tokens: `####` (as many digits as hashes), `%04d`, `$F4`, `<frame>`, `<frame04>`.
 class PathPattern {
 public:
@@ -36,10 +44,15 @@ public:
     /// @param folder  base of a relative path; empty: the current folder
     explicit PathPattern(std::string text, std::string folder = {});
 
+    /// A path that is the same for every frame, whatever looks like a token in it.
+    static PathPattern literal(std::string path);
+
     const std::string& text() const { return text_; }
     bool per_frame() const { return per_frame_; }
     /// The path of one frame, relative paths joined to the folder. Without a token it is the same for all frames.
     std::string at(int frame) const;
+    /// The name of every frame's file; nothing if their folders differ, too.
+    std::optional<NameEnds> name_ends() const;
     /// Whether a file of any frame exists now.
     bool exists() const;
     /// The first part that looks like a frame token but is not one (`<fram>`, `$F99`, `%4d`, `@@@@`, `$JOB`), or empty.

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// File layout of an entry: magic, header size, size of the outputs, header checksum, header, outputs, checksum of all before.
+// Layout of an entry, in a file or a pack: magic, header size, size of the outputs, header checksum, header, outputs, checksum of all before.
 constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
 constexpr std::size_t seal_size = 16;
 
@@ -104,40 +104,60 @@ void write_all(const std::string& path, std::initializer_list<std::span<const ch
         }
 }
 
-/// The header of an open entry; nothing if the header or the file size is wrong. @param size  set to the file size, bytes
+/// Where the header of an entry ends; nothing if the prefix or the size is wrong. @param size  bytes of the entry
+std::optional<std::uint64_t> header_end(std::span<const char> prefix, std::uint64_t size) {
+    if (prefix.size() < prefix_size || std::string_view(prefix.data(), 16) != entry_magic) return std::nullopt;
+    const auto header = number_at<std::uint64_t>(prefix.data() + 16), body = number_at<std::uint64_t>(prefix.data() + 24);
+    if (header > size || body > size || prefix_size + header + body + seal_size != size) return std::nullopt;
+    return prefix_size + header;
+}
+
+/// The header in the first bytes of an entry; nothing if it or the size is wrong. @param size  bytes of the entry
+std::optional<Json> header_in(std::span<const char> bytes, std::uint64_t size) {
+    const auto end = header_end(bytes, size);
+    if (!end || *end > bytes.size()) return std::nullopt;
+    const auto text = bytes.subspan(prefix_size, *end - prefix_size);
+    if (checksum(text.data(), text.size()) != number_at<Key>(bytes.data() + 32)) return std::nullopt;
+    auto out = Json::parse(text.begin(), text.end(), nullptr, false);
+    return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
+}
+
+/// The header of an open file; nothing if the header or the file size is wrong. @param size  set to the file size, bytes
 std::optional<Json> header_of(int file, std::uint64_t& size) {
     struct stat about {};
     std::vector<char> bytes(prefix_size);
-    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size) || std::string_view(bytes.data(), 16) != entry_magic) return std::nullopt;
-    const auto header = number_at<std::uint64_t>(bytes.data() + 16), body = number_at<std::uint64_t>(bytes.data() + 24);
+    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size)) return std::nullopt;
     size = static_cast<std::uint64_t>(about.st_size);
-    if (header > size || body > size || prefix_size + header + body + seal_size != size) return std::nullopt;
-    const auto wanted = number_at<Key>(bytes.data() + 32);
-    bytes.resize(prefix_size + header);
-    if (!read_all(file, bytes.data() + prefix_size, header) || checksum(bytes.data() + prefix_size, header) != wanted) return std::nullopt;
-    auto out = Json::parse(bytes.begin() + prefix_size, bytes.end(), nullptr, false);
-    return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
+    const auto end = header_end(bytes, size);
+    if (!end) return std::nullopt;
+    bytes.resize(*end);
+    if (!read_all(file, bytes.data() + prefix_size, *end - prefix_size)) return std::nullopt;
+    return header_in(bytes, size);
 }
 
 }  // namespace
 
-Cache::Cache(const Registry& registry, std::string folder) : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache") {}
+Cache::Cache(const Registry& registry, std::string folder, std::size_t packed)
+    : registry_(registry), work_folder_(folder), folder_(folder.empty() ? folder : folder + "/cache"), packed_(packed), packs_(folder_) {}
 
 std::string Cache::path_of(const Key& key) const { return folder_ + "/" + key.path(); }
 
 void Cache::touch(const Key& key) const {
-    if (on() && key) utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);
+    if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0) packs_.touch(key);
 }
 
 std::optional<Json> Cache::look(const Key& key) const {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
     std::uint64_t size = 0;
-    return file.number < 0 ? std::nullopt : header_of(file.number, size);
+    if (file.number >= 0) return header_of(file.number, size);
+    const auto packed = packs_.read(key);
+    return packed ? header_in(*packed, packed->size()) : std::nullopt;
 }
 
 void Cache::remove_damaged(const Key& key) {
     ++damaged_;
+    packs_.drop(key);
     std::error_code ignored;
     fs::remove(path_of(key), ignored);
 }
@@ -145,15 +165,21 @@ void Cache::remove_damaged(const Key& key) {
 std::optional<Cache::Read> Cache::read(const Key& key) {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
-    if (file.number < 0) return std::nullopt;
-    std::uint64_t size = 0;
-    auto header = header_of(file.number, size);
+    std::vector<char> bytes;
+    if (file.number >= 0) {
+        std::uint64_t size = 0;
+        if (!header_of(file.number, size)) return remove_damaged(key), std::nullopt;
+        bytes.resize(size);
+        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_all(file.number, bytes.data(), size)) return remove_damaged(key), std::nullopt;
+    } else if (auto packed = packs_.read(key)) {
+        bytes = std::move(*packed);
+    } else {
+        return std::nullopt;
+    }
+    auto header = header_in(bytes, bytes.size());
     if (!header) return remove_damaged(key), std::nullopt;
-    std::vector<char> bytes(size);
-    const auto sealed = size - seal_size;
-    if (lseek(file.number, 0, SEEK_SET) != 0 || !read_all(file.number, bytes.data(), size) ||
-        checksum(bytes.data(), sealed) != number_at<Key>(bytes.data() + sealed))
-        return remove_damaged(key), std::nullopt;
+    const auto sealed = bytes.size() - seal_size;
+    if (checksum(bytes.data(), sealed) != number_at<Key>(bytes.data() + sealed)) return remove_damaged(key), std::nullopt;
     const auto body = prefix_size + number_at<std::uint64_t>(bytes.data() + 16);
     return Read{std::move(*header), std::move(bytes), body};
 }
@@ -214,6 +240,12 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         append(head, checksum(text.data(), text.size()));
         head.insert(head.end(), text.begin(), text.end());
         append(seal, ContentHash().bytes(head.data(), head.size()).bytes(body.data.data(), body.data.size()).digest());
+        // What has a file stays in it: a file is found before a record.
+        if (head.size() + body.data.size() + seal.size() <= packed_ && access(path_of(key).c_str(), F_OK) != 0) {
+            for (const auto* const part : {&body.data, &seal}) head.insert(head.end(), part->begin(), part->end());
+            packs_.add(key, head);
+            return true;
+        }
         OutputFile file(path_of(key));
         write_all(file.aside(), {head, body.data, seal});
         file.commit();
@@ -247,7 +279,7 @@ Cache::Trimmed Cache::trim(std::uint64_t most_bytes) const {
         fs::remove(entry.path, gone);
         out.left -= entry.size;
         out.bytes += entry.size;
-        ++out.entries;
+        ++out.files;
     }
     return out;
 }

@@ -2,6 +2,7 @@
 
 #include "graph/types/registry.h"
 #include "runtime/keep/content_hash.h"
+#include "runtime/keep/packs.h"
 
 #include <nlohmann/json.hpp>
 
@@ -14,9 +15,10 @@
 
 namespace fluidcarve {
 
-/// The entries of a work folder, found by their keys alone: the cache knows files, but no nodes (Store). Each entry is a file, named by
-/// its key. It is written to a temporary file with a checksum and then renamed. So any number of processes, on one machine or several,
-/// may share a folder without locks; they may compute the same result twice, but never damage an entry.
+/// The entries of a work folder, found by their keys alone: the cache knows files, but no nodes (Store). A large entry is a file, named by
+/// its key. It is written to a temporary file with a checksum and then renamed. Small entries lie many to a file (Packs). So any number
+/// of processes, on one machine or several, may share a folder without locks; they may compute the same result twice, but never damage
+/// an entry.
 ///
 /// An entry has a header, a JSON object set by the caller, and perhaps payloads. `store` adds {"outputs": [...]} to the header of an
 /// entry with payloads.
@@ -27,8 +29,11 @@ public:
         std::vector<Payload> outputs;  ///< null payloads stay null
     };
 
+    static constexpr std::size_t small = std::size_t{64} << 10;
+
     /// @param folder  the work folder; empty: the cache is off
-    Cache(const Registry& registry, std::string folder);
+    /// @param packed  bytes up to which an entry lies in a pack, unless it has a file already
+    Cache(const Registry& registry, std::string folder, std::size_t packed = small);
 
     bool on() const { return !folder_.empty(); }
     const Registry& registry() const { return registry_; }
@@ -36,7 +41,8 @@ public:
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
     /// Marks an entry as used now, for `trim`.
     void touch(const Key& key) const;
-    /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed.
+    /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed, or no longer found
+    /// in its pack.
     std::optional<Entry> load(const Key& key);
     /// Whether there is an entry with every byte intact; a damaged entry is removed.
     bool whole(const Key& key);
@@ -44,30 +50,32 @@ public:
     bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
     std::string fault() const;
     /// Number of damaged entries found so far.
-    std::size_t damaged() const { return damaged_; }
+    std::size_t damaged() const { return damaged_ + packs_.damaged(); }
 
     /// What `trim` removed.
     struct Trimmed {
-        std::size_t entries = 0;
-        std::uint64_t bytes = 0, left = 0;  ///< bytes of removed entries, and of entries that remain
+        std::size_t files = 0;              ///< entries and packs
+        std::uint64_t bytes = 0, left = 0;  ///< bytes of removed files, and of those that remain
     };
-    /// Removes the least recently used entries until at most `most_bytes` are left, and what is outdated (WorkFolder). Removes nothing from a
+    /// Removes the least recently used entries, a pack as one, until at most `most_bytes` are left, and what is outdated (WorkFolder). Removes nothing from a
     /// folder that is no work folder of fluidcarve.
     Trimmed trim(std::uint64_t most_bytes) const;
 
 private:
     struct Read {
         nlohmann::ordered_json header;
-        std::vector<char> bytes;  ///< the whole file
+        std::vector<char> bytes;  ///< the whole entry
         std::size_t body = 0;     ///< offset of the outputs in `bytes`
     };
     std::string path_of(const Key& key) const;
-    /// Reads the file of an entry and checks every byte; a damaged entry is removed.
+    /// Reads a whole entry and checks every byte; a damaged entry is removed.
     std::optional<Read> read(const Key& key);
     void remove_damaged(const Key& key);
 
     const Registry& registry_;
     const std::string work_folder_, folder_;
+    const std::size_t packed_;
+    mutable Packs packs_;
     mutable std::mutex mutex_;
     std::string fault_;
     std::atomic<std::size_t> damaged_{0};

@@ -1,7 +1,6 @@
 #include "runtime/keep/file_hashes.h"
 
 #include "graph/confinement.h"
-#include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 
@@ -12,7 +11,7 @@
 #include <unistd.h>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <vector>
 
 namespace fluidcarve {
@@ -22,9 +21,6 @@ namespace {
 constexpr double settled_seconds = 2;
 
 double seconds(const timespec& time) { return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec); }
-
-/// Checksum of a stored hash, to detect damage.
-Key seal_of(const struct stat& file, const Key& content) { return ContentHash().key(stamp_of(file)).key(content).digest(); }
 
 bool settled(const struct stat& file) {
     const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -40,7 +36,16 @@ Key stamp_of(const struct stat& file) {
     return hash.digest();
 }
 
-std::optional<FileHashes::Content> FileHashes::find(const std::string& path) const {
+Key FileHashes::stored(const Key& stamp) {
+    Key out;
+    const auto bytes = stored_.read(stamp);
+    if (!bytes || bytes->size() != sizeof out) return {};
+    std::memcpy(&out, bytes->data(), sizeof out);
+    stored_.touch(stamp);
+    return out;
+}
+
+std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
     const auto& confinement = Confinement::of_program();
     if (!confinement.refusal(path).empty()) return std::nullopt;
     // Without O_NONBLOCK, a pipe would not open before its writer does.
@@ -49,16 +54,14 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
     if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode) || !confinement.refusal_of_open(file.number).empty())
         return std::nullopt;
     const auto stamp = stamp_of(before);
-    const auto with = [&](const Key& key) { return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino}; };
-    const auto remembered = folder_.empty() ? std::string() : folder_ + "/" + stamp.path();
-    if (!remembered.empty() && settled(before) && confinement.refusal(remembered).empty()) {
-        std::string text, seal;
-        std::ifstream(remembered) >> text >> seal;
-        if (const auto key = Key::parse(text); key && seal == seal_of(before, key).text()) {
-            utimensat(AT_FDCWD, remembered.c_str(), nullptr, 0);
-            return with(key);
-        }
-    }
+    const Content found{{}, static_cast<std::uint64_t>(before.st_size), before.st_ino, stamp};
+    const auto with = [&](const Key& key) {
+        auto out = found;
+        out.key = key;
+        return out;
+    };
+    if (settled(before))
+        if (const auto key = stored(stamp)) return with(key);
 
     ContentHash hash;
     std::vector<char> buffer(std::size_t{1} << 20);
@@ -71,9 +74,9 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) con
     struct stat after {};
     if (fstat(file.number, &after) != 0 || stamp_of(after) != stamp_of(before)) return std::nullopt;
     const auto key = hash.digest();
-    if (!remembered.empty() && settled(after)) {
+    if (settled(after)) {
         try {
-            OutputFile::write(remembered, key.text() + " " + seal_of(after, key).text() + "\n");
+            stored_.add(stamp, {reinterpret_cast<const char*>(&key), sizeof key});
         } catch (const Failure&) {
             // The hash is not stored: the next run reads the file again.
         }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "runtime/keep/content_hash.h"
+#include "runtime/keep/packs.h"
 
 #include <map>
 #include <mutex>
@@ -15,7 +16,7 @@ namespace fluidcarve {
 /// Identifies one state of a file: hash of inode, size and times.
 Key stamp_of(const struct stat& file);
 
-/// Content hashes of files. They are stored in the work folder by each file's size, times and inode, so that an unchanged file is
+/// Content hashes of files. They are stored in the work folder (Packs) by each file's size, times and inode, so that an unchanged file is
 /// not read again, even if it or its folder was moved.
 class FileHashes {
 public:
@@ -26,7 +27,7 @@ public:
     };
 
     /// @param folder  where hashes are stored; empty: nowhere
-    explicit FileHashes(std::string folder) : folder_(std::move(folder)) {}
+    explicit FileHashes(std::string folder) : stored_(std::move(folder)) {}
 
     /// The content of a file at the first call for its path; later changes are ignored. Nothing if the file can't be read.
     std::optional<Content> of(const std::string& path);
@@ -36,9 +37,11 @@ public:
     void prepare(const std::vector<std::string>& paths);
 
 private:
-    std::optional<Content> find(const std::string& path) const;
+    std::optional<Content> find(const std::string& path);
+    /// The stored hash of a file in this state; zero if there is none.
+    Key stored(const Key& stamp);
 
-    const std::string folder_;
+    Packs stored_;  ///< stamp to hash
     std::mutex mutex_;
     std::map<std::string, std::optional<Content>> known_;
 };

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <bit>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,10 +21,65 @@ using nlohmann::json;
 
 constexpr std::size_t most_named = 3;
 
-/// Names in a row: "a, b and 2 others".
-std::string listed(const std::vector<std::string>& names) {
-    if (names.size() <= most_named) return fmt::format("{}", fmt::join(names, ", "));
-    return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), names.size() - most_named);
+/// Names in a row: "a, b and 2 others". @param names  at least the first `most_named` @param total  how many there are
+std::string listed(const std::vector<std::string>& names, std::size_t total) {
+    if (total <= most_named) return fmt::format("{}", fmt::join(names, ", "));
+    return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), total - most_named);
+}
+
+/// Per node: which changed nodes are upstream of it. A row of bits for each, so that ten thousand nodes in a chain take some MB.
+class ChangedUpstream {
+public:
+    explicit ChangedUpstream(const Pipeline& pipeline) : pipeline_(pipeline), rows_(pipeline.nodes.size()) {}
+
+    /// To be called for the nodes in order. @param changed  whether the node itself changed
+    void add(std::size_t n, bool changed) {
+        for (const auto& links : pipeline_.nodes[n].inputs)
+            for (const auto& link : links) {
+                const auto& upstream = rows_[link.node];
+                rows_[n].resize(std::max(rows_[n].size(), upstream.size()));
+                for (std::size_t word = 0; word < upstream.size(); ++word) rows_[n][word] |= upstream[word];
+                // Changed nodes are in order, as all nodes are.
+                if (const auto at = std::ranges::lower_bound(changed_, link.node); at != changed_.end() && *at == link.node)
+                    set(rows_[n], static_cast<std::size_t>(at - changed_.begin()));
+            }
+        if (changed) changed_.push_back(n);
+    }
+
+    bool none(std::size_t n) const { return rows_[n].empty(); }
+    std::string text(std::size_t n) const {
+        std::vector<std::string> first;
+        std::size_t total = 0;
+        for (std::size_t word = 0; word < rows_[n].size(); ++word) {
+            total += static_cast<std::size_t>(std::popcount(rows_[n][word]));
+            for (auto bits = rows_[n][word]; bits != 0 && first.size() < most_named; bits &= bits - 1)
+                first.push_back(pipeline_.nodes[changed_[word * bits_per_word + static_cast<std::size_t>(std::countr_zero(bits))]].name);
+        }
+        return listed(first, total);
+    }
+
+private:
+    using Row = std::vector<std::uint64_t>;
+    static constexpr std::size_t bits_per_word = 64;
+
+    static void set(Row& row, std::size_t bit) {
+        row.resize(std::max(row.size(), bit / bits_per_word + 1));
+        row[bit / bits_per_word] |= std::uint64_t{1} << bit % bits_per_word;
+    }
+
+    const Pipeline& pipeline_;
+    std::vector<std::size_t> changed_;  ///< nodes
+    std::vector<Row> rows_;             ///< per node: bit n is set if `changed_[n]` is upstream; no bits: none is
+};
+
+/// Per node: the nodes that read it, each once, in order.
+std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
+    std::vector<std::vector<std::size_t>> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        for (const auto& links : pipeline.nodes[n].inputs)
+            for (const auto& link : links)
+                if (auto& readers = out[link.node]; readers.empty() || readers.back() != n) readers.push_back(n);
+    return out;
 }
 
 /// Describes the differences between two states of a node.
@@ -158,37 +215,29 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
                                  const std::function<std::vector<bool>(std::size_t node)>& reads) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
-    std::vector<std::set<std::size_t>> roots(count);  ///< per node: changed nodes upstream
     std::vector<bool> fresh(count, false);
+    ChangedUpstream upstream(pipeline);
     for (std::size_t n = 0; n < count; ++n) {
         if (shares[n].frames == 0) continue;
         const auto& was = history.of(pipeline.nodes[n].name);
         fresh[n] = was.is_null();
         if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, dependencies, reads(n)));
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links) {
-                roots[n].insert(roots[link.node].begin(), roots[link.node].end());
-                if (fresh[link.node] || !own[link.node].empty()) roots[n].insert(link.node);
-            }
+        upstream.add(n, fresh[n] || !own[n].empty());
     }
+    const auto readers = readers_of(pipeline);
     std::vector<std::string> out(count);
     for (std::size_t n = 0; n < count; ++n) {
         const auto& node = pipeline.nodes[n];
         if (shares[n].runs == 0 && shares[n].taken_anew == 0) continue;
-        std::vector<std::string> changed, users;
-        for (const auto root : roots[n]) changed.push_back(pipeline.nodes[root].name);
-        for (std::size_t user = n + 1; user < count; ++user)
-            for (const auto& links : pipeline.nodes[user].inputs)
-                for (const auto& link : links)
-                    if (link.node == n && (shares[user].runs > 0 || shares[user].taken_anew > 0) &&
-                        (users.empty() || users.back() != pipeline.nodes[user].name))
-                        users.push_back(pipeline.nodes[user].name);
+        std::vector<std::string> users;
+        for (const auto user : readers[n])
+            if (shares[user].runs > 0 || shares[user].taken_anew > 0) users.push_back(pipeline.nodes[user].name);
         if (!history.on()) out[n] = "nothing is kept";
         else if (fresh[n]) out[n] = "never run";
-        else if (!own[n].empty()) out[n] = listed(own[n]);
-        else if (!changed.empty()) out[n] = "changed: " + listed(changed);
+        else if (!own[n].empty()) out[n] = listed(own[n], own[n].size());
+        else if (!upstream.none(n)) out[n] = "changed: " + upstream.text(n);
         else if (node.kept && pipeline.writes(n)) out[n] = "its files are missing, or not as it wrote them";
-        else if (!node.kept && !users.empty()) out[n] = "for " + listed(users);
+        else if (!node.kept && !users.empty()) out[n] = "for " + listed(users, users.size());
         else if (!node.kept) out[n] = "its results are not kept";
         else out[n] = "was not finished, or is no longer kept";
     }

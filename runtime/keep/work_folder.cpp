@@ -4,6 +4,7 @@
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/content_hash.h"
+#include "runtime/keep/packs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,6 +53,13 @@ std::vector<fs::path> hashed_files(const fs::path& folder) {
     return out;
 }
 
+/// Files that are named as packs are.
+std::vector<fs::path> pack_files(const fs::path& folder) {
+    auto out = files_in(folder, 0);
+    std::erase_if(out, [](const fs::path& file) { return !Packs::is_name(file.filename().string()); });
+    return out;
+}
+
 std::vector<fs::path> temporary_files(const fs::path& folder) {
     auto out = files_in(folder, 1);
     for (auto& file : files_in(folder, 0)) out.push_back(std::move(file));
@@ -59,7 +67,7 @@ std::vector<fs::path> temporary_files(const fs::path& folder) {
     return out;
 }
 
-/// Whether a file holds two hashes, as FileHashes writes them.
+/// Whether a file holds two hashes: that of an input file and a checksum, as earlier versions wrote them.
 bool is_file_hash(const fs::path& file) {
     std::string text, seal, more;
     std::ifstream in(file);
@@ -126,12 +134,15 @@ std::string WorkFolder::refusal() const {
 bool WorkFolder::is_entry(const fs::path& file) {
     std::array<char, 16> first{};
     std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    return std::string_view(first.data(), first.size()) == entry_magic;
+    return std::string_view(first.data(), first.size()) == entry_magic || Packs::is_pack(file);
 }
 
 std::vector<WorkFolder::Entry> WorkFolder::entries() const {
     std::vector<Entry> out;
-    for (const auto& file : hashed_files(fs::path(path_) / "cache")) {
+    const auto folder = fs::path(path_) / "cache";
+    auto files = hashed_files(folder);
+    for (auto& file : pack_files(folder)) files.push_back(std::move(file));
+    for (const auto& file : files) {
         std::error_code gone;  // another process may remove files too
         Entry entry{file, fs::last_write_time(file, gone), fs::file_size(file, gone)};
         if (!gone) out.push_back(std::move(entry));
@@ -143,6 +154,8 @@ std::vector<fs::path> WorkFolder::outdated() const {
     std::vector<fs::path> out;
     for (const auto& file : hashed_files(fs::path(path_) / "files"))
         if (older(file, unasked) && is_file_hash(file)) out.push_back(file);
+    for (const auto& file : pack_files(fs::path(path_) / "files"))
+        if (older(file, unasked) && Packs::is_pack(file)) out.push_back(file);
     for (const auto* const part : parts)
         for (const auto& file : temporary_files(fs::path(path_) / part))
             if (older(file, forgotten)) out.push_back(file);
@@ -152,10 +165,12 @@ std::vector<fs::path> WorkFolder::outdated() const {
 WorkFolder::Cleaned WorkFolder::clean() const {
     const fs::path root = path_;
     std::vector<fs::path> ours;
-    for (const auto& file : hashed_files(root / "cache"))
+    for (const auto& [file, used, size] : entries())
         if (is_entry(file)) ours.push_back(file);
     for (const auto& file : hashed_files(root / "files"))
         if (is_file_hash(file)) ours.push_back(file);
+    for (const auto& file : pack_files(root / "files"))
+        if (Packs::is_pack(file)) ours.push_back(file);
     for (const auto* const part : {"history", "runs"})
         for (const auto& file : files_in(root / part, 0))
             if (is_record(file, part == std::string_view("runs"))) ours.push_back(file);

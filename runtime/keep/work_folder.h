@@ -22,17 +22,17 @@ public:
     /// Why --confine forbids the folder or a part of it, which may be a link, and the remedy, to follow its path; empty: it does not.
     std::string refusal() const;
 
-    /// A cached result.
+    /// A file with a cached result, or a pack of them.
     struct Entry {
         std::filesystem::path path;
         std::filesystem::file_time_type used;
         std::uint64_t size = 0;  ///< bytes
     };
-    /// All cached results, by their names. A file of another form is none.
+    /// All files with cached results, by their names. A file of another form is none.
     std::vector<Entry> entries() const;
-    /// Hashes of input files that were not used for 30 days, and temporary files of killed runs that are older than a day.
+    /// Packs of hashes of input files that were not used for 30 days, and temporary files of killed runs that are older than a day.
     std::vector<std::filesystem::path> outdated() const;
-    /// Whether a file begins as a cached result does.
+    /// Whether a file begins as a cached result or a pack does.
     static bool is_entry(const std::filesystem::path& file);
 
     /// What `clean` did.

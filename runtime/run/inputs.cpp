@@ -35,15 +35,19 @@ private:
     const std::set<std::string, std::less<>> wanted_;
 };
 
-/// Names of a node's outputs that the run reads or caches.
-std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, std::size_t node, bool cache) {
-    std::set<std::string, std::less<>> out;
-    if (cache && pipeline.nodes[node].kept)
-        for (const auto& output : pipeline.nodes[node].outputs) out.insert(output.name);
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        for (const auto& links : pipeline.nodes[n].inputs)
-            for (const auto& link : links)
-                if (needed[n] && link.node == node) out.insert(pipeline.nodes[node].outputs[link.output].name);
+using OutputNames = std::set<std::string, std::less<>>;
+
+/// Per node: names of its outputs that the run reads or caches.
+std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vector<bool>& needed, bool cache) {
+    std::vector<OutputNames> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (cache && node.kept)
+            for (const auto& output : node.outputs) out[n].insert(output.name);
+        if (!needed[n]) continue;
+        for (const auto& links : node.inputs)
+            for (const auto& link : links) out[link.node].insert(pipeline.nodes[link.node].outputs[link.output].name);
+    }
     return out;
 }
 
@@ -52,12 +56,13 @@ std::set<std::string, std::less<>> wanted_outputs(const Pipeline& pipeline, cons
 Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
+    const auto wanted = wanted_outputs(pipeline, plan.needed, cache);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || !node.type->survey) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const std::optional<FrameSet> read = node.rate == Rate::fixed || plan.in_sequence[n] ? std::nullopt : deliver;
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted_outputs(pipeline, plan.needed, n, cache));
+        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n]);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;

@@ -117,6 +117,29 @@ TEST_CASE("every form of frame token takes the frame's number") {
 
 TEST_CASE("negative frames are padded as in fileseq") { CHECK(PathPattern("a.####.vdb").at(-5) == "a.-005.vdb"); }
 
+TEST_CASE("a file's name is known but for its numbers, if its folder has none") {
+    const auto ends = [](const char* text) {
+        const auto found = PathPattern(text, "shots").name_ends();
+        return found ? found->begin + " " + found->end : std::string("none");
+    };
+    CHECK(ends("v1/a.####.vdb") == "a. .vdb");
+    CHECK(ends("####") == " ");
+    CHECK(ends("a.#-b-##c/") == "none");
+    CHECK(ends("a.#-b-##c") == "a. c");
+    CHECK(ends("a/b.vdb") == "b.vdb b.vdb");
+    CHECK(ends("v####/a.#.vdb") == "none");
+    const auto fit = [](const char* a, const char* b) { return PathPattern(a).name_ends()->fits(*PathPattern(b).name_ends()); };
+    CHECK(fit("a.#.vdb", "a.<frame>.vdb"));
+    CHECK(fit("a.#.vdb", "a.1#.vdb"));
+    CHECK(fit("a.#.vdb", "a.-#.vdb"));
+    CHECK(fit("a.#.vdb", "a.0007.vdb"));
+    CHECK(fit("a.#", "a.#7"));
+    CHECK_FALSE(fit("a.#.vdb", "a.b.#.vdb"));
+    CHECK_FALSE(fit("a.#.vdb", "a.#.obj"));
+    CHECK_FALSE(fit("a.#", "a.#.b"));
+    CHECK_FALSE(fit("a.#.vdb", "b.0007.vdb"));
+}
+
 TEST_CASE("a path without a token is the same for every frame") {
     const PathPattern path("50% of a$/<1>@b.vdb");
     CHECK_FALSE(path.per_frame());

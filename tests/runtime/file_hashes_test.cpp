@@ -5,6 +5,8 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <chrono>
+#include <thread>
 
 using namespace fluidcarve;
 namespace fs = std::filesystem;
@@ -28,6 +30,12 @@ std::size_t remembered(const std::string& folder) {
     std::size_t out = 0;
     if (fs::exists(folder))
         for (const auto& each : fs::recursive_directory_iterator(folder)) out += each.is_regular_file() ? 1 : 0;
+    return out;
+}
+
+std::uintmax_t remembered_bytes(const std::string& folder) {
+    std::uintmax_t out = 0;
+    for (const auto& each : fs::recursive_directory_iterator(folder)) out += each.is_regular_file() ? each.file_size() : 0;
     return out;
 }
 
@@ -55,6 +63,26 @@ TEST_CASE("a file that changed a moment ago is not remembered by its times, sinc
     age(file);  // its state was changed just now, whatever its times say
     CHECK(key_of(file, folder) == first);
     CHECK(remembered(folder) == 0);
+}
+
+TEST_CASE("hashes of settled files are stored, all in one file, and read again by their times and inodes") {
+    const Scratch scratch;
+    const auto folder = scratch / "files";
+    fs::create_directory(scratch / "in");
+    std::vector<std::string> all;
+    std::vector<Key> keys;
+    for (int n = 0; n < 50; ++n) all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
+    for (const auto& file : all) keys.push_back(key_of(file));
+    {
+        FileHashes files(folder);
+        files.prepare(all);
+    }
+    CHECK(remembered(folder) == 1);
+    const auto before = remembered_bytes(folder);
+    fs::rename(scratch / "in", scratch / "moved");
+    for (std::size_t n = 0; n < all.size(); ++n) CHECK(key_of(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
+    CHECK(remembered_bytes(folder) == before);
 }
 
 TEST_CASE("a run knows a file as it first read it, until it asks anew") {

@@ -29,10 +29,10 @@ void put(const std::string& path, const std::string& text) {
 
 Key key_of(int number) { return ContentHash().number(static_cast<std::uint64_t>(number)).digest(); }
 
-/// Keeps so many numbers in a work folder.
-void keep(const std::string& folder, int count) {
+/// Keeps so many numbers in a work folder. @param packed  whether they share a file
+void keep(const std::string& folder, int count, bool packed = false) {
     const auto registry = toy::registry();
-    Cache cache(registry, folder);
+    Cache cache(registry, folder, packed ? Cache::small : 0);
     for (int n = 0; n < count; ++n) REQUIRE(cache.store(key_of(n), {{"n", n}}, {Payload(std::make_shared<toy::Number>(n))}));
 }
 
@@ -63,6 +63,7 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         const auto work = scratch / "work";
         WorkFolder(work).make();
         keep(work, 12);
+        Packs(work + "/files").add(key_of(0), std::string("a hash"));
         put(work + "/runs/shot.host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "p", "nodes": {}})");
         put(work + "/history/shot.json", R"({"sim": {"type": "toy.count", "version": 1}})");
         const auto before = files_of(work);
@@ -73,7 +74,8 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         for (int n = 0; n < 30; ++n) {
             std::string name;
             for (int c = 0; c < 30; ++c) name += hex[random() % 16];
-            const std::vector<std::string> names{name, "smoke.0001.vdb", ".hidden", "a.txt", "notes.json", ".smoke.part", ".a.b.part.vdb"};
+            const std::vector<std::string> names{name,    name + "ab.pack", name + "cd.open", "smoke.0001.vdb", ".hidden",
+                                                 "a.txt", "notes.json",     ".smoke.part",    ".a.b.part.vdb"};
             const auto path = work + part() + "/" + names[random() % names.size()];
             if (!before.contains(path)) put(path, "of somebody else " + std::to_string(n));
         }
@@ -81,10 +83,10 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         for (const auto& [path, text] : before) others.erase(path);
         const auto registry = toy::registry();
         Cache cache(registry, work);
-        CHECK(cache.trim(0).entries == 12);
-        CHECK(cache.trim(0).entries == 0);
+        CHECK(cache.trim(0).files == 12);
+        CHECK(cache.trim(0).files == 0);
         const auto [removed, left] = WorkFolder(work).clean();
-        CHECK(removed == 2);
+        CHECK(removed == 3);
         CHECK(left == others.size());
         auto now = files_of(work);
         now.erase(work + "/CACHEDIR.TAG");
@@ -101,7 +103,7 @@ TEST_CASE("a cache that is off trims nothing, not even in the current folder") {
     fs::current_path(work);
     const auto trimmed = Cache(registry, "").trim(0);
     fs::current_path(before);
-    CHECK(trimmed.entries == 0);
+    CHECK(trimmed.files == 0);
     CHECK(WorkFolder(work).entries().size() == 3);
 }
 
@@ -112,6 +114,25 @@ TEST_CASE("a work folder without others' files is gone once it is clean") {
     keep(work, 3);
     CHECK(WorkFolder(work).clean().removed == 3);
     CHECK(!fs::exists(work));
+    WorkFolder(work).make();
+    keep(work, 3, true);
+    CHECK(WorkFolder(work).entries().size() == 1);
+    CHECK(WorkFolder(work).clean().removed == 1);
+    CHECK(!fs::exists(work));
+}
+
+TEST_CASE("hashes of input files that nobody asked for in a month go, in packs and as earlier versions kept them") {
+    const Scratch scratch;
+    const auto work = scratch / "work", earlier = work + "/files/" + key_of(1).path();
+    WorkFolder(work).make();
+    Packs(work + "/files").add(key_of(0), std::string("a hash"));
+    put(earlier, key_of(2).text() + " " + key_of(3).text() + "\n");
+    CHECK(WorkFolder(work).outdated().empty());
+    for (const auto& [path, text] : files_of(work + "/files")) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
+    CHECK(WorkFolder(work).outdated().size() == 2);
+    put(work + "/files/" + std::string(32, 'a') + ".pack", "of somebody else");
+    CHECK(WorkFolder(work).clean().removed == 2);
+    CHECK(files_of(work + "/files").size() == 1);
 }
 
 TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
@@ -120,13 +141,13 @@ TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
     keep(bare, 3);
     const auto registry = toy::registry();
     const auto kept = Cache(registry, bare).trim(0);
-    CHECK(kept.entries == 0);
+    CHECK(kept.files == 0);
     CHECK(kept.left > 0);
     CHECK(files_of(bare).size() == 3);
     WorkFolder(linked).make();
     fs::create_directory_symlink(bare + "/cache", linked + "/cache");
     CHECK(WorkFolder(linked).fault() ==
           "'" + linked + "/cache' is a link: what it leads to may belong to others; make it a folder, or name another with --work");
-    CHECK(Cache(registry, linked).trim(0).entries == 0);
+    CHECK(Cache(registry, linked).trim(0).files == 0);
     CHECK(files_of(bare).size() == 3);
 }
