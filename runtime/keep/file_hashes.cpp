@@ -54,12 +54,7 @@ std::optional<FileHashes::Content> FileHashes::find(const std::string& path) {
     if (file.number < 0 || fstat(file.number, &before) != 0 || !S_ISREG(before.st_mode) || !confinement.refusal_of_open(file.number).empty())
         return std::nullopt;
     const auto stamp = stamp_of(before);
-    const Content found{{}, static_cast<std::uint64_t>(before.st_size), before.st_ino, stamp};
-    const auto with = [&](const Key& key) {
-        auto out = found;
-        out.key = key;
-        return out;
-    };
+    const auto with = [&](const Key& key) { return Content{key, static_cast<std::uint64_t>(before.st_size), before.st_ino}; };
     if (settled(before))
         if (const auto key = stored(stamp)) return with(key);
 
