@@ -233,9 +233,10 @@ TEST_CASE("a VDB file of points that is cut off, or holds what is no position, i
     auto ply = ply_at({Vec3d(0), Vec3d(1, 2, 3)});
     const auto good = grid_of(ply);
     require_sound(*good, "a.vdb");
-    Points points;
-    points.grid = with_images(*good, {{0, false, {}}, {1, true, Vec3d(1, std::numeric_limits<double>::quiet_NaN(), 3)}});
-    CHECK(failure_of([&] { require_sound(*points.grid, "a.vdb"); }).find("a.vdb is damaged: grid 'points': the position of a point in voxel [") == 0);
+    const auto damaged = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(good->deepCopyGrid());
+    const auto leaf = damaged->tree().beginLeaf();
+    openvdb::points::AttributeWriteHandle<openvdb::Vec3f>::create(leaf->attributeArray("P"))->set(0, openvdb::Vec3f(1, std::nanf(""), 3));
+    CHECK(failure_of([&] { require_sound(*damaged, "a.vdb"); }).find("a.vdb is damaged: grid 'points': the position of a point in voxel [") == 0);
 }
 
 TEST_CASE("attributes of several values per point stay with their points, also where a leaf holds them as one") {
