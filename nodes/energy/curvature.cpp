@@ -17,7 +17,7 @@ struct Curvature {
         Ref<FloatGrid> energy;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
         io.energy = curvature_energy(*io.surface, params.gain);
     }
 };

@@ -15,7 +15,7 @@ struct Gradient {
         Ref<FloatGrid> energy;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
         io.energy = gradient_energy(*io.field, params.gain);
     }
 };

@@ -31,7 +31,7 @@ struct SurfaceEnergy {
     }
 
     static void require_terms_fit(const Ports& io, const Context& context) {
-        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
         if (io.velocity) require_collocation_fits(*io.velocity, context.memory_budget());
     }
 

@@ -38,8 +38,8 @@ struct VolumeEnergy {
     }
 
     static void require_terms_fit(const Ports& io, const Context& context) {
-        if (io.velocity) require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
-        for (const auto& field : io.fields) require_borders_fit(*field, sizeof(float), context.memory_budget());
+        if (io.velocity) require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        for (const auto& field : io.fields) require_stencil_fits(*field, sizeof(float), context.memory_budget());
     }
 
     static std::shared_ptr<FrameRanges> digest(const Params& params, const Ports& io, Context& context) {

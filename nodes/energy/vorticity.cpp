@@ -16,7 +16,7 @@ struct Vorticity {
         Ref<FloatGrid> energy;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
         io.energy = vorticity_energy(io.velocity, params.gain);
     }
 };

@@ -32,7 +32,7 @@ Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
 }
 
 void require_collocation_fits(const VectorGrid& velocity, std::uint64_t budget) {
-    if (velocity.getGridClass() == openvdb::GRID_STAGGERED) require_borders_fit(velocity, sizeof(openvdb::Vec3s), budget);
+    if (velocity.getGridClass() == openvdb::GRID_STAGGERED) require_stencil_fits(velocity, sizeof(openvdb::Vec3s), budget);
 }
 
 NodeType field_collocate() {

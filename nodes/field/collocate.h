@@ -12,7 +12,7 @@ namespace fluidcarve {
 /// @throws Failure naming the grid and the voxel if a value is not finite
 Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity);
 
-/// Checks, before `collocated`, that its result fits in memory. @param budget  as in grid_fits @throws Failure as refuse_dense
+/// Checks, before `collocated`, that its result fits in memory. @param budget  as in grid_fits @throws Failure as require_dense_fits
 void require_collocation_fits(const VectorGrid& velocity, std::uint64_t budget);
 
 NodeType field_collocate();

@@ -13,7 +13,7 @@ struct FieldCurl {
         Ref<VectorGrid> velocity, curl;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_borders_fit(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
+        require_stencil_fits(*io.velocity, sizeof(openvdb::Vec3s), context.memory_budget());
         io.curl = curl_field(io.velocity);
     }
 };

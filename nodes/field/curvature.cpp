@@ -18,7 +18,7 @@ struct FieldCurvature {
         Ref<FloatGrid> curvature;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
         io.curvature = curvature_field(*io.field);
     }
 };

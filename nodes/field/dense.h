@@ -15,14 +15,10 @@ bool grid_fits(double bytes, std::uint64_t budget);
 /// Bytes of a voxel in a leaf of states, such as that of a mask.
 inline constexpr double state_bytes = 0.25;
 
-/// Always throws. @param bytes  of memory, of what `what` names
-/// @throws Failure (input) naming grid, voxels, memory and remedy
-[[noreturn]] void refuse_dense(const openvdb::GridBase& grid, const char* what, double bytes, std::uint64_t budget);
-
 /// Checks, before all active tiles of a grid become voxels, that these fit in memory.
 /// @param value_bytes  bytes of a voxel's value
 /// @param budget       as in grid_fits
-/// @throws Failure as refuse_dense
+/// @throws Failure (input) naming grid, voxels, memory and remedy
 void require_dense_fits(const openvdb::GridBase& grid, double value_bytes, std::uint64_t budget);
 
 }  // namespace fluidcarve

@@ -64,7 +64,7 @@ struct FieldFilter {
         Ref<FloatGrid> field, filtered;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.field, sizeof(float), context.memory_budget(), reach(params.mode, params.width, params.iterations));
+        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
         io.filtered = filtered_field(*io.field, params.mode, params.width, params.iterations);
     }
 };

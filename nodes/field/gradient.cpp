@@ -13,7 +13,7 @@ struct FieldGradient {
         Ref<VectorGrid> gradient;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_borders_fit(*io.field, sizeof(openvdb::Vec3s), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(openvdb::Vec3s), context.memory_budget());
         io.gradient = gradient_field(*io.field);
     }
 };

@@ -12,7 +12,7 @@ struct FieldLaplacian {
         Ref<FloatGrid> laplacian;
     };
     static void run(const Params&, Ports& io, Context& context) {
-        require_borders_fit(*io.field, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.field, sizeof(float), context.memory_budget());
         io.laplacian = laplacian_field(*io.field);
     }
 };

@@ -59,23 +59,12 @@ void open_tile_borders(Tree& tree, int reach = 1) {
     }
 }
 
-/// Checks, before open_tile_borders, that the voxels at the borders fit in memory, and that all voxels have neighbours in index space.
-/// @param value_bytes    bytes of a voxel's value
-/// @param budget, reach  as in grid_fits and open_tile_borders
-/// @throws Failure as refuse_dense and require_near
-template <class Grid>
-void require_borders_fit(const Grid& grid, double value_bytes, std::uint64_t budget, int reach = 1) {
-    using Tree = typename Grid::TreeType;
-    constexpr int step = Tree::LeafNodeType::DIM;
+/// Checks, before a stencil opens tiles, that all active voxels fit in memory, and that all have neighbours in index space.
+/// @param value_bytes, budget  as in require_dense_fits
+/// @throws Failure as require_dense_fits and require_near
+inline void require_stencil_fits(const openvdb::GridBase& grid, double value_bytes, std::uint64_t budget) {
     require_near(grid.getName(), grid.evalActiveVoxelBoundingBox());
-    double leaves = 0;
-    each_active_tile(grid.tree(), [&](const openvdb::CoordBBox& box) {
-        const auto cube = [](double side) { return side * side * side; };
-        const int side = (box.max().x() - box.min().x() + 1) / step;
-        leaves += cube(side) - cube(std::max(0, side - 2 * border_leaves<Tree>(reach)));
-    });
-    const double bytes = leaves * Tree::LeafNodeType::SIZE * value_bytes;
-    if (!grid_fits(bytes, budget)) refuse_dense(grid, "as voxels, the borders of these", bytes, budget);
+    require_dense_fits(grid, value_bytes, budget);
 }
 
 namespace detail {

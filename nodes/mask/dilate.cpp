@@ -22,7 +22,7 @@ struct MaskDilate {
         Ref<MaskGrid> mask, dilated;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.mask, state_bytes, context.memory_budget(), reach(params.voxels));
+        require_stencil_fits(*io.mask, state_bytes, context.memory_budget());
         io.dilated = dilated_mask(*io.mask, params.voxels);
     }
 };

@@ -19,7 +19,7 @@ struct SdfToMesh {
         Ref<Mesh> mesh;
     };
     static void run(const Params& params, Ports& io, Context& context) {
-        require_borders_fit(*io.surface, sizeof(float), context.memory_budget());
+        require_stencil_fits(*io.surface, sizeof(float), context.memory_budget());
         io.mesh = std::make_shared<Mesh>(surface_mesh(*io.surface, params.isovalue, params.adaptivity));
     }
 };

@@ -48,25 +48,7 @@ TEST_CASE("what tiles take as voxels is counted before it is made") {
         "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels these would take 275 GB, but --memory allows 8.00 GB: crop the "
         "grid, or raise --memory");
     CHECK(failure_of([&] { require_dense_fits(*grid, sizeof(float), 300 * gigabyte); }) == "");
-    CHECK(failure_of([&] { require_borders_fit(*grid, sizeof(float), gigabyte); }) ==
-          "grid 'density' has 68719476736 active voxels, 68719476736 of them in tiles; as voxels, the borders of these would take 3.21 GB, but --memory allows "
-          "1.00 GB: crop the grid, or raise --memory");
-    CHECK(failure_of([&] { require_borders_fit(*grid, sizeof(float), 4 * gigabyte); }) == "");
     CHECK(grid_fits(6e7, 0));
-}
-
-TEST_CASE("the borders of a tile are counted as they are opened") {
-    for (const int reach : {1, 8, 9, 40}) {
-        FloatGrid grid;
-        grid.tree().addTile(2, Coord(128), 1.0f, true);
-        grid.tree().addTile(1, Coord(0), 1.0f, true);
-        auto opened = grid.tree();
-        open_tile_borders(opened, reach);
-        const auto bytes = static_cast<double>(opened.leafCount()) * 512 * sizeof(float) * 1e6;
-        INFO(reach);
-        CHECK(failure_of([&] { require_borders_fit(grid, sizeof(float) * 1e6, static_cast<std::uint64_t>(bytes), reach); }) == "");
-        CHECK(failure_of([&] { require_borders_fit(grid, sizeof(float) * 1e6, static_cast<std::uint64_t>(bytes) - 1, reach); }) != "");
-    }
 }
 
 TEST_CASE("nodes refuse tiles that would not fit as voxels") {
