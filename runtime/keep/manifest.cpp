@@ -133,7 +133,7 @@ public:
 private:
     /// @return false if another process has the lock
     bool take() {
-        file_ = std::make_unique<Descriptor>(open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+        file_.reset(new Descriptor{open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)});
         if (file_->number < 0) throw Failure(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
         if (flock(file_->number, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK || errno == EINTR) return false;
