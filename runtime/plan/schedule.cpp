@@ -21,14 +21,14 @@ public:
     Schedule make() {
         clear_frames();
         for (std::size_t n = 0; n < pipeline_.nodes.size(); ++n)
-            if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) once(n);
+            if (plan_.targets[n] && pipeline_.nodes[n].rate != Rate::frame && !known_.result(n, 0)) work({Visit::once, n});
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) deliver(pass);
         // The first round found everything that must run. In the second round later passes load what earlier passes cache.
         earlier_kept_ = true;
         clear_frames();
         for (std::size_t pass = 0; pass < plan_.passes.size(); ++pass) {
             for (const auto n : plan_.passes[pass].gatherers)
-                if (out_.gathers[n]) take(n);
+                if (out_.gathers[n]) work({Visit::take_all, n});
             deliver(pass);
         }
         return std::move(out_);
@@ -46,17 +46,44 @@ private:
         for (std::size_t place = 0; place < delivered_.size(); ++place) {
             if (!delivered_[place]) continue;
             for (const auto n : plan_.passes[pass].delivers)
-                if (!known_.result(n, place)) frame(n, place, pass);
-            if (plan_.digested && plan_.gathered_in[*plan_.digested] == pass) take(*plan_.digested, place);
+                if (!known_.result(n, place)) work({Visit::frame, n, place, pass});
+            if (plan_.digested && plan_.gathered_in[*plan_.digested] == pass) work({Visit::take, *plan_.digested, place});
         }
     }
+
+    /// A node to be scheduled. Each leads to those that it needs.
+    struct Visit {
+        enum Kind { once, frame, gather, take_all, take } kind;
+        std::size_t node, place = 0, pass = 0;
+    };
+
+    /// Schedules a node, and then what it needs, in depth-first order. It has a list of its own, since pipelines may be deeper than the
+    /// program's stack.
+    void work(const Visit& first) {
+        later(first);
+        while (!open_.empty()) {
+            const auto [kind, node, place, pass] = open_.back();
+            open_.pop_back();
+            const auto before = static_cast<std::ptrdiff_t>(open_.size());
+            switch (kind) {
+                case Visit::once: once(node); break;
+                case Visit::frame: frame(node, place, pass); break;
+                case Visit::gather: gather(node); break;
+                case Visit::take_all: take_all(node); break;
+                case Visit::take: take(node, place); break;
+            }
+            std::reverse(open_.begin() + before, open_.end());
+        }
+    }
+
+    void later(const Visit& visit) { open_.push_back(visit); }
 
     void once(std::size_t n) {
         auto& action = out_.once[n];
         if (action != Action::none) return;
         action = known_.result(n, 0) ? Action::load : Action::run;
         if (action == Action::load) return;
-        if (pipeline_.nodes[n].streams_in()) gather(n);
+        if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         else inputs(n, 0, 0);
     }
 
@@ -65,7 +92,7 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
-        if (pipeline_.nodes[n].streams_in()) gather(n);
+        if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         inputs(n, place, pass);
     }
 
@@ -78,15 +105,15 @@ private:
     void gather(std::size_t n) {
         if (out_.gathers[n]) return;
         out_.gathers[n] = 1;
-        take(n);
+        later({Visit::take_all, n});
         for (const auto& links : pipeline_.nodes[n].inputs)
             for (const auto& link : links)
-                if (pipeline_.nodes[link.node].rate != Rate::frame) once(link.node);
+                if (pipeline_.nodes[link.node].rate != Rate::frame) later({Visit::once, link.node});
     }
 
-    void take(std::size_t n) {
+    void take_all(std::size_t n) {
         for (std::size_t place = 0; place < delivered_.size(); ++place)
-            if (known_.wants(n, place)) take(n, place);
+            if (known_.wants(n, place)) later({Visit::take, n, place});
     }
 
     void take(std::size_t n, std::size_t place) {
@@ -100,8 +127,8 @@ private:
     void inputs(std::size_t n, std::size_t place, std::size_t pass) {
         for (const auto& links : pipeline_.nodes[n].inputs)
             for (const auto& link : links) {
-                if (pipeline_.nodes[link.node].rate == Rate::frame) frame(link.node, place, pass);
-                else once(link.node);
+                if (pipeline_.nodes[link.node].rate == Rate::frame) later({Visit::frame, link.node, place, pass});
+                else later({Visit::once, link.node});
             }
     }
 
@@ -111,6 +138,7 @@ private:
     const Known& known_;
     Schedule out_;
     bool earlier_kept_ = false;
+    std::vector<Visit> open_;  ///< the next one is the last
 };
 
 }  // namespace
