@@ -26,7 +26,7 @@ public:
     Called call(const std::string& verb, const std::string& more = {}) const {
         return fluidcarve_program(verb + " " + root + "/shot/p.yaml --confine " + root + "/shot " + more);
     }
-    Called run(const std::string& more = {}) const { return call("run", "--progress none --work " + root + "/shot/work " + more); }
+    Called run(const std::string& more = {}) const { return call("run", "--progress none --work " + root + "/shot/kept " + more); }
     std::string refusal(const std::string& path) const {
         return " leads to " + path + ", outside of --confine (" + root + "/shot); move it there, or name its folder by another --confine\n";
     }
@@ -42,7 +42,7 @@ TEST_CASE("a confined pipeline runs within its folders") {
     const Confined at;
     CHECK(at.call("check").code == 0);
     CHECK(at.call("graph").code == 0);
-    CHECK(at.call("plan", "--work " + at.root + "/shot/work").code == 0);
+    CHECK(at.call("plan", "--work " + at.root + "/shot/kept").code == 0);
     const auto ran = at.run("--sync --report " + at.root + "/shot/r.json --html " + at.root + "/shot/new/r.html");
     CHECK(ran.err.starts_with("done: 2 frames"));
     CHECK(ran.code == 0);
@@ -121,10 +121,10 @@ TEST_CASE("the report, the page, the profile and the work folder of a confined r
     const auto work = at.call("run", "--work " + at.root + "/secret");
     CHECK(work.err == "--work: " + at.root + "/secret" + at.refusal(at.root + "/secret"));
     CHECK(work.code == 2);
-    fs::create_directories(at.root + "/shot/work");
-    fs::create_symlink(at.root + "/secret", at.root + "/shot/work/cache");
+    fs::create_directories(at.root + "/shot/kept");
+    fs::create_symlink(at.root + "/secret", at.root + "/shot/kept/cache");
     const auto part = at.run();
-    CHECK(part.err == "--work: " + at.root + "/shot/work" + at.refusal(at.root + "/secret"));
+    CHECK(part.err == "--work: " + at.root + "/shot/kept" + at.refusal(at.root + "/secret"));
     CHECK(part.code == 2);
     CHECK_FALSE(at.written());
 }
