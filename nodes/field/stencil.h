@@ -21,29 +21,16 @@ double cubic_voxel_size(const openvdb::GridBase& grid);
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);
 [[noreturn]] void refuse_not_finite(const VectorGrid& grid, const openvdb::Coord& beside);
 
-/// Leaves along a side of a tile that belong to its border.
-/// @param reach  voxels
-template <class Tree>
-constexpr int border_leaves(int reach) {
-    return (reach + static_cast<int>(Tree::LeafNodeType::DIM) - 1) / static_cast<int>(Tree::LeafNodeType::DIM);
-}
-
-/// Calls `visit(box)` for each active tile of a tree.
-template <class Tree, class Visit>
-void each_active_tile(const Tree& tree, const Visit& visit) {
-    auto tile = tree.cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile) visit(tile.getBoundingBox());
-}
-
 /// Turns the border of each active tile into leaves, so that all voxels within `reach` voxels of what remains of the tile have its value.
 /// @param reach  voxels
 template <class Tree>
 void open_tile_borders(Tree& tree, int reach = 1) {
     constexpr int step = Tree::LeafNodeType::DIM;
-    const int border = border_leaves<Tree>(reach);
+    const int border = (reach + step - 1) / step;  // in leaves
     std::vector<openvdb::CoordBBox> boxes;
-    each_active_tile(tree, [&](const openvdb::CoordBBox& box) { boxes.push_back(box); });
+    auto tile = tree.cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) boxes.push_back(tile.getBoundingBox());
     for (const auto& box : boxes) {
         // Counted in leaves: one tile ends where index space ends.
         const int leaves = (box.max().x() - box.min().x() + 1) / step;
