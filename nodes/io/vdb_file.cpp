@@ -145,7 +145,7 @@ public:
 
     /// What a grid takes. An instance takes nothing of its own.
     std::optional<GridMemory> memory(const GridDescriptor& of) {
-        constexpr std::int64_t most_counted = 4 << 20;
+        constexpr std::int64_t most_counted = 256 << 10;  // a survey looks at every frame, and must stay quick
         if (of.isInstance() || !is_known_tree(of.gridType())) return std::nullopt;
         VdbHeader::Entry entry;
         describe(of, entry);

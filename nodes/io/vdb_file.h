@@ -58,7 +58,7 @@ public:
     Volume read();
     /// Reads one grid only. @param place  index in VdbHeader::grids @throws Failure (input) as read()
     openvdb::GridBase::Ptr read(std::size_t place);
-    /// Counts what a grid takes. @return nothing if its topology is larger than 4 MiB, or can't be counted
+    /// Counts what a grid takes. @return nothing if its topology is larger than 256 KiB, or can't be counted
     std::optional<GridMemory> memory(std::size_t place);
 
 private:
