@@ -340,26 +340,31 @@ TEST_CASE("a full disk leaves the old file alone and no other behind") {
 TEST_CASE("what a grid takes is counted from its topology, and refused beyond the memory") {
     const Scratch scratch;
     // Far from each other: each voxel has inner nodes of its own.
-    const auto sparse = FloatGrid::create();
-    sparse->setName("sparse");
-    for (int n = 0; n < 260; ++n) sparse->tree().setValue(openvdb::Coord(4096 * n, 0, 0), 1.0f);
+    const auto far_voxels = [](const std::string& name, int count) {
+        const auto out = FloatGrid::create();
+        out->setName(name);
+        for (int n = 0; n < count; ++n) out->tree().setValue(openvdb::Coord(4096 * n, 0, 0), 1.0f);
+        return out;
+    };
+    const auto sparse = far_voxels("sparse", 20), large = far_voxels("large", 260);
     const auto tile = FloatGrid::create();
     tile->setName("tile");
     tile->tree().root().addTile(openvdb::Coord(0), 1.0f, true);
     const auto path = scratch / "grids.vdb";
-    write_vdb(path, {{sparse, tile}, {}, {}});
+    write_vdb(path, {{sparse, tile, large}, {}, {}});
 
     VdbFile file(path);
     const auto of_sparse = file.memory(0), of_tile = file.memory(1);
     REQUIRE(of_sparse);
     CHECK(static_cast<double>(of_sparse->tree) == Approx(static_cast<double>(sparse->memUsage())).epsilon(0.1));
-    CHECK(of_sparse->dense == 260 * sizeof(float));
+    CHECK(of_sparse->dense == 20 * sizeof(float));
     REQUIRE(of_tile);
     CHECK(of_tile->tree < 1000);
     CHECK(of_tile->dense == (std::uint64_t{1} << 36) * sizeof(float));
-    CHECK(file.read(0)->activeVoxelCount() == 260);
+    CHECK(file.read(0)->activeVoxelCount() == 20);
 
-    CHECK(failure_of([&] { VdbFile(path, 1'000'000).read(0); }).starts_with(path + ": grid 'sparse' takes 7"));
+    CHECK_FALSE(file.memory(2));  // its topology is larger than a survey reads
+    CHECK(failure_of([&] { VdbFile(path, 1'000'000).read(2); }).starts_with(path + ": grid 'large' takes 7"));
     CHECK(failure_of([&] { VdbFile(path, 1'000'000).read(); }).ends_with(" MB of memory, but --memory allows 1.00 MB: crop the grid, or raise --memory"));
     CHECK(VdbFile(path, 1'000'000).read(1)->activeVoxelCount() == std::uint64_t{1} << 36);
 }
