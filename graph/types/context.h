@@ -21,6 +21,7 @@ public:
         virtual ~Host() = default;
         virtual bool cancelled() const { return false; }
         virtual void warn(const std::string& /*message*/) {}
+        virtual void warn_at_once(const std::string& message) { warn(message); }
         virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
@@ -50,6 +51,8 @@ public:
     void hold(const Payload& result) const { host_->hold(result); }
     /// Shows a warning at the end of the run and adds it to the report, once per node and text.
     void warn(const std::string& message) const { host_->warn(message); }
+    /// The same, shown now: for what makes the work ahead, which may take long, useless.
+    void warn_at_once(const std::string& message) const { host_->warn_at_once(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/context.h"
+#include "graph/types/foresight.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
 
@@ -90,6 +91,7 @@ public:
     virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< bytes of memory for the frame, estimated from its file
     virtual void leave_out(int frame) = 0;                            ///< removes the frame for all nodes; its neighbours become adjacent in time
     virtual void missing(int frame, const std::string& message) = 0;  ///< the file is missing or unreadable
+    virtual void lies(std::string_view /*output*/, const Region&) {}  ///< where an output lies, if the files tell without being read whole
     virtual void warn(const std::string& message) = 0;
 };
 
@@ -145,7 +147,8 @@ struct NodeType {
     std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files
+    std::function<void(const void* params, Survey&)> survey;      ///< empty: reads no files
+    std::function<void(const void* params, Foresight&)> foresee;  ///< empty: outputs lie where the inputs lie
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
@@ -223,6 +226,7 @@ FLUIDCARVE_HOOK(wants)
 FLUIDCARVE_HOOK(animates)
 FLUIDCARVE_HOOK(check)
 FLUIDCARVE_HOOK(survey)
+FLUIDCARVE_HOOK(foresee)
 #undef FLUIDCARVE_HOOK
 }  // namespace detail
 
@@ -251,6 +255,7 @@ FLUIDCARVE_HOOK(survey)
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files before the run
+///     static void foresee(const Params&, Foresight&);                looks before the run at where its inputs lie
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
@@ -281,6 +286,8 @@ public:
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
         if constexpr (detail::has_survey<Node>)
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
+        if constexpr (detail::has_foresee<Node>)
+            type_.foresee = [](const void* params, Foresight& ahead) { Node::foresee(*static_cast<const Params*>(params), ahead); };
         type_.bind = &bind;
     }
 
@@ -413,6 +420,9 @@ private:
     static_assert(
         !detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
         "`survey` must be `static void survey(const Params&, Survey&)`");
+    static_assert(
+        !detail::has_foresee<Node> || requires(const Params& params, Foresight& ahead) { Node::foresee(params, ahead); },
+        "`foresee` must be `static void foresee(const Params&, Foresight&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {

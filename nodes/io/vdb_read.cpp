@@ -2,6 +2,7 @@
 
 #include "nodes/field/same_transform.h"
 #include "nodes/io/file_sequence.h"
+#include "nodes/io/header_region.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
@@ -235,23 +236,29 @@ struct VdbRead {
     /// Finds files that can't be read or lack a grid before the run starts.
     static void survey(const Params& params, Survey& survey) {
         Steadiness steadiness;
+        std::map<std::string, HeaderRegion> regions;
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
             for (const auto& [output, choice] : params.grids)
                 if (survey.wants(output))
-                    for (const auto place : contents.places(output, choice)) places.insert(place);
+                    for (const auto place : contents.places(output, choice)) {
+                        places.insert(place);
+                        regions[output].add(contents.header().grids[place], placement_of(params));
+                    }
             const auto named = places;
             if (survey.wants("volume"))
                 for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
             steadiness.look(contents.header(), places, frame, survey);
             survey.expect(frame, memory_of(contents, places, named));
         });
+        for (const auto& [output, of] : regions)
+            if (const auto region = of.region()) survey.lies(output, *region);
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
         Contents contents(file_of(params.path, params.missing, context), params.profile, context.memory_budget());
-        const Placement placement{openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
+        const auto placement = placement_of(params);
         std::map<std::string, std::vector<std::size_t>> places;
         for (const auto& [output, choice] : params.grids)
             if (context.wants(output)) places[output] = contents.places(output, choice);
@@ -272,6 +279,11 @@ struct VdbRead {
             }
             io.grids[output] = contents.typed(made_of, params.grids.at(output), placement);
         }
+    }
+
+private:
+    static Placement placement_of(const Params& params) {
+        return {openvdb::Vec3d(params.translate[0], params.translate[1], params.translate[2]), params.scale};
     }
 };
 

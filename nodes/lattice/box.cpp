@@ -70,6 +70,11 @@ struct Box {
         }
     }
 
+    static void foresee(const Params& params, Foresight& ahead) {
+        if (params.min && params.max) ahead.lies(Region{{Region::Box{*params.min, *params.max}}, {}});
+        else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
+    }
+
     static std::shared_ptr<ActiveBox> digest(const Params&, const Ports& io, Context&) {
         const auto& grid = *io.fit->grid;
         return std::make_shared<ActiveBox>(ActiveBox{grid.getName(), grid.transform().copy(), grid.evalActiveVoxelBoundingBox()});

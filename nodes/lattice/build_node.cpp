@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace fluidcarve {
 
@@ -53,6 +54,11 @@ public:
         if (!(params.spacing > 0)) return check.fault("spacing", "'spacing' must be above 0");
         check_extent("extent_u", params.extent_u, params.spacing, check);
         check_extent("extent_v", params.extent_v, params.spacing, check);
+    }
+
+    static void foresee(const Params& params, Foresight& ahead) {
+        const auto most = [](const Interval& extent) { return std::max(std::abs(extent.low), std::abs(extent.high)); };
+        if (const auto* const rig = ahead.region("rig")) ahead.lies(widened(*rig, std::hypot(most(params.extent_u), most(params.extent_v))));
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

@@ -41,6 +41,12 @@ struct Threshold {
         if (params.above && params.below && *params.above > *params.below)
             check.fault("above", fmt::format("parameter 'above', {:g}, is higher than 'below', {:g}: no value fits", *params.above, *params.below));
     }
+    static void foresee(const Params&, Foresight& ahead) {
+        const auto* const field = ahead.region("field");
+        if (!field) return;
+        if (field->boxes.empty()) ahead.warn("by their headers, the files that `field` comes from have no active voxels in any frame: the mask is empty");
+        ahead.lies(*field);
+    }
     static void run(const Params& params, Ports& io, Context&) {
         constexpr auto unbounded = std::numeric_limits<double>::infinity();
         io.mask = threshold_mask(*io.field, params.above.value_or(-unbounded), params.below.value_or(unbounded));

@@ -51,6 +51,15 @@ struct RigPoints {
         }
     }
 
+    static void foresee(const Params& params, Foresight& ahead) {
+        if (params.frames.empty()) return ahead.lies(region_of(rig_of(params, positions(params.points))));
+        std::vector<Region::Box> keys;
+        for (const auto& [frame, points] : params.frames)
+            for (const auto& point : points) keys.push_back({point, point});
+        // Between two keys the rig is between their points.
+        ahead.lies(Region{{around(keys)}, {}});
+    }
+
     static void run(const Params& params, Ports& io, Context& context) {
         if (params.frames.empty()) {
             io.rig = std::make_shared<Rig>(rig_of(params, positions(params.points)));

@@ -1,7 +1,9 @@
 #include "nodes/rig/rig.h"
 
 #include <fmt/format.h>
+#include <openvdb/math/BBox.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace fluidcarve {
@@ -38,6 +40,18 @@ std::string rig_fault(const Rig& rig) {
         if (const auto before = chord(n + count - 1), after = chord(n); before.dot(after) < -0.99996 * before.length() * after.length())
             return fmt::format("the rig turns right back at point {}, {}", n + 1, text_of(points[n]));
     return {};
+}
+
+Region region_of(const Rig& rig) {
+    constexpr std::size_t most_boxes = 256;
+    const auto count = rig.points.size(), lines = rig.closed || count < 2 ? count : count - 1, in_a_row = lines / most_boxes + 1;
+    Region out;
+    for (std::size_t first = 0; first < lines; first += in_a_row) {
+        openvdb::BBoxd box;
+        for (auto n = first; n <= std::min(first + in_a_row, lines); ++n) box.expand(rig.points[n % count]);
+        out.boxes.push_back({{box.min().x(), box.min().y(), box.min().z()}, {box.max().x(), box.max().y(), box.max().z()}});
+    }
+    return out;
 }
 
 std::string text_of(const Vec3d& position) { return fmt::format("({:g}, {:g}, {:g})", position.x(), position.y(), position.z()); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "graph/types/foresight.h"
+
 #include <openvdb/Types.h>
 
 #include <optional>
@@ -29,6 +31,9 @@ Rig oval_rig(const Rig::Oval& oval, const openvdb::Vec3d& up);
 /// Why a rig is no valid path, in words; empty if it is one. Faults: fewer than 2 points (3 if closed); equal neighbouring points; a point
 /// where the rig turns straight back.
 std::string rig_fault(const Rig& rig);
+
+/// Where a rig lies: a box for each of the lines between its points, or, if there are many, for a few lines in a row.
+Region region_of(const Rig& rig);
 
 /// For messages: "(1, 2, 3)".
 std::string text_of(const openvdb::Vec3d& position);

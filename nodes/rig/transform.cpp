@@ -21,6 +21,21 @@ struct RigTransform {
     struct Ports {
         Ref<Rig> rig, transformed;
     };
+    static void foresee(const Params& params, Foresight& ahead) {
+        const auto* const rig = ahead.region("rig");
+        if (!rig) return;
+        const auto change = [&](std::vector<Region::Box>& boxes) {
+            // Smoothed points stay between the others.
+            if (params.smooth > 0 && !boxes.empty()) boxes = {around(boxes)};
+            for (auto& box : boxes)
+                for (auto* const corner : {&box.low, &box.high})
+                    for (std::size_t n = 0; n < 3; ++n) (*corner)[n] = params.pivot[n] + params.scale * ((*corner)[n] - params.pivot[n]) + params.translate[n];
+        };
+        auto out = *rig;
+        change(out.boxes);
+        for (auto& other : out.otherwise) change(other.boxes);
+        ahead.lies(widened(std::move(out), params.extend));
+    }
     static void run(const Params& params, Ports& io, Context&) {
         if (params.extend > 0 && io.rig->closed) throw Failure(fmt::format("{} is closed: it has no ends to 'extend'", text_of(*io.rig)));
         auto rig = moved(smoothed(*io.rig, params.smooth), params.scale, Vec3d(params.pivot.data()), Vec3d(params.translate.data()));

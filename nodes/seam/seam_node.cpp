@@ -1,5 +1,6 @@
 #include "nodes/seam/seam_node.h"
 
+#include "nodes/seam/solve/placement.h"
 #include "nodes/seam/solve/report.h"
 #include "nodes/seam/solve/solve_task.h"
 #include "nodes/seam/solve/space.h"
@@ -10,9 +11,16 @@
 
 namespace fluidcarve {
 
-std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io, Context&) {
+void SeamNode::foresee(const Params& params, Foresight& ahead) {
+    const auto* const energy = ahead.region("energy");
+    if (params.count.value == 0 || !energy) return;
+    if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty()) ahead.warn(fault);
+}
+
+std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io, Context& context) {
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
+    require_frame_fits(grids, *io.lattice, context.memory_budget());
     return std::make_shared<FrameEnergy>(sample_frame(grids, io.lattice, params.axis, params.measure));
 }
 
@@ -42,11 +50,13 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
     ReportedSeams found{std::make_shared<Seams>(empty), empty_report(empty)};
     if (task.count > 0) {
         gathered_.require_met();
+        // Before the search, which may take long.
+        for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         auto energy = gathered_.take(params, space, context);
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
         found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_}, context);
-        for (const auto& warning : mask_warnings(gathered_.marks())) context.warn(warning);
+        if (const auto share = gathered_.content_share()) found.report["content_share"] = *share;
         for (const auto& warning : seam_warnings(found.report)) context.warn(warning);
     }
     if (const auto fault = space.extension_fault(*found.seams); !fault.empty()) context.warn(fault);

@@ -41,6 +41,10 @@ struct Flow::Self {
             const std::lock_guard lock(mutex);
             said.warnings.push_back(message);
         }
+        void warn_at_once(const std::string& message) override {
+            if (const auto line = run.report.warn(node, message); !line.empty()) run.progress.say(line);
+            warn(message);
+        }
         void report(const std::string& section, const nlohmann::ordered_json& entry) override {
             run.report.entry(node, section, entry);
             const std::lock_guard lock(mutex);

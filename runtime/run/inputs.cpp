@@ -21,12 +21,14 @@ public:
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
     void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
+    void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
     void warn(const std::string& message) override { warnings.push_back(message); }
 
     std::map<int, int> stand_ins;
     std::uint64_t most_bytes = 0;
     std::set<int> left_out;
     std::vector<std::pair<int, std::string>> lost;
+    std::map<std::string, Region> regions;
     std::vector<std::string> warnings;
 
 private:
@@ -66,6 +68,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
+        out.regions[n] = of.regions;
         out.frame_bytes = std::max(out.frame_bytes, of.most_bytes);
         for (const auto& [frame, message] : of.lost)
             if (of.needs(frame))

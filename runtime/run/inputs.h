@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/types/foresight.h"
 #include "runtime/plan/plan.h"
 #include "runtime/tell/report.h"
 
@@ -7,16 +8,18 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
 
 /// What the readers of a run say of their files before it starts.
 struct Inputs {
-    std::vector<int> frames;                              ///< frame numbers of the sequence, without the frames that readers leave out
-    std::vector<Fault> missing;                           ///< files that are missing or unreadable
-    std::map<std::size_t, std::map<int, int>> stand_ins;  ///< per node: frame to the frame whose file it uses instead of its own
-    std::uint64_t frame_bytes = 0;                        ///< largest frame of a reader in memory, estimated from its file; 0: unknown
+    std::vector<int> frames;                                       ///< frame numbers of the sequence, without the frames that readers leave out
+    std::vector<Fault> missing;                                    ///< files that are missing or unreadable
+    std::map<std::size_t, std::map<int, int>> stand_ins;           ///< per node: frame to the frame whose file it uses instead of its own
+    std::map<std::size_t, std::map<std::string, Region>> regions;  ///< per node: where its outputs lie, by name, so far as it tells
+    std::uint64_t frame_bytes = 0;                                 ///< largest frame of a reader in memory, estimated from its file; 0: unknown
 };
 
 /// Calls the survey of each reader that the run needs. Warnings go to the report.

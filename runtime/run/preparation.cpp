@@ -1,5 +1,7 @@
 #include "runtime/run/preparation.h"
 
+#include "runtime/run/foresee.h"
+
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -45,6 +47,7 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       dependencies_(pipeline, inputs_.frames, inputs_.stand_ins, files_),
       keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, dependencies_, keys_, cache_, files_) {
+    foresee(pipeline, plan_, inputs_, report);
     if (!cache_.on()) return;
     std::vector<std::string> paths;
     each_file([&](std::size_t, std::size_t, const std::string& path) { paths.push_back(path); });

@@ -114,16 +114,21 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
     return out;
 }
 
-/// Executes a schedule. If a cached result is missing, makes a new schedule and tries again. @return whether the run ended early
+/// Executes a schedule. If a cached result is missing, makes a new schedule and tries again.
+/// @param told  gets the warnings that are printed meanwhile
+/// @return whether the run ended early
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
-             RunProfile* profile, const std::function<bool()>& cancelled) {
+             RunProfile* profile, const std::function<bool()>& cancelled, std::vector<std::string>& told) {
     constexpr int most_attempts = 4;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
     for (int attempt = 1;; ++attempt) {
         bool stopped = true, lost = false;
         {
-            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
+            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()), [&](const std::string& warning) {
+                if (!request.quiet) tell("warning: " + warning);
+                told.push_back(warning);
+            });
             arena.execute([&] {
                 Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, profile, cancelled);
                 flow.run(prepared.plan(), schedule);
@@ -173,6 +178,8 @@ void tell_of_cache(const Cache& cache) {
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    if (!request.quiet)
+        for (const auto& warning : report.warnings()) tell("warning: " + warning);
     for (const auto& fault : prepared.inputs().missing) report.failed(fault);
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
     if (!prepared.inputs().missing.empty() || prepared.frames().empty()) return exit_code::input;
@@ -211,7 +218,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report, manifest ? &*manifest : nullptr);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    const auto told = report.warnings();
+    auto told = report.warnings();
     // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (const auto& fault : prepared.inputs().missing) report.failed(fault);
@@ -243,7 +250,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
             StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
-            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
+            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             status.end(exit_of(report, cancelled(), stopped));
             remember_cost(pipeline, prepared, report, history);
             const auto left = prepared.cache().trim(request.options.cache_size).left;

@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
+
+/// Takes the bar from its line.
+constexpr auto clear_line = "\r\x1b[K";
 
 std::string clock_text(double seconds) {
     const auto whole = static_cast<long>(std::ceil(seconds));
@@ -71,6 +75,13 @@ std::pair<double, double> Progress::spent_and_left() const {
     return {spent, left};
 }
 
+void Progress::say(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    if (!say_) return;
+    if (std::exchange(drawn_, false)) put(clear_line);
+    say_(line);
+}
+
 double Progress::fraction() const {
     const std::lock_guard lock(mutex_);
     const auto [spent, left] = spent_and_left();
@@ -107,7 +118,7 @@ void Progress::show(bool always) {
     }
     constexpr int width = 24;
     const int filled = static_cast<int>(fraction * width);
-    put(fmt::format("\r\x1b[K[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_,
+    put(fmt::format("{}[{:=<{}}{:>{}}] {:3.0f} %  pass {}/{}  {} left  {}", clear_line, "", filled, "", width - filled, fraction * 100, pass_ + 1, passes_,
                     clock_text(seconds_left), current_));
     drawn_ = true;
 }

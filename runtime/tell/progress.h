@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -26,7 +28,9 @@ public:
         std::string label;
         std::size_t runs = 0;
     };
-    Progress(ProgressStyle style, std::size_t passes) : style_(style), passes_(passes) {}
+    /// @param say  tells the user a line of text; null: `say` tells nothing
+    Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say = nullptr)
+        : style_(style), passes_(passes), say_(std::move(say)) {}
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -37,6 +41,9 @@ public:
     void done(std::size_t step, double seconds, std::optional<int> frame);
     /// To be called during the run of a step with a single run. @param fraction  finished part, 0..1 @param seconds  time so far
     void part(std::size_t step, double fraction, double seconds);
+
+    /// Tells a line of text while the run goes on; the bar makes way for it.
+    void say(const std::string& line);
 
     double fraction() const;
     double seconds_left() const;
@@ -52,6 +59,7 @@ private:
 
     const ProgressStyle style_;
     const std::size_t passes_;
+    const std::function<void(const std::string& line)> say_;
     std::size_t pass_ = 0;
     std::string current_;
     std::vector<State> steps_;

@@ -101,9 +101,9 @@ void Report::failed(Fault fault) {
     if (std::none_of(faults_.begin(), faults_.end(), same)) faults_.push_back(std::move(fault));
 }
 
-void Report::warn(std::size_t node, const std::string& message) {
+std::string Report::warn(std::size_t node, const std::string& message) {
     const std::lock_guard lock(mutex_);
-    warnings_.emplace(node, message);
+    return warnings_.emplace(node, message).second ? line_of(node, message) : std::string();
 }
 
 void Report::entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry) {
@@ -127,9 +127,12 @@ std::vector<Fault> Report::faults() const {
 std::vector<std::string> Report::warnings() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> out;
-    for (const auto& [node, message] : warnings_)
-        out.push_back(fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message));
+    for (const auto& [node, message] : warnings_) out.push_back(line_of(node, message));
     return out;
+}
+
+std::string Report::line_of(std::size_t node, const std::string& message) const {
+    return fmt::format("{} ({}): {}", pipeline_.nodes[node].name, pipeline_.nodes[node].type->name, message);
 }
 
 nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int exit_code) const {

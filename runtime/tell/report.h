@@ -51,7 +51,8 @@ public:
     /// A node's result was loaded from the cache.
     void holds(std::size_t node, std::uint64_t bytes);
     void failed(Fault fault);
-    void warn(std::size_t node, const std::string& message);
+    /// @return the warning as a line of text; empty if it is known already
+    std::string warn(std::size_t node, const std::string& message);
     /// Adds a node's entry to a section. @param entry  a JSON object; entries of the same node are merged
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
 
@@ -81,6 +82,8 @@ private:
     mutable std::mutex mutex_;
     /// Number of a node's frames that this run computed.
     std::size_t computed(std::size_t node) const;
+    /// A warning as a line of text.
+    std::string line_of(std::size_t node, const std::string& message) const;
 
     std::vector<Stats> stats_;
     std::vector<Share> shares_;

@@ -1,11 +1,17 @@
 #include "nodes/seam/energy/frame.h"
 
+#include "graph/text/problem.h"
+#include "graph/text/words.h"
+#include "nodes/field/dense.h"
 #include "nodes/io/transform_bytes.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/marks.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Compression.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -55,7 +61,8 @@ void write(const FrameEnergy& frame, BinaryWriter& to) {
     to.value(frame.active.has_value());
     if (frame.active)
         for (const auto& corner : {frame.active->min(), frame.active->max()}) to.bytes(corner.asPointer(), 3 * sizeof(double));
-    to.value(frame.met);
+    to.value(frame.content.voxels);
+    to.value(frame.content.inside);
 }
 
 void read(FrameEnergy& out, BinaryReader& from) {
@@ -77,10 +84,31 @@ void read(FrameEnergy& out, BinaryReader& from) {
         for (auto* const corner : {&low, &high}) from.bytes(corner->asPointer(), 3 * sizeof(double));
         out.active.emplace(low, high);
     }
-    out.met = from.value<bool>();
+    out.content.voxels = from.value<std::uint64_t>();
+    out.content.inside = from.value<double>();
 }
 
 }  // namespace
+
+void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget) {
+    const double bytes_per_vertex = sizeof(std::uint16_t) * (grids.field ? 2.0 : 1.0);
+    const auto bytes = [&](double spacing) {
+        double out = bytes_per_vertex;
+        for (const int vertices : lattice.shape) out *= std::floor((vertices - 1) * lattice.spacing / spacing + 1e-9) + 1;
+        return out;
+    };
+    const double wanted = bytes(lattice.spacing);
+    if (grid_fits(wanted, budget)) return;
+    const auto size = grids.energy.voxelSize();
+    const double voxel = std::max({size.x(), size.y(), size.z()});
+    double fits = std::max(voxel, lattice.spacing);
+    constexpr double wider = 1.25;
+    while (!grid_fits(bytes(fits), budget)) fits *= wider;
+    throw Failure(
+        fmt::format("at a 'spacing' of {:.6g} the lattice has {} vertices, which take {} in each frame, but --memory allows {}; the voxels of "
+                    "`energy` are {:.6g} wide: a 'spacing' of {:.6g} fits",
+                    lattice.spacing, fmt::join(lattice.shape, " x "), size_text(static_cast<std::uint64_t>(wanted)), size_text(budget), voxel, fits));
+}
 
 FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure) {
     FrameEnergy out;
@@ -88,13 +116,15 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
     const auto size = [&](std::size_t dimension) { return static_cast<std::size_t>(lattice->shape[dimension]); };
     out.energy.resize(size(0) * size(1) * size(2));
     sample_energy(grids.energy, *lattice, axis, out.energy, measure);
+    out.content = content_in(grids.energy, *lattice);
+    // What counts by some voxels may miss the few that a vertex sees.
+    const auto empty = encode_energy(grids.energy.background());
+    if (out.content.inside == 0 && std::ranges::any_of(out.energy, [&](std::uint16_t code) { return code != empty; })) out.content.inside = 1;
     if (grids.attract) out.attract = mark_vertices(*grids.attract, *lattice, axis, attracted_code, out.energy);
     if (grids.protect) out.protect = mark_vertices(*grids.protect, *lattice, axis, protected_code, out.energy);
     out.transform = grids.energy.transform().copy();
-    if (const auto box = grids.energy.evalActiveVoxelBoundingBox(); !box.empty()) {
+    if (const auto box = grids.energy.evalActiveVoxelBoundingBox(); !box.empty())
         out.active = grids.energy.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
-        out.met = meets_active_voxels(grids.energy, *lattice);
-    }
     if (grids.field) {
         out.field.resize(out.energy.size());
         sample_field(*grids.field, *lattice, axis, out.field);
@@ -106,7 +136,7 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
 void add_frame_energy_payload(Registry& registry) {
     const auto& lattice = registry.payload(typeid(Lattice));
     Filed<FrameEnergy> filed;
-    filed.version = 2 + lattice.version;  // raising either version raises the sum
+    filed.version = 3 + lattice.version;  // raising either version raises the sum
     filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
         lattice.write(Payload(frame.lattice), stream);
         BinaryWriter to(stream);

@@ -2,6 +2,7 @@
 
 #include "graph/types/registry.h"
 #include "nodes/lattice/lattice.h"
+#include "nodes/seam/energy/content.h"
 #include "nodes/seam/energy/slab.h"
 
 #include <openvdb/openvdb.h>
@@ -21,7 +22,7 @@ struct FrameEnergy {
     std::optional<std::size_t> protect, attract;                    ///< number of vertices that each mask marks; nothing: no mask
     openvdb::math::Transform::ConstPtr transform, field_transform;  ///< of the grids; field_transform is null without a field
     std::optional<openvdb::BBoxd> active;                           ///< world box of the energy's active voxels; nothing: none
-    bool met = false;                                               ///< whether the lattice meets active voxels
+    Content content;                                                ///< of the energy: how much of it lies in the lattice
 };
 
 /// The grids of one frame from which a solver's energy is made; null: not connected.
@@ -30,6 +31,11 @@ struct FrameGrids {
     const openvdb::FloatGrid* field = nullptr;
     const openvdb::GridBase *protect = nullptr, *attract = nullptr;
 };
+
+/// Checks that the codes of one frame fit in memory, before room is made for them.
+/// @param budget  as in grid_fits
+/// @throws Failure naming the vertices, their memory, the voxels of the energy and a spacing that fits
+void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget);
 
 /// Samples grids at the vertices of a lattice.
 /// @throws Failure as sample_energy(), mark_vertices() and sample_field()

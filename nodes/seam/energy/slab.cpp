@@ -134,13 +134,6 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
                               code.most));
 }
 
-openvdb::BBoxd world_box(const Lattice& lattice) {
-    openvdb::BBoxd out;
-    for (int k = 0; k < lattice.shape[2]; ++k)
-        for (int n = 0; n < 4; ++n) out.expand(lattice.position(Vec3d(n & 1 ? lattice.shape[0] - 1 : 0, n & 2 ? lattice.shape[1] - 1 : 0, k)));
-    return out;
-}
-
 }  // namespace
 
 void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure) {
@@ -152,13 +145,6 @@ void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axi
 void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab) {
     if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, slab, [&] { return ByIndex(field, *alignment, axis); });
     else fill(lattice, axis, field_code, slab, [&] { return AtVertices(field, lattice, axis); });
-}
-
-bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice) {
-    const auto box = grid.evalActiveVoxelBoundingBox();
-    if (box.empty()) return false;
-    const auto data = grid.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d() - Vec3d(1), box.max().asVec3d() + Vec3d(1)));
-    return data.hasOverlap(world_box(lattice));
 }
 
 }  // namespace fluidcarve

@@ -28,7 +28,4 @@ void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axi
 /// @throws Failure naming the place of a value that codes cannot hold
 void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab);
 
-/// Whether the world boxes of a lattice and of a grid's active voxels meet.
-bool meets_active_voxels(const openvdb::GridBase& grid, const Lattice& lattice);
-
 }  // namespace fluidcarve

@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "nodes/seam/energy/carve.h"
 #include "nodes/seam/energy/prices.h"
+#include "nodes/seam/solve/report.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -15,6 +16,8 @@ namespace fluidcarve {
 namespace {
 
 constexpr float default_rigidity = 0.2f;  ///< with a field; in mean energies of content
+constexpr double small_share = 0.05;      ///< of the content: if less of it lies in the lattice, that is hardly meant
+constexpr double least_share = 1e-4;      ///< that is told as a number
 
 Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = forward ? default_rigidity : 0.0f;
@@ -38,10 +41,12 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     transform_.require("the energy", *frame.transform, context.frame());
     if (frame.field_transform) field_transform_.require("the field", *frame.field_transform, context.frame());
     if (params.count.value == 0) return;
-    any_met_ = any_met_ || frame.met;
-    if (frame.active) {
-        any_active_ = true;
-        active_box_.expand(*frame.active);
+    content_.add(frame.content);
+    if (frame.active) active_box_.expand(*frame.active);
+    for (const auto code : frame.energy) {
+        if (code >= protected_code) continue;
+        lowest_ = std::min(lowest_, code);
+        highest_ = std::max(highest_, code);
     }
     if (frame.attract) marks_.attract = marks_.attract.value_or(0) + *frame.attract;
     if (frame.protect) marks_.protect = marks_.protect.value_or(0) + *frame.protect;
@@ -52,9 +57,29 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
 }
 
 void GatheredEnergy::require_met() const {
-    if (any_active_ && !any_met_)
+    if (content_.voxels > 0 && content_.inside == 0)
         throw Failure(
-            fmt::format("the lattice misses the energy: its {}, but the active voxels span {}", lattices_.front()->description, box_text(active_box_)));
+            fmt::format("the lattice misses the energy: its {}, but the active voxels span {}; move the lattice (its rig, or `min` and `max`) or the "
+                        "data (`translate` and `scale` of its reader)",
+                        lattices_.front()->description, box_text(active_box_)));
+}
+
+std::optional<double> GatheredEnergy::content_share() const { return content_.voxels > 0 ? std::optional(content_.share()) : std::nullopt; }
+
+std::vector<std::string> GatheredEnergy::warnings() const {
+    auto out = mask_warnings(marks_);
+    if (const auto share = content_share(); share && *share < small_share)
+        out.push_back(fmt::format(
+            "{} of the active voxels of `energy` lie in the lattice, and nothing else will change: if that is not meant, move the lattice (its rig, "
+            "or `min` and `max`) or make it larger",
+            *share < least_share ? fmt::format("less than {:g} %", 100 * least_share) : fmt::format("{:.2g} %", 100 * *share)));
+    // With a field, seams pay for edges; with masks, they go by these.
+    if (lowest_ == highest_ && !forward_ && !marks_.protect && !marks_.attract)
+        out.push_back(
+            fmt::format("`energy` is {:g} at all vertices of the lattice in all frames: a seam costs the same wherever it goes, and will go anywhere; "
+                        "connect an energy that is high where the look must stay, such as energy.gradient",
+                        decode_energy(lowest_)));
+    return out;
 }
 
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const {

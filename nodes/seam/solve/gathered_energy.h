@@ -2,6 +2,7 @@
 
 #include "graph/types/context.h"
 #include "nodes/field/same_transform.h"
+#include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/frame.h"
 #include "nodes/seam/energy/marks.h"
 #include "nodes/seam/energy/volume.h"
@@ -13,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -26,9 +28,13 @@ public:
 
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }  ///< of the frames that were added
     const MarkCounts& marks() const { return marks_; }                       ///< in all frames, before `after` is carved
-    /// Requires that the lattice of some frame meets active voxels, if there are any.
+    /// Requires that some active voxel lies in the lattice of its frame, if there are any.
     /// @throws Failure that says where both are
     void require_met() const;
+    /// Share of the active voxels of all frames that lies in the lattice, 0 to 1; nothing: there are none.
+    std::optional<double> content_share() const;
+    /// Warnings about what makes seams useless, though they will be found.
+    std::vector<std::string> warnings() const;
     /// Hands over the energies and fields of all frames, brought into a space, with all that seams pay. Prices depend on the frames before
     /// they are carved. Call it once, after the last frame, if seams are wanted.
     /// @param space  made from lattices()
@@ -50,10 +56,10 @@ private:
     std::optional<EnergyVolume> energy_;  ///< of the whole lattice
     OneTransform transform_, field_transform_;
     MarkCounts marks_;
-    bool forward_ = false;  ///< whether there is a field
-    bool any_active_ = false;
-    bool any_met_ = false;
-    openvdb::BBoxd active_box_;  ///< world box of all frames' active voxels
+    bool forward_ = false;                                      ///< whether there is a field
+    Content content_;                                           ///< of all frames
+    openvdb::BBoxd active_box_;                                 ///< world box of all frames' active voxels
+    std::uint16_t lowest_ = invalid_energy_code, highest_ = 0;  ///< energy codes, marks left out; lowest > highest: none
 };
 
 }  // namespace fluidcarve
