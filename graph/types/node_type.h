@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/types/context.h"
-#include "graph/types/foresight.h"
+#include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
 
@@ -147,8 +147,8 @@ struct NodeType {
     std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;      ///< empty: reads no files
-    std::function<void(const void* params, Foresight&)> foresee;  ///< empty: outputs lie where the inputs lie
+    std::function<void(const void* params, Survey&)> survey;    ///< empty: reads no files
+    std::function<void(const void* params, Outlook&)> foresee;  ///< empty: outputs lie where the inputs lie
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
@@ -255,7 +255,7 @@ FLUIDCARVE_HOOK(foresee)
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files before the run
-///     static void foresee(const Params&, Foresight&);                looks before the run at where its inputs lie
+///     static void foresee(const Params&, Outlook&);                looks before the run at where its inputs lie
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
@@ -287,7 +287,7 @@ public:
         if constexpr (detail::has_survey<Node>)
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
         if constexpr (detail::has_foresee<Node>)
-            type_.foresee = [](const void* params, Foresight& ahead) { Node::foresee(*static_cast<const Params*>(params), ahead); };
+            type_.foresee = [](const void* params, Outlook& ahead) { Node::foresee(*static_cast<const Params*>(params), ahead); };
         type_.bind = &bind;
     }
 
@@ -421,8 +421,8 @@ private:
         !detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
         "`survey` must be `static void survey(const Params&, Survey&)`");
     static_assert(
-        !detail::has_foresee<Node> || requires(const Params& params, Foresight& ahead) { Node::foresee(params, ahead); },
-        "`foresee` must be `static void foresee(const Params&, Foresight&)`");
+        !detail::has_foresee<Node> || requires(const Params& params, Outlook& ahead) { Node::foresee(params, ahead); },
+        "`foresee` must be `static void foresee(const Params&, Outlook&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {

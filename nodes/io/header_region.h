@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/foresight.h"
+#include "graph/types/outlook.h"
 #include "nodes/io/origin.h"
 #include "nodes/io/vdb_file.h"
 

@@ -70,7 +70,7 @@ struct Box {
         }
     }
 
-    static void foresee(const Params& params, Foresight& ahead) {
+    static void foresee(const Params& params, Outlook& ahead) {
         if (params.min && params.max) ahead.lies(Region{{Region::Box{*params.min, *params.max}}, {}});
         else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
     }

@@ -56,7 +56,7 @@ public:
         check_extent("extent_v", params.extent_v, params.spacing, check);
     }
 
-    static void foresee(const Params& params, Foresight& ahead) {
+    static void foresee(const Params& params, Outlook& ahead) {
         const auto most = [](const Interval& extent) { return std::max(std::abs(extent.low), std::abs(extent.high)); };
         if (const auto* const rig = ahead.region("rig")) ahead.lies(widened(*rig, std::hypot(most(params.extent_u), most(params.extent_v))));
     }

@@ -1,5 +1,10 @@
 #include "nodes/mask/threshold.h"
 
+#include "nodes/field/active_range.h"
+#include "nodes/field/missed_range.h"
+
+#include <openvdb/tools/Count.h>
+
 #include <limits>
 #include <utility>
 #include <vector>
@@ -41,7 +46,7 @@ struct Threshold {
         if (params.above && params.below && *params.above > *params.below)
             check.fault("above", fmt::format("parameter 'above', {:g}, is higher than 'below', {:g}: no value fits", *params.above, *params.below));
     }
-    static void foresee(const Params&, Foresight& ahead) {
+    static void foresee(const Params&, Outlook& ahead) {
         const auto* const field = ahead.region("field");
         if (!field) return;
         if (field->boxes.empty()) ahead.warn("by their headers, the files that `field` comes from have no active voxels in any frame: the mask is empty");
@@ -49,7 +54,14 @@ struct Threshold {
     }
     static void run(const Params& params, Ports& io, Context&) {
         constexpr auto unbounded = std::numeric_limits<double>::infinity();
-        io.mask = threshold_mask(*io.field, params.above.value_or(-unbounded), params.below.value_or(unbounded));
+        const Interval wanted{params.above.value_or(-unbounded), params.below.value_or(unbounded)};
+        const auto mask = threshold_mask(*io.field, wanted.low, wanted.high);
+        if (mask->activeVoxelCount() == 0) {
+            const auto values = openvdb::tools::minMax(io.field->tree());
+            const bool none = io.field->activeVoxelCount() == 0;
+            note_missed_range(*mask, {wanted, none ? empty_range : Interval{values.min(), values.max()}});
+        }
+        io.mask = mask;
     }
 };
 

@@ -48,7 +48,7 @@ struct RigCircle {
         if (Vec3d(params.normal.data()).length() == 0) check.fault("normal", "'normal' has no direction");
         if (!(params.radius.of[0] > 0 && params.radius.of[1] > 0)) check.fault("radius", "'radius' wants more than 0");
     }
-    static void foresee(const Params& params, Foresight& ahead) { ahead.lies(region_of(rig_of(params))); }
+    static void foresee(const Params& params, Outlook& ahead) { ahead.lies(region_of(rig_of(params))); }
     static void run(const Params& params, Ports& io, Context&) { io.rig = std::make_shared<Rig>(rig_of(params)); }
 
 private:

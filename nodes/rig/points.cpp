@@ -51,7 +51,7 @@ struct RigPoints {
         }
     }
 
-    static void foresee(const Params& params, Foresight& ahead) {
+    static void foresee(const Params& params, Outlook& ahead) {
         if (params.frames.empty()) return ahead.lies(region_of(rig_of(params, positions(params.points))));
         std::vector<Region::Box> keys;
         for (const auto& [frame, points] : params.frames)

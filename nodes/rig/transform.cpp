@@ -21,7 +21,7 @@ struct RigTransform {
     struct Ports {
         Ref<Rig> rig, transformed;
     };
-    static void foresee(const Params& params, Foresight& ahead) {
+    static void foresee(const Params& params, Outlook& ahead) {
         const auto* const rig = ahead.region("rig");
         if (!rig) return;
         const auto change = [&](std::vector<Region::Box>& boxes) {

@@ -11,7 +11,7 @@
 
 namespace fluidcarve {
 
-void SeamNode::foresee(const Params& params, Foresight& ahead) {
+void SeamNode::foresee(const Params& params, Outlook& ahead) {
     const auto* const energy = ahead.region("energy");
     if (params.count.value == 0 || !energy) return;
     if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty()) ahead.warn(fault);
@@ -56,7 +56,6 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
         found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_}, context);
-        if (const auto share = gathered_.content_share()) found.report["content_share"] = *share;
         for (const auto& warning : seam_warnings(found.report)) context.warn(warning);
     }
     if (const auto fault = space.extension_fault(*found.seams); !fault.empty()) context.warn(fault);

@@ -43,7 +43,7 @@ public:
 
     static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
     /// Tells of an energy without content, and of a lattice beside it, as far as the headers of files say so.
-    static void foresee(const Params& params, Foresight& ahead);
+    static void foresee(const Params& params, Outlook& ahead);
     /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io, Context& context);
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) { gathered_.add(params, *frame, context); }

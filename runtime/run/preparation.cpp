@@ -1,6 +1,6 @@
 #include "runtime/run/preparation.h"
 
-#include "runtime/run/foresee.h"
+#include "runtime/run/outlooks.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,5 @@
 #include "runtime/tell/report.h"
+#include "runtime/tell/progress.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -21,4 +22,22 @@ TEST_CASE("what a node reports of its frames stands in their order, whichever wa
     CHECK(json["points"]["count"].dump() == R"({"-12":{"moved":1},"-1":{"moved":1},"0":{"moved":1},"2":{"moved":1},"10":{"moved":1}})");
     CHECK(json["still"]["count"].dump() == R"({"all":{"moved":2}})");
     CHECK(json["shape"]["count"].dump() == R"({"u":3,"10":1,"2":1})");
+}
+
+TEST_CASE("a warning is told while the run is on, once, and the bar makes way for it") {
+    const auto registry = toy::registry();
+    const Scratch scratch;
+    Problems problems;
+    const auto path = scratch.write("p.yaml", "fluidcarve: 1\nframes: 1-6\nnodes:\n  count: {type: toy.count, path: in.##}\n");
+    const auto pipeline = build_pipeline(read_document(path, {}, problems), registry, problems);
+    REQUIRE(to_text(problems) == "");
+    Report report(pipeline);
+    CHECK(report.warn(0, "too few") == "count (toy.count): too few");
+    CHECK(report.warn(0, "too few").empty());
+    CHECK(report.warnings() == std::vector<std::string>{"count (toy.count): too few"});
+
+    std::vector<std::string> said;
+    Progress(ProgressStyle::none, 1, [&](const std::string& line) { said.push_back(line); }).say("now");
+    Progress(ProgressStyle::none, 1).say("to nobody");
+    CHECK(said == std::vector<std::string>{"now"});
 }

@@ -3,7 +3,9 @@
 #include "graph/text/yaml_reader.h"
 #include "graph/types/node_type.h"
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -80,6 +82,7 @@ public:
         std::set<int> left_out;
         std::map<int, int> stood_in;  ///< frame -> the frame whose file serves it
         std::map<int, std::string> absent;
+        std::map<std::string, Region> regions;  ///< by output
         std::vector<std::string> warnings;
         const std::vector<int>& frames() const override { return all; }
         void stands_in(int frame, int file) override { stood_in[frame] = file; }
@@ -88,12 +91,33 @@ public:
         void missing(int frame, const std::string& message) override { absent[frame] = message; }
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }
+        void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
         void warn(const std::string& message) override { warnings.push_back(message); }
     };
     Surveyed survey(std::vector<int> frames) const {
         Surveyed out;
         out.all = std::move(frames);
         type_.survey(params_.get(), out);
+        return out;
+    }
+
+    using Regions = std::map<std::string, Region, std::less<>>;  ///< by input
+    struct Ahead : Outlook {
+        const Regions& inputs;
+        std::optional<Region> outputs;
+        std::vector<std::string> warnings;
+        explicit Ahead(const Regions& inputs) : inputs(inputs) {}
+        const Region* region(std::string_view input) const override {
+            const auto found = inputs.find(input);
+            return found == inputs.end() ? nullptr : &found->second;
+        }
+        void lies(const Region& region) override { outputs = region; }
+        void warn(const std::string& message) override { warnings.push_back(message); }
+    };
+    /// What a node foresees if its inputs lie there. @param inputs  those that are known
+    Ahead foresee(const Regions& inputs = {}) const {
+        Ahead out(inputs);
+        type_.foresee(params_.get(), out);
         return out;
     }
 

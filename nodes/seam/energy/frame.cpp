@@ -52,6 +52,8 @@ void write(const FrameEnergy& frame, BinaryWriter& to) {
     write_codes(frame.energy, to);
     to.optional(frame.protect);
     to.optional(frame.attract);
+    to.optional(frame.protect_missed);
+    to.optional(frame.attract_missed);
     write_transform(*frame.transform, to);
     to.value(frame.field_transform != nullptr);
     if (frame.field_transform) {
@@ -74,6 +76,8 @@ void read(FrameEnergy& out, BinaryReader& from) {
     out.energy = read_codes(vertices, from);
     out.protect = from.optional<std::size_t>();
     out.attract = from.optional<std::size_t>();
+    out.protect_missed = from.optional<MissedRange>();
+    out.attract_missed = from.optional<MissedRange>();
     out.transform = read_transform(from);
     if (from.value<bool>()) {
         out.field = read_codes(vertices, from);
@@ -122,6 +126,8 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
     if (out.content.inside == 0 && std::ranges::any_of(out.energy, [&](std::uint16_t code) { return code != empty; })) out.content.inside = 1;
     if (grids.attract) out.attract = mark_vertices(*grids.attract, *lattice, axis, attracted_code, out.energy);
     if (grids.protect) out.protect = mark_vertices(*grids.protect, *lattice, axis, protected_code, out.energy);
+    if (grids.attract) out.attract_missed = missed_range(*grids.attract);
+    if (grids.protect) out.protect_missed = missed_range(*grids.protect);
     out.transform = grids.energy.transform().copy();
     if (const auto box = grids.energy.evalActiveVoxelBoundingBox(); !box.empty())
         out.active = grids.energy.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/registry.h"
+#include "nodes/field/missed_range.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/seam/energy/content.h"
 #include "nodes/seam/energy/slab.h"
@@ -20,6 +21,7 @@ struct FrameEnergy {
     std::vector<std::uint16_t> energy;                              ///< energy codes at the lattice's vertices, marks included; laid out as by sample_energy()
     std::vector<std::uint16_t> field;                               ///< field codes, laid out the same way; empty: no field
     std::optional<std::size_t> protect, attract;                    ///< number of vertices that each mask marks; nothing: no mask
+    std::optional<MissedRange> protect_missed, attract_missed;      ///< why a mask is empty, if it says so
     openvdb::math::Transform::ConstPtr transform, field_transform;  ///< of the grids; field_transform is null without a field
     std::optional<openvdb::BBoxd> active;                           ///< world box of the energy's active voxels; nothing: none
     Content content;                                                ///< of the energy: how much of it lies in the lattice

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/field/missed_range.h"
 #include "nodes/lattice/lattice.h"
 
 #include <openvdb/openvdb.h>
@@ -14,6 +15,7 @@ namespace fluidcarve {
 /// How many vertices each mask of a solver marks; nothing: it has no such mask.
 struct MarkCounts {
     std::optional<std::size_t> protect, attract;
+    std::optional<MissedRange> protect_missed{}, attract_missed{};  ///< why a mask is empty, if it says so
 };
 
 /// Writes a code at all vertices of a lattice around which a mask is set, that is, active. A mask is set around a vertex if any of the 8

@@ -1,6 +1,7 @@
 #include "nodes/seam/solve/gathered_energy.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/active_range.h"
 #include "nodes/seam/energy/carve.h"
 #include "nodes/seam/energy/prices.h"
 #include "nodes/seam/solve/report.h"
@@ -22,6 +23,12 @@ constexpr double least_share = 1e-4;      ///< that is told as a number
 Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = forward ? default_rigidity : 0.0f;
     return {params.field_weight, params.empty, {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
+}
+
+/// Joins what a mask missed in the frames before with another frame. If the mask is not empty there, that is no longer why it marks nothing.
+void join(std::optional<MissedRange>& all, const std::optional<MissedRange>& frame) {
+    if (all && frame) all->values = joined(all->values, frame->values);
+    else all.reset();
 }
 
 std::string box_text(const openvdb::BBoxd& box) {
@@ -50,6 +57,12 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     }
     if (frame.attract) marks_.attract = marks_.attract.value_or(0) + *frame.attract;
     if (frame.protect) marks_.protect = marks_.protect.value_or(0) + *frame.protect;
+    if (lattices_.size() == 1) {
+        marks_.protect_missed = frame.protect_missed;
+        marks_.attract_missed = frame.attract_missed;
+    }
+    join(marks_.protect_missed, frame.protect_missed);
+    join(marks_.attract_missed, frame.attract_missed);
     forward_ = !frame.field.empty();
     if (!energy_) energy_.emplace(room(lattice.shape, params, context, budget(context)));
     std::ranges::copy(frame.energy, energy_->slab(context.place()).begin());

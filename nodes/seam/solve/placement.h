@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/foresight.h"
+#include "graph/types/outlook.h"
 
 #include <string>
 

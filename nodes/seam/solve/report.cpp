@@ -72,8 +72,13 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
 
 std::vector<std::string> mask_warnings(const MarkCounts& marks) {
     std::vector<std::string> out;
-    for (const auto& [name, marked] : {std::pair("protect", marks.protect), std::pair("attract", marks.attract)})
-        if (marked == std::size_t{0}) out.push_back(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed", name, name));
+    const auto look = [&](const char* name, const std::optional<std::size_t>& marked, const std::optional<MissedRange>& missed) {
+        if (marked == std::size_t{0})
+            out.push_back(fmt::format("`{}` is set around no vertex of the lattice: nothing is {}ed{}", name, name,
+                                      missed ? "; its " + text_of(*missed) : std::string()));
+    };
+    look("protect", marks.protect, marks.protect_missed);
+    look("attract", marks.attract, marks.attract_missed);
     return out;
 }
 

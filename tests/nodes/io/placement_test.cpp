@@ -295,3 +295,20 @@ TEST_CASE("what is wrong in any frame is told before the first is read: a cut fi
                                "grid 'density' has voxels of 0.1 x 0.1 x 0.1, the first at [0, 0, 0] in frame 1, but voxels of 0.2 x 0.2 x 0.2, the first at "
                                "[0, 0, 0] in frame 4 (an adaptive domain?): no lattice fits both; bake with a fixed domain"});
 }
+
+TEST_CASE("a reader says before a run where the voxels of all frames lie, in the shot's world") {
+    const Scratch scratch;
+    for (int frame = 1; frame <= 3; ++frame) {
+        const auto grid = FloatGrid::create();
+        grid->setName("density");
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+        if (frame < 3) grid->fill({Coord(2 * frame, 0, 0), Coord(2 * frame + 1, 1, 1)}, 1, true);
+        write_vdb(scratch / fmt::format("a.{:02}.vdb", frame), Volume{{grid}, {}, {}});
+    }
+    const NodeBench reader(vdb_read(), "{path: " + (scratch / "a.##.vdb") + ", grids: {density: float}, translate: [10, 0, 0], scale: 2}");
+    const auto region = [&](const std::vector<int>& frames) { return reader.survey(frames).regions.at("density"); };
+    // A voxel more on all sides.
+    REQUIRE(region({1, 2, 3}).boxes.size() == 1);
+    CHECK(text_of(region({1, 2, 3}).boxes[0]) == "(11, -1, -1) to (16, 2, 2)");
+    CHECK(region({3}).boxes.empty());
+}

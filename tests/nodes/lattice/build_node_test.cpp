@@ -1,5 +1,6 @@
 #include "nodes/lattice/build_node.h"
 #include "graph/text/problem.h"
+#include "nodes/lattice/box.h"
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/extension.h"
 #include "nodes/lattice/overlap.h"
@@ -145,6 +146,18 @@ TEST_CASE("lattice.build says before a run what is wrong with its extents and sp
           "extent_v: 'extent_v' is [1, 1], which is empty; for a single vertex, as for images, state less than one spacing: [1, 1.05]\n");
     CHECK(faults("{spacing: 0.1, extent_u: [0, 10000], extent_v: [0, 1]}") ==
           "extent_u: 'extent_u' holds 100001 vertices at a spacing of 0.1; 65534 is the most\n");
+}
+
+TEST_CASE("lattices say before a run where they will lie") {
+    const Region line{{{{0, 0, 0}, {9, 0, 0}}}, {{"otherwise", {{{0, 0, 0}, {0, 9, 0}}}}}};
+    const auto built = *NodeBench(lattice_build(), "{spacing: 1, extent_u: [-3, 1], extent_v: [0, 4]}", {{"rig", 1}}).foresee({{"rig", line}}).outputs;
+    CHECK(text_of(built.boxes.at(0)) == "(-5, -5, -5) to (14, 5, 5)");
+    CHECK(text_of(built.otherwise.at(0).boxes.at(0)) == "(-5, -5, -5) to (5, 14, 5)");
+    const auto stated = *NodeBench(lattice_box(), "{min: [0, 1, 2], max: [3, 4, 5], spacing: 1}").foresee().outputs;
+    CHECK(text_of(stated.boxes.at(0)) == "(0, 1, 2) to (3, 4, 5)");
+    NodeBench fitted(lattice_box(), "{}", {{"fit", 1}});
+    CHECK(text_of(fitted.foresee({{"fit", line}}).outputs->boxes.at(0)) == "(0, 0, 0) to (9, 0, 0)");
+    CHECK(!fitted.foresee().outputs);
 }
 
 TEST_CASE("lattice.build delivers a static rig's lattice once, and reports it") {

@@ -1,4 +1,5 @@
 #include "graph/text/problem.h"
+#include "nodes/field/missed_range.h"
 #include "nodes/mask/box.h"
 #include "nodes/mask/combine.h"
 #include "nodes/mask/dilate.h"
@@ -55,6 +56,23 @@ TEST_CASE("a mask keeps its field's transform, and a NaN is in no range") {
     CHECK(mask->transform() == field->transform());
     CHECK(!mask->tree().isValueOn({3, 0, 0}));
     CHECK(mask->activeVoxelCount() == 9 + 512);
+}
+
+TEST_CASE("an empty mask of a threshold says what was wanted and what there was") {
+    const auto noted = [](const std::string& yaml, const FloatGrid::Ptr& field) {
+        const auto mask = NodeBench(mask_threshold(), yaml).run({{"field", {Payload(field)}}}).at("mask").as<MaskGrid>();
+        const auto missed = missed_range(*mask);
+        return missed ? text_of(*missed) : std::string();
+    };
+    CHECK(noted("{above: 7}", ramp()) == "mask.threshold wants values from 7, but the field has 0 to 5 only");
+    CHECK(noted("{below: -1}", ramp()) == "mask.threshold wants values up to -1, but the field has 0 to 5 only");
+    CHECK(noted("{above: 2, below: 3}", FloatGrid::create()) == "mask.threshold wants values from 2 to 3, but the field has no active voxels");
+    CHECK(noted("{above: 2}", ramp()).empty());
+
+    const auto foreseen = [](const Region& field) { return NodeBench(mask_threshold(), "{above: 2}").foresee({{"field", field}}).warnings; };
+    CHECK(foreseen({}) ==
+          std::vector<std::string>{"by their headers, the files that `field` comes from have no active voxels in any frame: the mask is empty"});
+    CHECK(foreseen({{{{0, 0, 0}, {1, 1, 1}}}, {}}).empty());
 }
 
 TEST_CASE("assigned weights decide between regions, the energy within them, and empty space has its weight too") {

@@ -206,6 +206,54 @@ TEST_CASE("rig.curve closes where its file does, unless told otherwise, and stan
     CHECK(made(NodeBench(rig_curve(), "{path: " + line + ", closed: true}")).points.size() == 3);
 }
 
+TEST_CASE("rig.curve turns the axes of its file into those of the shot, before it scales and moves") {
+    const Scratch folder;
+    const auto line = folder.write("line.csv", "0,0,0\n1,2,3\n");
+    const auto last = [&](const std::string& axes) {
+        return made(NodeBench(rig_curve(), "{path: " + line + ", axes: " + axes + ", translate: [10, 0, 0], scale: 2}")).points.at(1);
+    };
+    CHECK(last("as_is") == Vec3d(12, 4, 6));
+    CHECK(last("y_to_z") == Vec3d(12, -6, 4));
+    CHECK(last("z_to_y") == Vec3d(12, 6, -4));
+    CHECK(made(NodeBench(rig_curve(), "{path: " + line + ", axes: y_to_z}")).up == Vec3d(0, 0, 1));
+
+    const auto region = NodeBench(rig_curve(), "{path: " + line + ", axes: z_to_y}").survey({1}).regions.at("rig");
+    REQUIRE(region.boxes.size() == 1);
+    CHECK(text_of(region.boxes[0]) == text_of(Region::Box{{0, 0, -2}, {1, 3, 0}}));
+    REQUIRE(region.otherwise.size() == 2);
+    CHECK(region.otherwise[0].how == "`axes: as_is` in rig.curve");
+    CHECK(text_of(around(region.otherwise[0].boxes)) == text_of(Region::Box{{0, 0, 0}, {1, 2, 3}}));
+    CHECK(region.otherwise[1].how == "`axes: y_to_z` in rig.curve");
+    CHECK(around(region.otherwise[1].boxes).low[1] == -3);
+}
+
+TEST_CASE("rigs say before a run where they will lie") {
+    const auto circle = *NodeBench(rig_circle(), "{center: [0, 0, 2], radius: 5}").foresee().outputs;
+    CHECK(circle.boxes.size() == 240);
+    CHECK(around(circle.boxes).low[0] == Approx(-5));
+    CHECK(around(circle.boxes).high[1] == Approx(5));
+    CHECK(around(circle.boxes).high[2] == Approx(2));
+    CHECK(!meet(circle.boxes, {{{-3, -3, 2}, {3, 3, 2}}}));
+    const auto still = *NodeBench(rig_points(), "{points: [[0, 0, 0], [0, 4, 0], [1, 6, 0]]}").foresee().outputs;
+    REQUIRE(still.boxes.size() == 2);
+    CHECK(text_of(still.boxes[1]) == "(0, 4, 0) to (1, 6, 0)");
+    const auto moving = *NodeBench(rig_points(), "{frames: {1: [[0, 0, 0], [0, 4, 0]], 9: [[5, 0, 0], [5, 4, 1]]}}").foresee().outputs;
+    REQUIRE(moving.boxes.size() == 1);
+    CHECK(text_of(moving.boxes[0]) == "(0, 0, 0) to (5, 4, 1)");
+    CHECK(region_of(through({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, true)).boxes.size() == 3);
+
+    const Region lines{{{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {3, 1, 1}}}, {{"otherwise", {{{0, 0, 0}, {0, 0, 1}}}}}};
+    const auto changed = [&](const std::string& yaml) { return *NodeBench(rig_transform(), yaml).foresee({{"rig", lines}}).outputs; };
+    const auto moved = changed("{scale: 2, pivot: [1, 0, 0], translate: [0, 0, 1], extend: 0.5}");
+    REQUIRE(moved.boxes.size() == 2);
+    CHECK(text_of(moved.boxes[0]) == "(-1.5, -0.5, 0.5) to (1.5, 2.5, 3.5)");
+    CHECK(text_of(moved.otherwise.at(0).boxes.at(0)) == "(-1.5, -0.5, 0.5) to (-0.5, 0.5, 3.5)");
+    const auto smooth = changed("{smooth: 1}");
+    REQUIRE(smooth.boxes.size() == 1);
+    CHECK(text_of(smooth.boxes[0]) == "(0, 0, 0) to (3, 1, 1)");
+    CHECK(!NodeBench(rig_transform(), "{smooth: 1}").foresee().outputs);
+}
+
 TEST_CASE("rig.curve with a frame token reads a file per frame, and says before a run which of them are no good") {
     const Scratch folder;
     folder.write("c.0003.csv", "0,0,0\n3,0,0\n");

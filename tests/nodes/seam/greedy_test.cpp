@@ -363,7 +363,7 @@ TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and se
               solve("{count: -1}", wavy, make_box(Vec3d(20, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2}));
           }) ==
           "the lattice misses the energy: its box of 8 x 8 x 8 vertices from (20, 0, 0) to (27, 7, 7), spacing 1, axes xyz, but the active voxels span (0, 0, "
-          "0) to (7, 7, 7)");
+          "0) to (7, 7, 7); move the lattice (its rig, or `min` and `max`) or the data (`translate` and `scale` of its reader)");
     const auto idle = solve("{count: -6}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; });
     CHECK(idle.listener.entry["zero_share"] == nlohmann::json({1.0, 1.0, 1.0, 1.0, 1.0, 0.0}));
     CHECK(idle.listener.warnings ==

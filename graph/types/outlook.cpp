@@ -1,4 +1,4 @@
-#include "graph/types/foresight.h"
+#include "graph/types/outlook.h"
 
 #include <fmt/format.h>
 

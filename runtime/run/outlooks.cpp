@@ -1,4 +1,4 @@
-#include "runtime/run/foresee.h"
+#include "runtime/run/outlooks.h"
 
 #include <functional>
 #include <utility>
@@ -10,9 +10,9 @@ namespace {
 using Regions = std::map<std::pair<std::size_t, std::size_t>, Region>;
 
 /// What one node is told of its inputs, and what it says of its outputs.
-class ForesightOf : public Foresight {
+class OutlookOf : public Outlook {
 public:
-    ForesightOf(const Node& node, const Regions& known) {
+    OutlookOf(const Node& node, const Regions& known) {
         for (std::size_t i = 0; i < node.inputs.size(); ++i)
             if (!node.inputs[i].empty()) inputs_[node.type->inputs[i].name] = together(node.inputs[i], known);
     }
@@ -59,12 +59,12 @@ void foresee(const Pipeline& pipeline, const Plan& plan, const Inputs& inputs, R
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n]) continue;
-        if (const auto told = inputs.regions.find(n); told != inputs.regions.end()) {
+        if (const auto told = inputs.regions.find(n); told != inputs.regions.end() && !told->second.empty()) {
             for (std::size_t output = 0; output < node.outputs.size(); ++output)
                 if (const auto found = told->second.find(node.outputs[output].name); found != told->second.end()) known[{n, output}] = found->second;
             continue;
         }
-        ForesightOf of(node, known);
+        OutlookOf of(node, known);
         if (node.type->foresee) node.type->foresee(node.params.get(), of);
         else of.pass_on();
         for (const auto& warning : of.warnings) report.warn(n, warning);

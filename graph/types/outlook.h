@@ -31,9 +31,9 @@ Region widened(Region region, double by);
 std::string text_of(const Region::Box& box);
 
 /// Interface for a node's `foresee`, which looks at what is known of its inputs before a run starts.
-class Foresight {
+class Outlook {
 public:
-    virtual ~Foresight() = default;
+    virtual ~Outlook() = default;
     /// Where an input lies; null: not known, or not connected.
     virtual const Region* region(std::string_view input) const = 0;
     virtual void lies(const Region& region) = 0;  ///< says where all outputs will lie; without a call it is not known
