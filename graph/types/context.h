@@ -22,6 +22,7 @@ public:
         virtual bool cancelled() const { return false; }
         virtual void warn(const std::string& /*message*/) {}
         virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
+        virtual void tell(const std::string& /*line*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
     };
@@ -52,6 +53,9 @@ public:
     void warn(const std::string& message) const { host_->warn(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
+
+    /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only `conclude` may call it.
+    void tell(const std::string& line) const { host_->tell(line); }
 
     /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
     std::uint64_t memory_budget() const { return memory_budget_; }

@@ -138,6 +138,7 @@ struct NodeType {
     bool kept = false;                       ///< results are cached in the work folder, unless the pipeline states `cache: false`
     std::type_index digest = typeid(void);   ///< type that `Behaviour::digest` returns; void: no digests
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
+    std::string concludes_from;              ///< the section of the report that `conclude` is handed; empty: there is no `conclude`
     std::optional<Growth> growth;
 
     std::function<std::shared_ptr<void>()> make_params;
@@ -146,6 +147,8 @@ struct NodeType {
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
     std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files
+    /// Called after a run with what the node reported of all its frames; empty: nothing to say.
+    std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)> conclude;
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
@@ -223,6 +226,7 @@ FLUIDCARVE_HOOK(wants)
 FLUIDCARVE_HOOK(animates)
 FLUIDCARVE_HOOK(check)
 FLUIDCARVE_HOOK(survey)
+FLUIDCARVE_HOOK(conclude)
 #undef FLUIDCARVE_HOOK
 }  // namespace detail
 
@@ -251,6 +255,10 @@ FLUIDCARVE_HOOK(survey)
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files before the run
+///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);       with Declare::concludes
+///
+/// `conclude` is called once after a run, if all of the node's frames are done, in this run or an earlier one, with what it reported of
+/// them in one section, by frame number; of a node that runs once, its only entry. It warns, reports and tells lines.
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
@@ -281,6 +289,10 @@ public:
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
         if constexpr (detail::has_survey<Node>)
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
+        if constexpr (detail::has_conclude<Node>)
+            type_.conclude = [](const void* params, const nlohmann::ordered_json& frames, Context& context) {
+                Node::conclude(*static_cast<const Params*>(params), frames, context);
+            };
         type_.bind = &bind;
     }
 
@@ -335,6 +347,12 @@ public:
         static_assert(has_digest);
         type_.digest = typeid(typename Digested<Node>::type);
         type_.digest_fields = std::move(fields);
+        return *this;
+    }
+    /// Declares that the node has a `conclude`. @param section  of the report, where `run` has an entry for each frame
+    Declare& concludes(std::string section) {
+        static_assert(detail::has_conclude<Node>);
+        type_.concludes_from = std::move(section);
         return *this;
     }
     Declare& grows(Growth growth) {
@@ -413,6 +431,10 @@ private:
     static_assert(
         !detail::has_survey<Node> || requires(const Params& params, Survey& survey) { Node::survey(params, survey); },
         "`survey` must be `static void survey(const Params&, Survey&)`");
+    static_assert(
+        !detail::has_conclude<Node> ||
+            requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) { Node::conclude(params, frames, context); },
+        "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {

@@ -5,6 +5,7 @@
 #include "graph/text/words.h"
 #include "runtime/keep/history.h"
 #include "runtime/page/html_report.h"
+#include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/terminal.h"
@@ -46,7 +47,7 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// Prints failures, warnings and times. @param told  warnings that are already printed
+/// Prints failures, warnings, results and times. @param told  warnings that are already printed
 void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
     constexpr std::size_t most = 20;
     const auto faults = report.faults();
@@ -55,6 +56,7 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
     if (request.quiet) return;
     for (const auto& warning : report.warnings())
         if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
+    for (const auto& line : report.lines()) tell(line);
     if (faults.empty() && summary["exit"] == exit_code::done)
         tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
     if (request.verbose)
@@ -246,6 +248,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
             status.end(exit_of(report, cancelled(), stopped));
             remember_cost(pipeline, prepared, report, history);
+            conclude(pipeline, prepared.frames(), to_do, report);
             const auto left = prepared.cache().trim(request.options.cache_size).left;
             const auto fault = WorkFolder(request.options.work_folder).fault();
             if (left > request.options.cache_size && !fault.empty() && !request.quiet)

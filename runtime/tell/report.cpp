@@ -113,6 +113,19 @@ void Report::entry(std::size_t node, const std::string& section, nlohmann::order
     else known = std::move(entry);
 }
 
+void Report::add_line(std::size_t node, const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    lines_.push_back(fmt::format("{}: {}", pipeline_.nodes[node].name, one_line(line)));
+}
+
+nlohmann::ordered_json Report::entry_of(std::size_t node, const std::string& section) const {
+    const std::lock_guard lock(mutex_);
+    const auto entries = entries_.find(section);
+    if (entries == entries_.end()) return {};
+    const auto found = entries->second.find(pipeline_.nodes[node].name);
+    return found == entries->second.end() ? nlohmann::ordered_json() : found->second;
+}
+
 std::vector<Fault> Report::faults() const {
     const std::lock_guard lock(mutex_);
     auto out = faults_;

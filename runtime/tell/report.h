@@ -54,6 +54,8 @@ public:
     void warn(std::size_t node, const std::string& message);
     /// Adds a node's entry to a section. @param entry  a JSON object; entries of the same node are merged
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
+    /// Adds a line to show at the end of the run, behind the node's name.
+    void add_line(std::size_t node, const std::string& line);
 
     const std::string& name(std::size_t node) const { return pipeline_.nodes[node].name; }
     /// The node's cost as measured in this run.
@@ -63,6 +65,9 @@ public:
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
+    const std::vector<std::string>& lines() const { return lines_; }  ///< only for use when no node is at work
+    /// A node's entry in a section; null if there is none.
+    nlohmann::ordered_json entry_of(std::size_t node, const std::string& section) const;
     /// The content of the report file (pipelines/FORMATS.md). @param delivered  numbers of the delivered frames
     nlohmann::ordered_json to_json(const std::vector<int>& delivered, int exit_code) const;
 
@@ -87,6 +92,7 @@ private:
     std::vector<Fault> faults_;
     std::set<std::pair<std::size_t, std::string>> warnings_;
     std::map<std::string, std::map<std::string, nlohmann::ordered_json>> entries_;
+    std::vector<std::string> lines_;
 };
 
 }  // namespace fluidcarve
