@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <regex>
 
 // What a run says of its result.
@@ -77,8 +78,11 @@ TEST_CASE("a lattice beside the content is warned of") {
     auto text = Scratch::read(shot.scratch / "p.yaml");
     const std::string box = "box: {type: lattice.box, fit: sim.density}";
     text.replace(text.find(box), box.size(),
-                 "rig: {type: rig.points, points: [[50, 0, 0], [50, 2, 0]]}\n  box: {type: lattice.build, rig: rig, spacing: 0.1, extent_u: [-1, 1], extent_v: "
+                 "rig: {type: rig.points, points: [[2.85, 0, 1], [2.85, 2, 1]]}\n  box: {type: lattice.build, rig: rig, spacing: 0.1, extent_u: [-0.95, 0.95], "
+                 "extent_v: "
                  "[-1, 1]}");
+    const std::string count = "count: -2";
+    text.replace(text.find(count), count.size(), count + ", anchor: high");
     shot.scratch.write("p.yaml", text);
     const auto beside = shot.run();
     REQUIRE(beside.code == 0);

@@ -20,6 +20,7 @@ using Json = nlohmann::ordered_json;
 using openvdb::Vec3d;
 
 constexpr double same_share = 1e-4, same_voxels = 0.01;  ///< smaller changes of mass and place count as none
+constexpr double nothing_share = 1e-6;                   ///< share of the mass that counts as nothing left
 constexpr double much_mass = 1.0 / 3;                    ///< change of the mass from which on it is warned of
 constexpr double far_voxels = 10;                        ///< the same for the way that the start moved
 
@@ -51,6 +52,8 @@ bool unchanged(const GridMeasure& a, const GridMeasure& b, double voxel) {
     if (a.box.empty() || b.box.empty()) return a.box.empty() == b.box.empty();
     return std::abs(a.mass - b.mass) <= same_share * a.mass && near(a.box.min(), b.box.min()) && near(a.box.max(), b.box.max()) && near(a.centre, b.centre);
 }
+
+bool nothing_left(double mass_before, double mass_after) { return mass_before > 0 && mass_after <= nothing_share * mass_before; }
 
 /// A grid before or after the carve, over all frames.
 struct OverFrames {
@@ -101,16 +104,17 @@ struct GridResult {
         same = same && unchanged(now.first, now.second, voxel);
         if (now.first.mass > 0) {
             ++full;
-            if (now.second.mass == 0) lost.push_back(frame);
+            const bool none = nothing_left(now.first.mass, now.second.mass);
+            if (none) lost.push_back(frame);
             if (!starts_at) {
                 starts_at = frame;
-                if (now.second.mass > 0) moved = (now.second.centre - now.first.centre).length() / voxel;
+                if (!none) moved = (now.second.centre - now.first.centre).length() / voxel;
             }
         }
         last = now;
     }
     bool empty() const { return before.mass == 0; }
-    bool gone() const { return !empty() && after.mass == 0; }
+    bool gone() const { return nothing_left(before.mass, after.mass); }
     double change() const { return after.mass / before.mass - 1; }  ///< of the mass, as a share
 };
 
