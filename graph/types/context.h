@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/payload.h"
+#include "graph/types/provenance.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,6 +25,7 @@ public:
         virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
+        virtual Provenance provenance() const { return {}; }
     };
 
     Context();
@@ -52,6 +54,9 @@ public:
     void warn(const std::string& message) const { host_->warn(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
+
+    /// What a writer states in its files, in place of what a file that was read states of itself. Empty: nothing.
+    Provenance provenance() const { return host_->provenance(); }
 
     /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
     std::uint64_t memory_budget() const { return memory_budget_; }
