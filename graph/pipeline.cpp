@@ -7,9 +7,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
+#include <tuple>
 
 namespace fluidcarve {
 namespace {
@@ -65,6 +66,10 @@ public:
         out.name = document_.name;
         for (const auto& source : document_.sources) out.files.push_back(source.source->name);
         out.frames = read_frames();
+        if (document_.provenance.kind != Value::Kind::null) {
+            ValueReader reader(problems_, "'provenance'", any_number());
+            out.provenance = ParamTraits<bool>::parse(document_.provenance, reader).value_or(true);
+        }
         drafts_.reserve(document_.nodes.fields.size());
         for (const auto& field : document_.nodes.fields) read_node(field);
         for (auto& draft : drafts_) connect(draft);
@@ -352,11 +357,48 @@ private:
         each_path(Shape::Kind::output_path, [&](const Node& node, const ParamSpec& spec, const PathPattern& path, const Mark& mark) {
             if (node.rate == Rate::frame && !path.per_frame() && (frames.frames().size() > 1 || sequences_.contains(node.name)))
                 add(problems_, mark, fmt::format("{} writes a file for every frame: '{}' needs a frame token such as ####", node.type->name, spec.name));
-            if (node.rate != Rate::frame && path.per_frame())
+            if (node.rate != Rate::frame && path.per_frame() && !blame_reader(node, mark, frames))
                 add(problems_, mark, fmt::format("{} writes one file here, not one per frame: '{}' can't have a frame token", node.type->name, spec.name));
             if (const auto other = first[claim++])
                 add(problems_, mark, fmt::format("'{}' would overwrite a file of the same pipeline", node.name), who[*other].first, who[*other].second);
         });
+    }
+
+    /// Where a sequence is read as one file, what is written per frame is not at fault: adds the problem at that reader.
+    /// @param mark  of the writer's path @return whether there is such a reader
+    bool blame_reader(const Node& writer, const Mark& mark, const FrameSet& frames) {
+        if (writer.rate != Rate::fixed || frames.frames().size() < 2) return false;
+        std::set<std::size_t> seen;
+        std::vector<std::size_t> open;
+        const auto take = [&](const Node& node) {
+            for (const auto& links : node.inputs)
+                for (const auto& link : links)
+                    if (seen.insert(link.node).second) open.push_back(link.node);
+        };
+        for (take(writer); !open.empty();) {
+            const auto& node = drafts_[open.back()].node;
+            open.pop_back();
+            take(node);
+        }
+        // Of several readers, the one whose file has a number in its name.
+        std::optional<std::tuple<std::size_t, const ParamSpec*, std::string>> found;
+        for (const auto n : seen)
+            for (const auto& spec : drafts_[n].node.type->params) {
+                if (spec.shape.kind != Shape::Kind::input_path) continue;
+                const auto& text = spec.path(drafts_[n].node.params.get()).text();
+                const auto numbered = text.empty() ? text : with_frame_token(text);
+                if (!text.empty() && (!found || (std::get<2>(*found).empty() && !numbered.empty()))) found = {n, &spec, numbered};
+            }
+        if (!found) return false;
+        const auto& [n, spec, numbered] = *found;
+        const auto& reader = drafts_[n];
+        const auto* const field = reader.value->find(spec->name);
+        add(problems_, field ? field->value.mark : reader.node.mark,
+            fmt::format("{} reads one file for all {} frames, but '{}' writes one for each: '{}' needs a frame token, {}; or take the token from '{}'",
+                        reader.node.type->name, frames.frames().size(), writer.name, spec->name,
+                        numbered.empty() ? "such as ####" : fmt::format("as in '{}'", numbered), writer.name),
+            mark, fmt::format("'{}' writes a file per frame here", writer.name));
+        return true;
     }
 
     /// Checks that all files lie where the program may read and write.
@@ -388,30 +430,6 @@ private:
 };
 
 }  // namespace
-
-std::string user_of(const Pipeline& pipeline, const std::string& path) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
-    const auto name = wanted.filename().string();
-    const auto is = [&](const std::string& other) {
-        return fs::path(other).filename() == name && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
-    };
-    for (const auto& file : pipeline.files)
-        if (is(file)) return "it is the pipeline";
-    for (const auto& node : pipeline.nodes)
-        for (const auto& spec : node.type->params) {
-            const bool reads = spec.shape.kind == Shape::Kind::input_path;
-            if (!reads && spec.shape.kind != Shape::Kind::output_path) continue;
-            const auto& pattern = spec.path(node.params.get());
-            if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
-            for (const auto frame : pipeline.frames.frames()) {
-                if (is(pattern.at(frame))) return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
-                if (!pattern.per_frame()) break;
-            }
-        }
-    return {};
-}
 
 bool Pipeline::writes(std::size_t n) const {
     const auto& node = nodes[n];

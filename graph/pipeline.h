@@ -39,6 +39,8 @@ struct Node {
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;                       ///< at least one input arrives per frame
+    Provenance provenance;                              ///< of a writer: what its files state, but for checksums (state_provenance)
+    std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
 };
@@ -49,7 +51,8 @@ struct Pipeline {
     std::vector<std::string> files;  ///< the file and the files that it extends
     FrameSet frames;                 ///< the sequence
     std::vector<Node> nodes;
-    PluginFiles plugins;  ///< plugin file of each node type that is not built in
+    PluginFiles plugins;     ///< plugin file of each node type that is not built in
+    bool provenance = true;  ///< whether written files state what made them
 
     const Node* find(std::string_view name) const;
     std::vector<std::string> node_names() const;
@@ -60,9 +63,6 @@ struct Pipeline {
     /// `nodes` and everything upstream of them, as one flag per node of the pipeline.
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
-
-/// How the pipeline uses a file: "'sim' reads it", "it is the pipeline"; empty if it does not. Checked before writing to the file.
-std::string user_of(const Pipeline& pipeline, const std::string& path);
 
 /// Checks a document against the registry. Opens no data files.
 /// @return the pipeline; not usable if problems were added

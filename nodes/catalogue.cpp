@@ -45,6 +45,7 @@
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
 #include "nodes/preview/sheet.h"
+#include "nodes/provenance/read_provenance.h"
 #include "nodes/remap/grids.h"
 #include "nodes/remap/mesh.h"
 #include "nodes/remap/points.h"
@@ -80,6 +81,7 @@ Registry builtin_registry() {
     add_points_payload(out);
     add_energy_payload(out);
     out.add(vdb_inspector());
+    out.add(ProvenanceReader{&read_provenance});
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());

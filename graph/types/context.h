@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/payload.h"
+#include "graph/types/provenance.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -25,6 +26,7 @@ public:
         virtual void tell(const std::string& /*line*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
+        virtual Provenance provenance() const { return {}; }
     };
 
     Context();
@@ -56,6 +58,8 @@ public:
 
     /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only `conclude` may call it.
     void tell(const std::string& line) const { host_->tell(line); }
+    /// What a writer states in its files, in place of what a file that was read states of itself. Empty: nothing.
+    Provenance provenance() const { return host_->provenance(); }
 
     /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
     std::uint64_t memory_budget() const { return memory_budget_; }

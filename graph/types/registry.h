@@ -23,6 +23,12 @@ struct FileInspector {
     std::function<std::string(const nlohmann::ordered_json&)> text;
 };
 
+/// Reads what a file states of how it was made, for `fluidcarve explain`. The file may be damaged.
+struct ProvenanceReader {
+    /// Called in a child process, since damaged files may crash it. Empty: the file states nothing. @throws Failure
+    std::function<Provenance(const std::string& path)> read;
+};
+
 /// The node types, payload types, conversions and file inspectors that a pipeline may use. A plain value that the program, or a
 /// test, fills.
 class Registry {
@@ -32,6 +38,7 @@ public:
     void add(PayloadType type);
     void add(Conversion conversion);
     void add(FileInspector inspector) { inspectors_.push_back(std::move(inspector)); }
+    void add(ProvenanceReader reader) { provenance_reader_ = std::move(reader); }
 
     const NodeType* node(std::string_view name) const;
     std::vector<std::string> node_names() const;  ///< sorted
@@ -39,6 +46,7 @@ public:
     const std::map<std::string, NodeType, std::less<>>& nodes() const { return nodes_; }
     const std::vector<PayloadType>& payloads() const { return payloads_; }
     const std::vector<FileInspector>& inspectors() const { return inspectors_; }
+    const ProvenanceReader& provenance_reader() const { return provenance_reader_; }
 
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
@@ -52,6 +60,7 @@ private:
     std::vector<PayloadType> payloads_;
     std::vector<Conversion> conversions_;
     std::vector<FileInspector> inspectors_;
+    ProvenanceReader provenance_reader_;
 };
 
 }  // namespace fluidcarve

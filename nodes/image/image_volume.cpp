@@ -1,6 +1,7 @@
 #include "nodes/image/image_volume.h"
 
 #include "graph/text/problem.h"
+#include "graph/types/provenance.h"
 #include "nodes/field/extent.h"
 #include "nodes/image/upright.h"
 
@@ -341,7 +342,8 @@ Volume volume_of(const Image& image) {
     const auto box = upright.voxels(united(image.data, image.display));
     Volume out;
     for (std::size_t c = 0; c < image.channels.size(); ++c) out.grids.push_back(grid_of(image, c, upright, box));
-    for (const auto& attribute : image.attributes) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
+    for (const auto& attribute : image.attributes)
+        if (!is_provenance(attribute.name)) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
     out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
     out.metadata.insertMeta(data_key, openvdb::Vec4IMetadata(packed(image.data)));
     out.metadata.insertMeta(display_key, openvdb::Vec4IMetadata(packed(image.display)));

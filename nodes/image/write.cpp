@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/types/module.h"
+#include "nodes/image/image_provenance.h"
 #include "nodes/image/image_volume.h"
 
 #include <fmt/format.h>
@@ -49,11 +50,16 @@ struct ImageWrite {
         const auto warn = [&](const std::string& message) { context.warn(message); };
         const auto& module = load_module<ImageModule>("images");
         try {
-            const auto image = image_of(*io.source, wish, warn);
+            auto image = image_of(*io.source, wish, warn);
             if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and EXR keep them");
+            const auto provenance = context.provenance();
+            // PNG and JPEG get it below: OpenImageIO does not write it to JPEG.
+            if (image.format == "openexr")
+                for (const auto& [name, text] : provenance) image.attributes.push_back({name, "string", text});
             OutputFile output(path);
             module.write(output.aside(), image, params.quality);
             verify(module, output, image, *wish.format, warn);
+            add_provenance(output.aside(), provenance);
             output.commit();
         } catch (const Failure& failure) {
             const std::string reason = failure.what();

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "nodes/geometry_file/provenance_comments.h"
 
 #include <fmt/format.h>
 
@@ -35,16 +36,17 @@ struct LatticeWrite {
     static void run(const Params& params, Ports& io, Context& context) {
         std::array<int, 3> every;
         for (std::size_t n = 0; n < 3; ++n) every[n] = params.every.value_or((io.lattice->shape[n] + lines_by_default - 1) / lines_by_default);
-        write_wireframe(params.path.at(context.frame()), *io.lattice, every);
+        write_wireframe(params.path.at(context.frame()), *io.lattice, every, context.provenance());
     }
 };
 
 }  // namespace
 
-void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every) {
+void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every, const Provenance& provenance) {
     OutputFile file(path);
     std::ofstream out(file.aside(), std::ios::binary);
     out << "# " << lattice.description << "\n";
+    for (const auto& line : provenance_comments(provenance, obj_comment)) out << line << "\n";
     std::array<std::vector<int>, 3> at;
     for (std::size_t n = 0; n < 3; ++n) at[n] = chosen(lattice.shape[n], every[n]);
     for (const int k : at[2])

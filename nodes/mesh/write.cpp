@@ -22,7 +22,8 @@ struct MeshWrite {
     static void run(const Params& params, Ports& io, Context& context) {
         const Placement placement{openvdb::Vec3d(params.translate.value_or(Vec3{}).data()), params.scale.value_or(1)};
         const bool stated = params.translate || params.scale;
-        for (const auto& loss : write_mesh(params.path.at(context.frame()), *io.source, stated ? &placement : nullptr)) context.warn(loss);
+        for (const auto& loss : write_mesh(params.path.at(context.frame()), *io.source, stated ? &placement : nullptr, context.provenance()))
+            context.warn(loss);
     }
 };
 

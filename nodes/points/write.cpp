@@ -34,7 +34,7 @@ struct PointsWrite {
         const auto at = params.translate.value_or(Vec3{});
         const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
         const auto unsaid = write_points(params.path.at(context.frame()), *io.source, io.beside.get(), params.encoding ? &*params.encoding : nullptr,
-                                         params.translate || params.scale ? &placement : nullptr);
+                                         params.translate || params.scale ? &placement : nullptr, context.provenance());
         for (const auto& name : unsaid.attributes)
             context.warn(fmt::format("attribute '{}' is of a type that PLY can't hold and is left out; write a .vdb to keep it", name));
         if (!unsaid.offset.empty())

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "nodes/image/image_provenance.h"
 
 #include <fmt/format.h>
 
@@ -132,12 +133,13 @@ double Canvas::text_width(const std::string& text, const Type& type) {
     return extents.x_advance;
 }
 
-void Canvas::write_png(const std::string& path) const {
+void Canvas::write_png(const std::string& path, const Provenance& provenance) const {
     // The context keeps the first error of all drawing calls.
     auto status = cairo_status(page_->context.get());
     OutputFile file(path);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), file.aside().c_str());
     if (status != CAIRO_STATUS_SUCCESS) throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+    add_provenance(file.aside(), provenance);
     file.commit();
 }
 

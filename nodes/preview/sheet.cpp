@@ -104,7 +104,7 @@ struct Sheet {
             context.check_cancelled();
             context.progress(fraction);
         });
-        draw_sheet(page).write_png(params.path.at(context.frame()));
+        draw_sheet(page).write_png(params.path.at(context.frame()), context.provenance());
     }
 
 private:

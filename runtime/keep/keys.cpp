@@ -7,6 +7,8 @@ namespace {
 
 /// Raise it whenever the computation of keys changes.
 constexpr std::uint64_t key_version = 1;
+/// In the keys of writers whose files do not state what made them.
+constexpr auto no_provenance = "no provenance";
 
 bool among(const std::vector<std::string>* fields, const std::string& name) {
     return !fields || std::find(fields->begin(), fields->end(), name) != fields->end();
@@ -85,12 +87,15 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     if (known) return *known;
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
+        if (!pipeline_.provenance && pipeline_.writes(n)) known = ContentHash().key(*known).text(no_provenance).digest();
         return *known;
     }
     const auto of = dependencies_.of(n);
     const auto& frames = dependencies_.frames();
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
+    // With or without provenance a writer's files differ. What it says does not count: a file is true to the values that made it.
+    if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(frames.at(place)));
     if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));

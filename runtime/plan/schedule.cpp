@@ -83,6 +83,7 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, 0) ? Action::load : Action::run;
         if (action == Action::load) return;
+        checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         else inputs(n, 0, 0);
     }
@@ -92,8 +93,14 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
+        checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         inputs(n, place, pass);
+    }
+
+    /// A writer states checksums of results upstream: it needs them, also where all that it reads is cached.
+    void checksummed(std::size_t n) {
+        for (const auto& link : pipeline_.nodes[n].checksummed) later({Visit::once, link.node});
     }
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {

@@ -1,6 +1,7 @@
 #include "runtime/run/flow.h"
 
 #include "runtime/plan/frame_run.h"
+#include "runtime/run/file_provenance.h"
 
 #include <fmt/format.h>
 #include <tbb/flow_graph.h>
@@ -46,6 +47,7 @@ struct Flow::Self {
             const std::lock_guard lock(mutex);
             said.report[section] = entry;
         }
+        Provenance provenance() const override { return run.provenance.of(node); }
         void progress(double fraction) override {
             if (run.steps[node].finish) run.progress.part(*run.steps[node].finish, fraction, since(start));
         }
@@ -80,6 +82,8 @@ struct Flow::Self {
     std::atomic<bool> failed{false};         ///< a body failed
     std::atomic<bool> fatal{false};          ///< the failure ends the run even with `keep_going`
     std::atomic<bool> lost{false};           ///< a cached result is missing
+
+    FileProvenance provenance{pipeline, registry, held};
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 

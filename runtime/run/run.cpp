@@ -3,6 +3,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/words.h"
+#include "graph/views/file_places.h"
 #include "runtime/keep/history.h"
 #include "runtime/page/html_report.h"
 #include "runtime/run/conclusions.h"
@@ -183,6 +184,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     std::fputs(json ? (to_json(forecast).dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
+    if (request.verbose && !json) std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);
     return exit_code::done;
 }
 
@@ -238,7 +240,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
         const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
-        if (request.verbose) std::fputs(to_text(forecast).c_str(), stderr);
+        if (request.verbose) std::fputs((to_text(forecast) + to_text(file_places(pipeline))).c_str(), stderr);
         if (report.faults().empty() && !request.options.keep_going)
             try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
         report.expect(to_do);

@@ -4,12 +4,15 @@
 #include "graph/confinement.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
+#include "graph/views/file_places.h"
 #include "graph/views/origins.h"
+#include "graph/views/provenance.h"
 #include "graph/views/schema.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/terminal.h"
+#include "runtime/verbs/explain.h"
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
@@ -53,7 +56,11 @@ struct PipelineArguments {
     bool allow_plugins = false;
 
     void declare(CLI::App& verb) {
-        verb.add_option("pipeline", path, "Pipeline file (YAML)")->required()->type_name("PIPELINE");
+        verb.add_option("pipeline", path,
+                        "Pipeline file (YAML). Its relative inputs are looked for in the folder of the file that states them, then in the current folder; "
+                        "those of --set in the current folder. Its outputs go to the current folder")
+            ->required()
+            ->type_name("PIPELINE");
         verb.add_option("--set", settings, "Override a field of a node, a param, or the frames; may be repeated")
             ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
             ->expected(1)
@@ -80,9 +87,12 @@ struct PipelineArguments {
     /// Reads and checks the pipeline. Prints problems and returns nothing if there are any.
     std::optional<Pipeline> read_or_complain(Registry& registry) const {
         Problems problems;
-        auto pipeline = build(read_document(path, settings, problems), registry, problems);
+        const auto document = read_document(path, settings, problems);
+        auto pipeline = build(document, registry, problems);
         complain(to_text(problems));
-        return problems.empty() ? std::optional(std::move(pipeline)) : std::nullopt;
+        if (!problems.empty()) return std::nullopt;
+        state_provenance(pipeline, document, registry);
+        return pipeline;
     }
 };
 
@@ -136,7 +146,7 @@ struct RunArguments {
         verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
         verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
         const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
-        verb.add_flag("-v,--verbose", request.verbose, "Show the plan and the time of each node")->excludes(quiet);
+        verb.add_flag("-v,--verbose", request.verbose, "Show the plan, where the files lie, and the time of each node")->excludes(quiet);
     }
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
@@ -197,8 +207,9 @@ struct RunArguments {
 int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registry& registry) {
     Problems problems;
     const auto document = read_document(arguments.path, arguments.settings, problems);
-    const auto pipeline = arguments.build(document, registry, problems);
+    auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    state_provenance(pipeline, document, registry);
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->origins = origins_of(document, registry);
@@ -211,9 +222,14 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto document = read_document(arguments.path, arguments.settings, problems);
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
-    if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(problems)), exit_code::done;
+    const auto values = [&] {
+        auto out = origins_of(document, registry);
+        out.files = file_places(pipeline);
+        return out;
+    };
+    if (json) return print(verbose ? to_json(values()) : to_json(problems)), exit_code::done;
     print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
-    if (verbose) print("\n" + to_text(origins_of(document, registry)));
+    if (verbose) print("\n" + to_text(values()));
     return exit_code::done;
 }
 
@@ -279,7 +295,7 @@ void add_examples(CLI::App& app) {
          "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
         {"check",
          "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
-         "from"},
+         "from, and where the files lie"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
@@ -290,6 +306,7 @@ void add_examples(CLI::App& app) {
          "  # yaml-language-server: $schema=schema.json"},
         {"graph", "  fluidcarve graph shot.yaml --format svg > shot.svg"},
         {"inspect", "  fluidcarve inspect /shots/sh010/*.vdb"},
+        {"explain", "  fluidcarve explain out/plume.0051.vdb\n  fluidcarve explain --json out/sheet.png"},
         {"man", "  fluidcarve man | man -l -"},
         {"completion",
          "  source <(fluidcarve completion bash)      in ~/.bashrc\n"
@@ -330,7 +347,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin, and where the files lie");
     auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
@@ -368,6 +385,11 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     inspect_verb->add_option("files", files, "Data files (.vdb)")->required()->type_name("FILE");
     inspect_verb->add_flag("--json", json, "Print as JSON");
 
+    std::string made;
+    auto* const explain_verb = app.add_subcommand("explain", "Show what made a file: program, pipeline, values, seams, and the command that makes it again");
+    explain_verb->add_option("file", made, "A file that a run wrote (.vdb, .png, .exr, .jpg, .ply, .obj)")->required()->type_name("FILE");
+    explain_verb->add_flag("--json", json, "Print as JSON");
+
     std::string shell;
     auto* const man_verb = app.add_subcommand("man", "Print the manual page");
     auto* const completion_verb = app.add_subcommand("completion", "Print a script that completes commands in a shell");
@@ -397,6 +419,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*completion_verb) return print(completion(app, shell)), exit_code::done;
     if (*schema_verb) return print(schema(registry)), exit_code::done;
     if (*inspect_verb) return inspect_files(files, json, half_of_memory(), registry);
+    if (*explain_verb) return explain_file(made, json, half_of_memory(), registry);
     return graph(pipeline, format, registry);
 }
 

@@ -221,6 +221,31 @@ TEST_CASE("writers need a frame token exactly where they run per frame, and neve
           "p.yaml:3:30: 'n' reads it here\n  n: {type: toy.count, path: /a/b.##}\n                             ^\n");
 }
 
+TEST_CASE("where a sequence is read as one file, the reader is at fault and not what is written per frame") {
+    const auto told = [](const std::string& in) {
+        return problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  n: {type: toy.count, path: " + in + "}\n  p: {type: toy.print, number: n, path: out.##}\n");
+    };
+    const auto fault = [](const std::string& in, const std::string& remedy) {
+        return "p.yaml:4:30: toy.count reads one file for all 6 frames, but 'p' writes one for each: 'path' needs a frame token, " + remedy +
+               "; or take the token from 'p'\n  n: {type: toy.count, path: " + in +
+               "}\n                             ^\n"
+               "p.yaml:5:41: 'p' writes a file per frame here\n  p: {type: toy.print, number: n, path: out.##}\n"
+               "                                        ^\n";
+    };
+    CHECK(told("in.0001.txt") == fault("in.0001.txt", "as in 'in.####.txt'"));
+    CHECK(told("in.txt") == fault("in.txt", "such as ####"));
+    // Of several readers, the one whose file's name has a number.
+    CHECK_THAT(problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  a: {type: toy.count, path: rig.txt}\n  b: {type: toy.count, path: in.07.txt}\n"
+                        "  c: {type: toy.add, numbers: [a, b]}\n  p: {type: toy.print, number: c, path: out.##}\n"),
+               Catch::StartsWith("p.yaml:5:30: toy.count reads one file for all 6 frames, but 'p' writes one for each: 'path' needs a frame token, as in "
+                                 "'in.##.txt'; or take the token from 'p'\n"));
+    // What is gathered from all frames is written once, and rightly read.
+    CHECK(problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  n: {type: toy.count, path: in.##}\n  t: {type: toy.total, number: n}\n"
+                   "  p: {type: toy.print, number: t, path: out.##}\n") ==
+          "p.yaml:6:41: toy.print writes one file here, not one per frame: 'path' can't have a frame token\n"
+          "  p: {type: toy.print, number: t, path: out.##}\n                                        ^\n");
+}
+
 TEST_CASE("a later frame of a pattern is not written over either") {
     CHECK(problems("fluidcarve: 1\nframes: 1-9\nnodes:\n  n: {type: toy.count, path: /a/b.07}\n  c: {type: toy.count, path: /a/c.##}\n"
                    "  p: {type: toy.print, number: c, path: /a/b.##}\n") ==
