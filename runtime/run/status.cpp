@@ -40,6 +40,8 @@ std::string state_of(const Json& run) {
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
+bool is_number(const Json& of, const char* name) { return of.contains(name) && of[name].is_number(); }
+
 /// Whether a value read from a file has the form that StatusFile writes.
 bool well_formed(const Json& run) {
     const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
@@ -48,7 +50,7 @@ bool well_formed(const Json& run) {
         return false;
     for (const auto& [name, node] : run["nodes"].items())
         if (!node.is_object() || !is(node, "type", &Json::is_string) || !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
-            (node.contains("why") && !node["why"].is_string()))
+            (node.contains("why") && !node["why"].is_string()) || (node.contains("item") && !node["item"].is_string()))
             return false;
     return true;
 }
@@ -72,13 +74,27 @@ std::vector<Run> runs_in(const std::string& folder) {
     return out;
 }
 
+/// How far a node is that gathers: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it gathers nothing, or has finished.
+/// @param state  of the run
+std::string text_of_gathering(const Json& node, const std::string& state) {
+    const auto of = node.find("gathering");
+    if (of == node.end() || !of->is_object()) return {};
+    const auto share = [&](const char* done, const char* all) { return fmt::format("{}/{}", of->at(done).dump(), of->at(all).dump()); };
+    std::string out;
+    if (is_number(*of, "frames") && is_number(*of, "of_frames")) out = share("frames", "of_frames") + " frames gathered";
+    if (is_number(*of, "items") && is_number(*of, "of_items") && of->at("of_items") > 0)
+        out += fmt::format(", {} {}s", share("items", "of_items"), node.value("item", "item"));
+    return state == "running" ? out : out + ", " + state;
+}
+
 std::string text_of(const Json& run) {
     std::string out = fmt::format("{}: {}", run.value("pipeline", ""), run.value("state", ""));
     const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
     out += fmt::format(", {:.0f} s, process {} on {}\n\n", seconds, run.value("pid", 0), run.value("host", ""));
-    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "why it runs"}};
+    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
     for (const auto& [name, node] : run["nodes"].items())
-        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(), node.value("why", "")});
+        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(),
+                        text_of_gathering(node, run.value("state", "")), node.value("why", "")});
     return out + table(rows);
 }
 
@@ -125,7 +141,11 @@ void StatusFile::write(const int* exit_code) const {
     if (exit_code) out["exit"] = *exit_code;
     const auto done = report_.done();
     for (std::size_t n = 0; n < done.size(); ++n)
-        if (const auto name = report_.name(n); out["nodes"].contains(name)) out["nodes"][name]["done"] = done[n];
+        if (const auto name = report_.name(n); out["nodes"].contains(name)) {
+            out["nodes"][name]["done"] = done[n];
+            if (const auto far = report_.gathering(n))
+                out["nodes"][name]["gathering"] = {{"frames", far->frames}, {"of_frames", far->of_frames}, {"items", far->items}, {"of_items", far->of_items}};
+        }
     try {
         OutputFile file(path_);
         std::ofstream(file.aside()) << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";

@@ -2,6 +2,7 @@
 #include "runtime/keep/work_folder.h"
 
 #include "graph/confinement.h"
+#include "graph/text/words.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/origins.h"
@@ -9,6 +10,7 @@
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
+#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
@@ -202,7 +204,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->origins = origins_of(document, registry);
-    const Interrupt interrupt;
+    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 
@@ -212,7 +214,7 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(problems)), exit_code::done;
-    print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
+    print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"), counted(pipeline.frames.frames().size(), "frame")));
     if (verbose) print("\n" + to_text(origins_of(document, registry)));
     return exit_code::done;
 }
