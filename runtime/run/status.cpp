@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -92,9 +91,15 @@ std::string text_of(const Json& run) {
     const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
     out += fmt::format(", {:.0f} s, process {} on {}\n\n", seconds, run.value("pid", 0), run.value("host", ""));
     std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
-    for (const auto& [name, node] : run["nodes"].items())
+    constexpr int column = 5;  ///< of "gathering", which is left out if it is empty
+    bool gathers = false;
+    for (const auto& [name, node] : run["nodes"].items()) {
         rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(),
                         text_of_gathering(node, run.value("state", "")), node.value("why", "")});
+        gathers = gathers || !rows.back()[column].empty();
+    }
+    if (!gathers)
+        for (auto& row : rows) row.erase(row.begin() + column);
     return out + table(rows);
 }
 
@@ -155,23 +160,18 @@ void StatusFile::write(const int* exit_code) const {
     }
 }
 
-int show_status(const std::string& folder, bool json) {
+std::string status_text(const std::string& folder, bool json) {
     auto runs = runs_in(folder + "/runs");
+    for (auto& run : runs) run.about["state"] = state_of(run.about);
     if (json) {
         auto out = Json::array();
-        for (auto& run : runs) {
-            run.about["state"] = state_of(run.about);
-            out.push_back(std::move(run.about));
-        }
-        std::fputs((out.dump(2) + "\n").c_str(), stdout);
-        return 0;
+        for (auto& run : runs) out.push_back(std::move(run.about));
+        return out.dump(2) + "\n";
     }
-    if (runs.empty()) std::fputs(fmt::format("no runs are recorded in '{}'\n", folder).c_str(), stdout);
-    for (std::size_t n = 0; n < runs.size(); ++n) {
-        runs[n].about["state"] = state_of(runs[n].about);
-        std::fputs(((n > 0 ? "\n" : "") + text_of(runs[n].about)).c_str(), stdout);
-    }
-    return 0;
+    if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
+    std::string out;
+    for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run.about);
+    return out;
 }
 
 }  // namespace fluidcarve

@@ -390,7 +390,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
-    if (*status_verb) return show_status(status_folder, json);
+    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*new_node_verb) return write_new_node(new_node, registry);
     if (!load_or_complain(plugins, registry)) return exit_code::usage;
