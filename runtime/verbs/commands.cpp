@@ -333,12 +333,13 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
     check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin");
-    auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
+    auto* const plan_verb =
+        app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
-    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come");
+    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
