@@ -47,7 +47,7 @@ public:
     bool cancelled() const { return host_->cancelled(); }
     /// Throws Cancelled once the run is being stopped. Long bodies call it a few times per second.
     void check_cancelled() const;
-    /// Reports how much of `finish` is done, 0 to 1.
+    /// Reports how much of the work of `finish` is done, 0 to 1. What an earlier run found (`resume`) is no work of this one.
     void progress(double fraction) const { host_->progress(fraction); }
     /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is killed.
     void hold(const Payload& result) const { host_->hold(result); }

@@ -111,6 +111,7 @@ struct Growth {
     std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
     /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
     std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
+    std::string item = "item";  ///< what is counted, for messages
 };
 
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.

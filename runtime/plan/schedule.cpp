@@ -159,6 +159,22 @@ Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::ve
     return Scheduler(pipeline, plan, delivered, known).make();
 }
 
+std::vector<Calls> calls_of(const Schedule& schedule) {
+    std::vector<Calls> out(schedule.once.size());
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        out[n].once = schedule.gathers[n] != 0 || schedule.once[n] == Action::run;
+        out[n].loads = schedule.once[n] == Action::load ? 1 : 0;
+    }
+    for (const auto& pass : schedule.frames)
+        for (const auto& frame : pass)
+            for (std::size_t n = 0; n < out.size(); ++n) {
+                out[n].runs += frame.results[n] == Action::run ? 1 : 0;
+                out[n].takes += frame.takes[n] == Take::anew ? 1 : 0;
+                out[n].loads += (frame.results[n] == Action::load ? 1 : 0) + (frame.takes[n] == Take::kept ? 1 : 0);
+            }
+    return out;
+}
+
 NodeFrames frames_of(const Schedule& schedule, std::size_t n) {
     NodeFrames out;
     for (const auto& pass : schedule.frames)

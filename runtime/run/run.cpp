@@ -9,6 +9,7 @@
 #include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/status.h"
+#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/chrono.h>
@@ -48,8 +49,9 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// Prints failures, warnings, results and times. @param told  warnings that are already printed
-void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
+/// Prints failures, warnings, results and times. @param told  warnings that are already printed @param done  the last words of a run that is done
+void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
+                  const std::string& done) {
     constexpr std::size_t most = 20;
     const auto faults = report.faults();
     for (std::size_t n = 0; n < std::min(most, faults.size()); ++n) tell("failed: " + to_text(faults[n]));
@@ -58,11 +60,11 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
     for (const auto& warning : report.warnings())
         if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
     for (const auto& line : report.lines()) tell(line);
-    if (faults.empty() && summary["exit"] == exit_code::done)
-        tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
+    if (faults.empty() && summary["exit"] == exit_code::done) tell(done);
+    if (summary["exit"] == exit_code::interrupted) tell(interrupted_text(request.options.cache));
     if (request.verbose)
         for (const auto& [name, node] : summary["nodes"].items())
-            tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(),
+            tell(fmt::format("{:>10.3f} s  {:>13}  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), counted(node["frames"].get<std::size_t>(), "frame"),
                              node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
@@ -83,7 +85,9 @@ int code_of(const Failure& failure) { return failure.kind == Failure::Kind::inpu
 int save(Manifest& manifest, const RunRequest& request) {
     try {
         const auto [listed, added] = manifest.save();
-        if (!request.quiet) tell(fmt::format("manifest {}: {} files are as it lists them, {} added", request.manifest_path, listed, added));
+        if (!request.quiet)
+            tell(fmt::format("manifest {}: {} as it lists {}, {} added", request.manifest_path, listed == 1 ? "1 file is" : fmt::format("{} files are", listed),
+                             listed == 1 ? "it" : "them", added));
         return exit_code::done;
     } catch (const Failure& failure) {
         tell(fmt::format("failed: manifest: {}", failure.what()));
@@ -110,8 +114,8 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
         const auto& node = pipeline.nodes[n];
         if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
         out.push_back({node.name, node.type->name, std::nullopt,
-                       fmt::format("has no results in the work folder for {} of {} frames, and --only runs no other node; run --to {} first", shares[n].runs,
-                                   shares[n].frames, node.name),
+                       fmt::format("has no results in the work folder for {} of {}, and --only runs no other node; run --to {} first", shares[n].runs,
+                                   counted(shares[n].frames, "frame"), node.name),
                        Failure::Kind::input});
     }
     return out;
@@ -119,21 +123,19 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
 
 /// Executes a schedule. If a cached result is missing, makes a new schedule and tries again. @return whether the run ended early
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
-             RunProfile* profile, const std::function<bool()>& cancelled) {
+             Costs& costs, RunProfile* profile, const std::function<bool()>& cancelled) {
     constexpr int most_attempts = 4;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
+    Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
     for (int attempt = 1;; ++attempt) {
         bool stopped = true, lost = false;
-        {
-            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()));
-            arena.execute([&] {
-                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, profile, cancelled);
-                flow.run(prepared.plan(), schedule);
-                stopped = flow.stopped();
-                lost = flow.lost();
-            });
-        }
+        arena.execute([&] {
+            Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, costs, profile, cancelled);
+            flow.run(prepared.plan(), schedule);
+            stopped = flow.stopped();
+            lost = flow.lost();
+        });
         if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty())) return stopped;
         if (attempt == most_attempts) {
             const auto& node = pipeline.nodes.front();
@@ -156,10 +158,14 @@ void remember(const Pipeline& pipeline, const Preparation& prepared, const std::
     history.save();
 }
 
-void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const Report& report, History& history) {
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s)
-            history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);
+void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const Costs& costs, const Report& report, History& history) {
+    if (!history.on()) return;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        auto cost = costs.of(n);
+        if (std::ranges::none_of(cost.of, [](const auto& each) { return each.has_value(); })) continue;
+        cost.bytes = report.most_bytes(n);
+        history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);
+    }
     history.save();
 }
 
@@ -229,7 +235,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     }
 
     const auto delivered = prepared.delivered_frames();
-    bool stopped = true;
+    bool stopped = true, idle = false;
+    std::vector<std::string> written;
     if (report.faults().empty()) {
         auto schedule = prepared.schedule();
         prepared.repeat_said(schedule, report);
@@ -247,9 +254,12 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
             StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
-            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled);
+            Costs costs(forecast.expected);
+            idle = nothing_to_do(to_do);
+            written = written_paths(pipeline, to_do);
+            stopped = execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled);
             status.end(exit_of(report, cancelled(), stopped));
-            remember_cost(pipeline, prepared, report, history);
+            remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.frames(), to_do, report);
             const auto left = prepared.cache().trim(request.options.cache_size).left;
             const auto fault = WorkFolder(request.options.work_folder).fault();
@@ -262,7 +272,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
     if (!request.quiet) tell_of_cache(prepared.cache());
-    tell_outcome(report, request, summary, told);
+    tell_outcome(report, request, summary, told, done_text({delivered.size(), summary["wall_s"].get<double>(), idle, written}));
     return write_all(pipeline, registry, request, summary, profile, start, code);
 }
 

@@ -2,6 +2,7 @@
 #include "runtime/keep/work_folder.h"
 
 #include "graph/confinement.h"
+#include "graph/text/words.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/file_places.h"
@@ -11,6 +12,7 @@
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
+#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 #include "runtime/verbs/explain.h"
 #include "runtime/verbs/inspect.h"
@@ -213,7 +215,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->origins = origins_of(document, registry);
-    const Interrupt interrupt;
+    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 
@@ -228,7 +230,7 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
         return out;
     };
     if (json) return print(verbose ? to_json(values()) : to_json(problems)), exit_code::done;
-    print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
+    print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"), counted(pipeline.frames.frames().size(), "frame")));
     if (verbose) print("\n" + to_text(values()));
     return exit_code::done;
 }
@@ -348,12 +350,13 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
     check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin, and where the files lie");
-    auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
+    auto* const plan_verb =
+        app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
-    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come");
+    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
@@ -410,7 +413,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
-    if (*status_verb) return show_status(status_folder, json);
+    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*new_node_verb) return write_new_node(new_node, registry);
     if (!load_or_complain(plugins, registry)) return exit_code::usage;

@@ -159,6 +159,8 @@ TEST_CASE("exit codes and channels are the contract's") {
     CHECK(fluidcarve_program("run " + path + " --keep-going --progress none").code == 4);
     CHECK(fluidcarve_program("run " + path + " -f 9").err == "-f: 9 is not in the sequence 1-3\n");
     CHECK(fluidcarve_program("run " + path + " --to otu").err == "--to: there is no node 'otu'; did you mean 'out'?\n");
+    CHECK(fluidcarve_program("run " + path + " --only otu").err == "--only: there is no node 'otu'; did you mean 'out'?\n");
+    CHECK(fluidcarve_program("run " + path + " --from otu").err == "--from: there is no node 'otu'; did you mean 'out'?\n");
     CHECK(fluidcarve_program("run " + path + " --memory lots").err == "--memory wants a size such as 8G, not 'lots'\n");
 
     scratch.write("bad.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.raed, path: a}\n");
@@ -183,6 +185,7 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
                                 " ]; do sleep 0.02; done; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
                                 "echo $(( ($(date +%s%N) - begin) / 1000000 )); exit $code)");
     CHECK(ran.code == 130);
+    CHECK_THAT(ran.err, Catch::EndsWith("interrupted; run it again to go on\n"));
     CHECK(std::stoi(ran.out) < 1000);
     const auto files = files_in(scratch);
     CHECK(files.size() > 2);

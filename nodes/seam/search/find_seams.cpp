@@ -127,7 +127,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
     };
     std::vector<std::uint16_t> last;
     for (const auto& seam : continued.before) {
-        tick(static_cast<double>(out.seams.size()) / count);
+        tick(0);
         last.assign(seam.at.begin(), seam.at.begin() + static_cast<std::ptrdiff_t>(columns));
         if (deleted) deleted->from_original(last);
         meet(last);
@@ -135,11 +135,12 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         out.wall_s.push_back(0);
     }
     if (!last.empty() && continued.start_from) continued.start_from(last);
-    for (int n = static_cast<int>(out.seams.size()); n < count; ++n) {
+    const int known = static_cast<int>(out.seams.size());
+    for (int n = known; n < count; ++n) {
         const auto start = std::chrono::steady_clock::now();
         const Window left{window.first, window.last - n};
         require_seam(energy, left, n);
-        auto seam = find(energy, left, n, [&](double fraction) { tick((n + fraction) / count); });
+        auto seam = find(energy, left, n, [&](double fraction) { tick((n - known + fraction) / (count - known)); });
         meet(seam.at);
         if (deleted) deleted->to_original(seam.at.all());
         if (static_) seam.at = repeated(seam.at, volume.frames());

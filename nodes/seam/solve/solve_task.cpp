@@ -5,6 +5,7 @@
 #include "nodes/seam/solve/no_more.h"
 #include "nodes/seam/solve/report.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -39,8 +40,19 @@ private:
         return energies + seams;
     }
 
+    /// Share of this search's work that a part is: by the seams that are yet to be found.
+    double share_of(const SeamTask::Part& part) const {
+        if (!task_.pairs) return 1;
+        const auto left = [&](bool pair) {
+            const auto& before = setup_.before.seams;
+            return std::max(0, task_.count - static_cast<int>(!before ? 0 : pair ? before->pairs.size() : before->seams.size()));
+        };
+        const int all = left(true) + left(false);
+        return all > 0 ? static_cast<double>(left(part.pair)) / all : 0;
+    }
+
     FoundSeams find(const SeamTask::Part& part) {
-        const double share = task_.pairs ? 0.5 : 1;
+        const double share = share_of(part);
         const auto tick = [&](double fraction) {
             context_.check_cancelled();
             context_.progress(done_ + share * fraction);
