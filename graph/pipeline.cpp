@@ -371,12 +371,12 @@ private:
             for (const auto& spec : reader.node.type->params) {
                 if (!spec.written || !reader.node.params) continue;
                 for (const auto& [name, path] : spec.written(reader.node.params.get())) {
-                    bool found = false;
+                    // What nodes with faults write is not known.
+                    bool found = drafts_.size() < known_.size();
                     std::vector<std::string> all;
                     for (const auto& writer : drafts_)
                         for (const auto& other : writer.node.type->params) {
                             if (&writer == &reader || other.shape.kind != Shape::Kind::output_path) continue;
-                            // What a node with faults writes is not known.
                             if (!writer.node.params) found = true;
                             else if (const auto& output = other.path(writer.node.params.get()); !output.text().empty())
                                 found = found || files_of(output) == files_of(path), all.push_back(output.text());

@@ -49,6 +49,8 @@ TEST_CASE("usd.write refuses files that nobody writes") {
     const auto own = told("path: out/shot.usda, files: {shot: out/shot.usda}");
     REQUIRE(own.size() == 1);
     CHECK_THAT(own[0], Catch::StartsWith("usd.write parameter 'files': no other node writes out/shot.usda; "));
+    // What a node of an unknown type would write is not known.
+    CHECK(told("path: out/shot.usda, files: {a: out/a.usda}}\n  other: {type: mesh.wirte, path: out/a.usda").size() == 1);
     const auto width = told("path: out/shot.usda, volumes: {smoke: sim}, files: {smoke: out/s.##.vdb}");
     CHECK(width == Texts{"usd.write parameter 'files': no other node writes out/s.##.vdb; did you mean 'out/s.####.vdb'?"});
 }
