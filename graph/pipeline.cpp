@@ -76,6 +76,7 @@ public:
         if (!order()) return out;
         infer_rates();
         check_paths(out.frames);
+        check_written(out.frames);
         check_confinement(out.frames);
         for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
         return out;
@@ -399,6 +400,36 @@ private:
                         numbered.empty() ? "such as ####" : fmt::format("as in '{}'", numbered), writer.name),
             mark, fmt::format("'{}' writes a file per frame here", writer.name));
         return true;
+    }
+
+    /// Checks that files which a node takes to be written by others are so.
+    void check_written(const FrameSet& frames) {
+        // Patterns of two kinds may name the same files.
+        const auto files_of = [&](const PathPattern& path) {
+            const auto file = [&](int frame) { return std::filesystem::absolute(path.at(frame)).lexically_normal(); };
+            return std::pair(file(frames.frames().front()), file(frames.frames().back()));
+        };
+        for (const auto& reader : drafts_)
+            for (const auto& spec : reader.node.type->params) {
+                if (!spec.written || !reader.node.params) continue;
+                for (const auto& [name, path] : spec.written(reader.node.params.get())) {
+                    // What nodes with faults write is not known.
+                    bool found = drafts_.size() < known_.size();
+                    std::vector<std::string> all;
+                    for (const auto& writer : drafts_)
+                        for (const auto& other : writer.node.type->params) {
+                            if (&writer == &reader || other.shape.kind != Shape::Kind::output_path) continue;
+                            if (!writer.node.params) found = true;
+                            else if (const auto& output = other.path(writer.node.params.get()); !output.text().empty())
+                                found = found || files_of(output) == files_of(path), all.push_back(output.text());
+                        }
+                    const auto& files = reader.value->find(spec.name)->value;
+                    if (!found)
+                        add(problems_, files.find(name)->value.mark,
+                            fmt::format("{} parameter '{}': no other node writes {}{}", reader.node.type->name, spec.name, path.text(),
+                                        all.empty() ? "" : did_you_mean(path.text(), all)));
+                }
+            }
     }
 
     /// Checks that all files lie where the program may read and write.

@@ -67,6 +67,7 @@
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
+#include "nodes/usd/write.h"
 
 namespace fluidcarve {
 
@@ -139,6 +140,7 @@ Registry builtin_registry() {
     out.add(remap_points());
     out.add(filter_seam());
     out.add(preview_sheet());
+    out.add(usd_write());
     return out;
 }
 

@@ -28,6 +28,10 @@ struct OptionalList : List<T> {  ///< empty if unconnected
 };
 template <class T>
 using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< connections with names: `inputs: {d: a}`
+template <class T>
+struct OptionalNamed : Named<T> {  ///< empty if unconnected
+    using Named<T>::operator=;
+};
 /// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
@@ -65,6 +69,8 @@ struct ParamSpec {
     std::function<std::string(const void* params)> text;  ///< the value as YAML that `parse` reads back
     /// The path of a path parameter; empty for all others.
     std::function<const PathPattern&(const void* params)> path;
+    /// The files of a parameter of type WrittenPaths, by name; empty for all others.
+    std::function<const WrittenPaths&(const void* params)> written;
 };
 
 /// Interface for a node's own `check`, which finds faults that the declaration can't express.
@@ -189,12 +195,16 @@ struct PortTraits<Named<T>> {
         for (std::size_t n = 0; n < in.size(); ++n) port.emplace_back(names[n], in[n].as<T>());
     }
 };
+template <class T>
+struct PortTraits<OptionalNamed<T>> : PortTraits<Named<T>> {};
 template <class M>
 inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<Optional<T>> = true;
 template <class T>
 inline constexpr bool is_optional<OptionalList<T>> = true;
+template <class T>
+inline constexpr bool is_optional<OptionalNamed<T>> = true;
 struct NoParams {};
 template <class Node>
 struct ParamsOf {
@@ -453,6 +463,8 @@ private:
         };
         if constexpr (std::derived_from<T, PathPattern>)
             spec.path = [member](const void* params) -> const PathPattern& { return static_cast<const Params*>(params)->*member; };
+        if constexpr (std::same_as<T, WrittenPaths>)
+            spec.written = [member](const void* params) -> const WrittenPaths& { return static_cast<const Params*>(params)->*member; };
         return spec;
     }
 
