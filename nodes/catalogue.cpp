@@ -21,7 +21,9 @@
 #include "nodes/field/magnitude.h"
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
-#include "nodes/io/inspect.h"
+#include "nodes/inspect/geometry.h"
+#include "nodes/inspect/image.h"
+#include "nodes/inspect/volume.h"
 #include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
@@ -80,6 +82,8 @@ Registry builtin_registry() {
     add_points_payload(out);
     add_energy_payload(out);
     out.add(vdb_inspector());
+    out.add(image_inspector());
+    out.add(geometry_inspector());
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());
