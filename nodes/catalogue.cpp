@@ -1,5 +1,6 @@
 #include "nodes/catalogue.h"
 
+#include "nodes/compare/files.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -84,6 +85,9 @@ Registry builtin_registry() {
     out.add(vdb_inspector());
     out.add(image_inspector());
     out.add(geometry_inspector());
+    out.add(volume_comparer());
+    out.add(image_comparer());
+    out.add(geometry_comparer());
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());

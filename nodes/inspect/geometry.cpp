@@ -64,16 +64,6 @@ Json curve_json(const std::string& path) {
     return out;
 }
 
-/// Whether a PLY file has vertices alone.
-bool holds_points(const std::string& path) {
-    try {
-        read_ply_header(path);
-        return true;
-    } catch (const Failure&) {
-        return false;
-    }
-}
-
 Json look_at_geometry(const std::string& path) {
     if (ending_of(path) == ".csv") return curve_json(path);
     if (names_ply(path) && holds_points(path)) return points_json(path);
