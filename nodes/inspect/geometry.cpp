@@ -83,7 +83,7 @@ std::string geometry_text(const Json& file) {
     if (kind == "mesh") out += fmt::format("a mesh of {} vertices and {} faces", count_text(file["vertices"]), count_text(file["faces"]));
     else if (kind == "points") out += fmt::format("{} points", count_text(file["points"]));
     else
-        out += fmt::format("a {} curve of {} points, {} long", file["closed"].get<bool>() ? "closed" : "open", count_text(file["points"]),
+        out += fmt::format("{} curve of {} points, {} long", file["closed"].get<bool>() ? "a closed" : "an open", count_text(file["points"]),
                            file["length"].is_array() ? range_text(file["length"]) : fmt::format("{:g}", file["length"].get<double>()));
     if (file.contains("world_box")) out += ", world " + world_text(file["world_box"]);
     out += "\n";
