@@ -1,5 +1,6 @@
 #include "nodes/catalogue.h"
 
+#include "nodes/compare/files.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -21,7 +22,9 @@
 #include "nodes/field/magnitude.h"
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
-#include "nodes/io/inspect.h"
+#include "nodes/inspect/geometry.h"
+#include "nodes/inspect/image.h"
+#include "nodes/inspect/volume.h"
 #include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
@@ -83,6 +86,11 @@ Registry builtin_registry() {
     add_energy_payload(out);
     out.add(vdb_inspector());
     out.add(ProvenanceReader{&read_provenance});
+    out.add(image_inspector());
+    out.add(geometry_inspector());
+    out.add(volume_comparer());
+    out.add(image_comparer());
+    out.add(geometry_comparer());
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());

@@ -70,6 +70,13 @@ std::vector<std::string> Registry::node_names() const {
     return out;
 }
 
+std::vector<std::string> Registry::families() const {
+    std::vector<std::string> out;
+    for (const auto& [name, type] : nodes_)
+        if (const auto family = name.substr(0, name.find('.')); out.empty() || out.back() != family) out.push_back(family);
+    return out;
+}
+
 const PayloadType& Registry::payload(std::type_index type) const {
     for (const auto& known : payloads_)
         if (known.type == type) return known;

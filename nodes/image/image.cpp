@@ -4,6 +4,7 @@
 #include "graph/text/words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -49,12 +50,13 @@ const ImageFormat& format_of_file(const std::string& path) {
     refuse(begin.empty() ? fmt::format("{} is empty", path) : fmt::format("{} is not an image in a supported format: {}", path, shown_formats()));
 }
 
-std::string image_endings() {
-    std::string out;
-    for (const auto& format : formats())
-        for (const auto& ending : format.endings) out += (out.empty() ? "" : ", ") + ending;
+std::vector<std::string> all_image_endings() {
+    std::vector<std::string> out;
+    for (const auto& format : formats()) out.insert(out.end(), format.endings.begin(), format.endings.end());
     return out;
 }
+
+std::string image_endings() { return fmt::format("{}", fmt::join(all_image_endings(), ", ")); }
 
 bool is_opacity(const std::string& channel) {
     const auto name = channel.substr(channel.rfind('.') + 1);

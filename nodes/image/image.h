@@ -68,7 +68,10 @@ const ImageFormat* format_of_name(const std::string& path);
 /// @throws Failure (input) if the file is missing, can't be read, or has an unknown format
 const ImageFormat& format_of_file(const std::string& path);
 
-/// All extensions for messages: ".png, .exr, ...".
+/// The extensions of all formats: ".png", ".exr", ...
+std::vector<std::string> all_image_endings();
+
+/// The same for messages: ".png, .exr, ...".
 std::string image_endings();
 
 /// Whether a channel is opacity by its name: A or alpha, also with a layer's name before it.

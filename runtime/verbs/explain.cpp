@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
+#include <span>
 
 namespace fluidcarve {
 namespace {
@@ -19,13 +20,12 @@ std::string short_name(const std::string& name) { return name.substr(name.find('
 
 int explain_file(const std::string& path, bool json, std::uint64_t memory, const Registry& registry) {
     using Json = nlohmann::ordered_json;
-    std::string fault;
-    const auto read = [&] {
+    const auto read = [&](const std::string& file) {
         auto out = Json::object();
-        for (const auto& [name, text] : registry.provenance_reader().read(path)) out[short_name(name)] = text;
+        for (const auto& [name, text] : registry.provenance_reader().read(file)) out[short_name(name)] = text;
         return out;
     };
-    const auto found = read_confined(path, read, memory, fault);
+    const auto [found, fault] = read_confined(std::span(&path, 1), read, memory).front();
     if (json) {
         Json out{{"file", path}, {"provenance", found && !found->empty() ? *found : Json()}};
         if (!found) out["error"] = fault;

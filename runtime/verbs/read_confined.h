@@ -1,19 +1,29 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace fluidcarve {
 
-/// Reads a data file in a child process with limits (call_confined): for small files a short time, for large ones as long as a slow disk takes.
-/// @param read    returns what is in the file
+/// What is known of a file: its facts, or why there are none, with its path.
+struct ReadFile {
+    std::optional<nlohmann::ordered_json> facts;
+    std::string fault;
+};
+
+/// Returns what is in a file. @throws std::exception
+using ReadFacts = std::function<nlohmann::ordered_json(const std::string& path)>;
+
+/// Reads data files in one child process with limits (call_confined), and each in one of its own if that fails. Small files have a short
+/// time, large ones as long as a slow disk takes.
 /// @param memory  limit of the memory, bytes
-/// @param fault   set to the reason, with the path, if nothing is returned
-std::optional<nlohmann::ordered_json> read_confined(const std::string& path, const std::function<nlohmann::ordered_json()>& read, std::uint64_t memory,
-                                                    std::string& fault);
+/// @return one entry per path
+std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read, std::uint64_t memory);
 
 }  // namespace fluidcarve

@@ -341,7 +341,8 @@ TEST_CASE("inspect looks into files one by one: what can't be read is told, the 
     CHECK(json["files"][1]["grids"][0]["name"] == "density");
     const auto text = fluidcarve_program("inspect README.md");
     CHECK(text.code == 2);
-    CHECK(text.err == "inspect reads files that end in .vdb, not README.md\n");
+    CHECK(text.err ==
+          "inspect reads files that end in .vdb, .png, .exr, .jpg, .jpeg, .tif, .tiff, .obj, .ply, .off, .stl, .csv, and folders of them, not README.md\n");
 }
 
 TEST_CASE("a file that makes its reader loop or crash is damaged, and that is all") {
