@@ -4,8 +4,10 @@
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
 
+#include <array>
 #include <concepts>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -85,17 +87,25 @@ public:
     virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
 };
 
-/// Interface for a reader's `survey`, which looks at its files before a run starts.
+/// What is known of a payload in a frame before it is read.
+struct Foreseen {
+    std::optional<std::vector<std::string>> grids;  ///< names of its grids, in their order
+    std::optional<std::array<int, 2>> pixels;       ///< width and height of the picture that it is, or covers
+};
+
+/// Interface for a node's `survey`: before a run starts, a reader looks at its files, and other nodes at what they will receive.
 class Survey {
 public:
     virtual ~Survey() = default;
-    virtual const std::vector<int>& frames() const = 0;               ///< frame numbers of the sequence
-    virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
-    virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
-    virtual void stands_in(int frame, int file) = 0;                  ///< frame `frame` uses the file of frame `file`
-    virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< bytes of memory for the frame, estimated from its file
-    virtual void leave_out(int frame) = 0;                            ///< removes the frame for all nodes; its neighbours become adjacent in time
-    virtual void missing(int frame, const std::string& message) = 0;  ///< the file is missing or unreadable
+    virtual const std::vector<int>& frames() const = 0;                             ///< frame numbers of the sequence
+    virtual bool needs(int frame) const = 0;                                        ///< whether the run will read the frame
+    virtual bool wants(std::string_view output) const = 0;                          ///< whether the run will read the output
+    virtual void stands_in(int frame, int file) = 0;                                ///< frame `frame` uses the file of frame `file`
+    virtual void expect(int frame, std::uint64_t bytes) = 0;                        ///< bytes of memory for the frame, estimated from its file
+    virtual void leave_out(int frame) = 0;                                          ///< removes the frame for all nodes; its neighbours become adjacent in time
+    virtual void missing(int frame, const std::string& message) = 0;                ///< the file, or a grid in it, is missing or unreadable
+    virtual void delivers(int frame, std::string_view output, Foreseen what) = 0;   ///< what the reader's output will be
+    virtual const Foreseen* receives(int frame, std::string_view input) const = 0;  ///< what an input will be; null: not known
     virtual void warn(const std::string& message) = 0;
 };
 
@@ -147,13 +157,15 @@ struct NodeType {
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
     std::string concludes_from;              ///< the section of the report that `conclude` is handed; empty: there is no `conclude`
     std::optional<Growth> growth;
+    bool in_place = false;                                     ///< outputs stand where inputs do: pictures that meet here have one size
+    std::map<std::string, std::string, std::less<>> as_named;  ///< output to the input whose grids it has, by their names
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
     std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files
+    std::function<void(const void* params, Survey&)> survey;  ///< empty: reads no files, and needs no grid of a name
     /// Called after a run with what the node reported of all its frames; empty: nothing to say.
     std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)> conclude;
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
@@ -265,7 +277,7 @@ FLUIDCARVE_HOOK(conclude)
 ///
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
-///     static void survey(const Params&, Survey&);                    looks at its files before the run
+///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
 ///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);       with Declare::concludes
 ///
 /// `conclude` is called once after a run, if all of the node's frames are done, in this run or an earlier one, with what it reported of
@@ -368,6 +380,16 @@ public:
     }
     Declare& grows(Growth growth) {
         type_.growth = std::move(growth);
+        return *this;
+    }
+    /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of different sizes are then refused.
+    Declare& in_place() {
+        type_.in_place = true;
+        return *this;
+    }
+    /// Declares that an output is a volume with grids of the same names as an input's.
+    Declare& names_as(std::string output, std::string input) {
+        type_.as_named.emplace(std::move(output), std::move(input));
         return *this;
     }
 

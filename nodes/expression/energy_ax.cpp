@@ -30,7 +30,8 @@ NodeType energy_ax() {
         .required("code", &AxParams::code, ax_code_doc("@energy"))
         .output("energy", &EnergyAx::Ports::energy,
                 "The values that the program writes, finite and at least 0, on the voxels that are active in any input; 0 elsewhere.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -190,7 +190,7 @@ Channels channels_of(const Volume& volume, const ImageWish& wish) {
     if (wish.channels) {
         for (const auto& name : *wish.channels) {
             const auto grid = volume.find(name);
-            if (!grid) throw Failure(fmt::format("there is no channel '{}'; there are {}", name, volume.names()));
+            if (!grid) throw Failure(no_channel(name, volume.names()));
             take(grid);
         }
     } else {
@@ -334,6 +334,11 @@ void reframe(Image& image, const Image::Window& to) {
 }
 
 }  // namespace
+
+std::array<int, 2> upright_size(const Image& header) {
+    const Upright upright(orientation_of(header), header.display);
+    return {upright.width(), upright.height()};
+}
 
 Volume volume_of(const Image& image) {
     // Registers the types of metadata.

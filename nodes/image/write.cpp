@@ -4,6 +4,7 @@
 #include "graph/types/module.h"
 #include "nodes/image/image_provenance.h"
 #include "nodes/image/image_volume.h"
+#include "nodes/io/file_sequence.h"
 
 #include <fmt/format.h>
 
@@ -41,6 +42,11 @@ struct ImageWrite {
         if (params.depth && std::find(format->depths.begin(), format->depths.end(), ParamTraits<Depth>::text(*params.depth)) == format->depths.end())
             check.fault("depth", fmt::format("{} holds {}, not {}", format->shown, fmt::join(format->depths, " or "), ParamTraits<Depth>::text(*params.depth)));
         if (check.stated("quality") && format->name != "jpeg") check.fault("quality", fmt::format("'quality' is for JPEG; {} is lossless", format->shown));
+    }
+
+    static void survey(const Params& params, Survey& survey) {
+        survey_grids(
+            "source", survey, [](std::size_t) { return true; }, [&](const auto& there) { require_channels(params.channels, there); });
     }
 
     static void run(const Params& params, Ports& io, Context& context) {

@@ -120,6 +120,12 @@ public:
         return {place(name, choice.kind)};
     }
 
+    /// Name of the grid that an output will be. @param places  as of `places`
+    std::string name_of(const std::vector<std::size_t>& places) const {
+        const auto& name = header().grids[places.front()].name;
+        return places.size() == 3 ? base(name) : name;
+    }
+
     /// The placement of a grid; points may have an offset from the other grids.
     Placement placement_of(const openvdb::GridBase& grid, Placement placement) const {
         if (is_point_grid(grid) && profile_ && profile_->points_off) placement.offset = openvdb::Vec3d(-0.5);
@@ -238,12 +244,21 @@ struct VdbRead {
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
-            for (const auto& [output, choice] : params.grids)
-                if (survey.wants(output))
-                    for (const auto place : contents.places(output, choice)) places.insert(place);
+            for (const auto& [output, choice] : params.grids) {
+                if (!survey.wants(output)) continue;
+                const auto of_output = contents.places(output, choice);
+                places.insert(of_output.begin(), of_output.end());
+                survey.delivers(frame, output, {{{contents.name_of(of_output)}}, std::nullopt});
+            }
             const auto named = places;
-            if (survey.wants("volume"))
-                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
+            if (survey.wants("volume")) {
+                std::vector<std::string> names;
+                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) {
+                    places.insert(n);
+                    names.push_back(contents.header().grids[n].name);
+                }
+                survey.delivers(frame, "volume", {std::move(names), std::nullopt});
+            }
             steadiness.look(contents.header(), places, frame, survey);
             survey.expect(frame, memory_of(contents, places, named));
         });

@@ -102,6 +102,7 @@ NodeType remap_grids() {
         .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
         .output("volume", &RemapGrids::Ports::volume,
                 "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
+        .names_as("volume", "source")
         .concludes(grids_by_frame);
 }
 

@@ -75,6 +75,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,
                 [params_of](const void* params, std::size_t vertices) { return SeamNode::wanted(params_of(params), vertices); }, &SeamNode::first,
                 &SeamNode::warnings, "seam"})
+        .in_place()
         .kept();
 }
 

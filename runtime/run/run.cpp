@@ -182,9 +182,10 @@ void tell_of_cache(const Cache& cache) {
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
-    for (const auto& fault : prepared.inputs().missing) report.failed(fault);
+    for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
+        for (const auto& fault : *faults) report.failed(fault);
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
-    if (!prepared.inputs().missing.empty() || prepared.frames().empty()) return exit_code::input;
+    if (!report.faults().empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
@@ -225,6 +226,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (const auto& fault : prepared.inputs().missing) report.failed(fault);
+    for (const auto& fault : prepared.inputs().clashes) report.failed(fault);
     for (const auto& fault : prepared.unlike_manifest()) report.failed(fault);
     if (prepared.frames().empty()) {
         const auto& targets = prepared.plan().targets;

@@ -215,6 +215,21 @@ TEST_CASE("a grid that is missing, or of another type, is told with what the fil
     CHECK(bench.files().empty());
 }
 
+TEST_CASE("a grid that a later node lacks is told before anything runs") {
+    const Scratch scratch;
+    const auto call = [&](const std::string& verb, const std::string& more) {
+        return fluidcarve_program(verb + " pipelines/plume.yaml --set out=" + (scratch / "out/o.####.vdb") + " --set seams=" + (scratch / "out/seams.vdb") +
+                                  " --set sheet=" + (scratch / "out/sheet.png") + " " + more);
+    };
+    const std::string unknown = "failed: sheet (preview.sheet), frame 51: 'before' has no grid 'smoke'; known: velocity, density, shadow, temperature, flame\n";
+    require(call("run -q", "--set sheet.grid=smoke"), 3, unknown);
+    require(call("plan", "--set sheet.grid=smoke"), 3, unknown);
+    // A carve keeps the names of the grids.
+    require(call("run -q", "--set sheet.grid=densty --set sheet.before=carved"), 3,
+            "failed: sheet (preview.sheet), frame 51: 'before' has no grid 'densty'; did you mean 'density'?\n");
+    CHECK_FALSE(fs::exists(scratch / "out"));
+}
+
 TEST_CASE("an output over an input is refused, whatever the path, and the input stays") {
     const Bench bench;
     bench.put({1});

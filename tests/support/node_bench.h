@@ -89,10 +89,19 @@ public:
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }
         void warn(const std::string& message) override { warnings.push_back(message); }
+        void delivers(int frame, std::string_view output, Foreseen what) override { delivered[{frame, std::string(output)}] = std::move(what); }
+        const Foreseen* receives(int, std::string_view input) const override {
+            const auto found = received.find(std::string(input));
+            return found == received.end() ? nullptr : &found->second;
+        }
+        std::map<std::pair<int, std::string>, Foreseen> delivered;
+        std::map<std::string, Foreseen> received;  ///< by input, in all frames
     };
-    Surveyed survey(std::vector<int> frames) const {
+    /// @param received  what readers say of the inputs
+    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {}) const {
         Surveyed out;
         out.all = std::move(frames);
+        out.received = std::move(received);
         type_.survey(params_.get(), out);
         return out;
     }
