@@ -77,6 +77,14 @@ public:
     virtual std::vector<std::string> names(std::string_view input) const = 0;
     virtual void fault(std::string_view field, const std::string& message) = 0;  ///< adds a problem at the field, else at the node
     virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
+    virtual void warn(std::string_view field, const std::string& message) = 0;   ///< adds a warning at the field, else at the node
+};
+
+/// A part of a reader's first output that the run will take by its name (Selection).
+struct Pick {
+    std::string part;
+    std::type_index type = typeid(void);  ///< of the input that takes it
+    std::string taker;                    ///< for messages: "'edges' takes carved.density"
 };
 
 /// Interface for a reader's `survey`, which looks at its files before a run starts.
@@ -86,6 +94,7 @@ public:
     virtual const std::vector<int>& frames() const = 0;               ///< frame numbers of the sequence
     virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
     virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
+    virtual const std::vector<Pick>& picks() const = 0;               ///< parts of the first output that the run will take
     virtual void stands_in(int frame, int file) = 0;                  ///< frame `frame` uses the file of frame `file`
     virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< bytes of memory for the frame, estimated from its file
     virtual void leave_out(int frame) = 0;                            ///< removes the frame for all nodes; its neighbours become adjacent in time
@@ -111,6 +120,11 @@ struct Growth {
     std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
     /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
     std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
+    /// A true-or-false parameter: whether fewer items than wanted are enough, if there are no more. It is no part of the cache key of the
+    /// result, which serves both. Empty: there is none.
+    std::string best_effort = {};
+    /// Whether a report entry says that there are no more items than the result holds; empty: none does.
+    std::function<bool(const nlohmann::ordered_json& entry)> exhausted = nullptr;
 };
 
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.
@@ -133,6 +147,7 @@ struct NodeType {
     std::vector<OutputSpec> outputs;
     std::vector<ParamSpec> params;
     std::string outputs_param;               ///< the parameter that names further outputs, or empty
+    std::string passes;                      ///< the input whose parts, by name, are those of the first output; or empty
     bool per_frame_outputs = true;           ///< false: `finish` makes the outputs, once
     int version = 1;                         ///< part of the cache key: cached results of another version are not used
     bool kept = false;                       ///< results are cached in the work folder, unless the pipeline states `cache: false`
@@ -317,6 +332,13 @@ public:
                                }});
             return out;
         };
+        return *this;
+    }
+
+    /// Declares that the first output has the parts, by name, of what an input takes: a carved volume has the grids of its source. So a
+    /// name that is not there can be told before the run (Survey::picks).
+    Declare& passes(std::string input) {
+        type_.passes = std::move(input);
         return *this;
     }
 

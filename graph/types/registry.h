@@ -23,7 +23,7 @@ struct FileInspector {
     std::function<std::string(const nlohmann::ordered_json&)> text;
 };
 
-/// The node types, payload types, conversions and file inspectors that a pipeline may use. A plain value that the program, or a
+/// The node types, payload types, conversions, selections and file inspectors that a pipeline may use. A plain value that the program, or a
 /// test, fills.
 class Registry {
 public:
@@ -31,6 +31,7 @@ public:
     void add(NodeType type);
     void add(PayloadType type);
     void add(Conversion conversion);
+    void add(Selection selection);
     void add(FileInspector inspector) { inspectors_.push_back(std::move(inspector)); }
 
     const NodeType* node(std::string_view name) const;
@@ -43,6 +44,8 @@ public:
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
     Payload convert(const Payload& payload, std::type_index to) const;
+    /// The way from payloads of a type to parts that an input of type `to` takes; null if there is none.
+    const Selection* selection(std::type_index from, std::type_index to) const;
     /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;
 
@@ -51,6 +54,7 @@ private:
     std::map<std::string, NodeType, std::less<>> nodes_;
     std::vector<PayloadType> payloads_;
     std::vector<Conversion> conversions_;
+    std::vector<Selection> selections_;
     std::vector<FileInspector> inspectors_;
 };
 

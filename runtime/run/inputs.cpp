@@ -12,11 +12,12 @@ namespace {
 class SurveyOf : public Survey {
 public:
     /// @param needed  frames that the run will read; nothing: all
-    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
-        : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
+    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted, std::vector<Pick> picks)
+        : frames_(frames), needed_(needed), wanted_(std::move(wanted)), picks_(std::move(picks)) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
     bool wants(std::string_view output) const override { return wanted_.contains(output); }
+    const std::vector<Pick>& picks() const override { return picks_; }
     void stands_in(int frame, int file) override { stand_ins[frame] = file; }
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
@@ -33,6 +34,7 @@ private:
     const std::vector<int>& frames_;
     const std::optional<FrameSet>& needed_;
     const std::set<std::string, std::less<>> wanted_;
+    const std::vector<Pick> picks_;
 };
 
 using OutputNames = std::set<std::string, std::less<>>;
@@ -51,18 +53,48 @@ std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vec
     return out;
 }
 
+/// The node whose first output has the parts of a link's payload, by name: the way back through nodes that pass them on (Declare::passes).
+/// Nothing if it leads to an output that is only a part itself.
+std::optional<std::size_t> origin_of(const Pipeline& pipeline, Link link) {
+    while (link.output == 0) {
+        const auto& node = pipeline.nodes[link.node];
+        if (node.type->passes.empty()) return link.node;
+        const auto input = static_cast<std::size_t>(node.type->input(node.type->passes) - node.type->inputs.data());
+        if (node.inputs[input].empty() || !node.inputs[input].front().part.empty()) break;
+        link = node.inputs[input].front();
+    }
+    return std::nullopt;
+}
+
+/// Per node: the parts of its first output that nodes of the run take, straight or from what other nodes make of it.
+std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vector<bool>& needed) {
+    std::vector<std::vector<Pick>> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (std::size_t input = 0; needed[n] && input < node.inputs.size(); ++input)
+            for (const auto& link : node.inputs[input]) {
+                if (link.part.empty()) continue;
+                if (const auto origin = origin_of(pipeline, link))
+                    out[*origin].push_back(
+                        {link.part, node.type->inputs[input].type, fmt::format("'{}' takes {}.{}", node.name, pipeline.nodes[link.node].name, link.part)});
+            }
+    }
+    return out;
+}
+
 }  // namespace
 
 Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
     const auto wanted = wanted_outputs(pipeline, plan.needed, cache);
+    const auto picks = picks_of(pipeline, plan.needed);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || !node.type->survey) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const std::optional<FrameSet> read = node.rate == Rate::fixed || plan.in_sequence[n] ? std::nullopt : deliver;
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n]);
+        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n], picks[n]);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -83,7 +115,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
     for (auto& [n, stand_ins] : out.stand_ins) {
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(out.frames, none, {});
+        SurveyOf again(out.frames, none, {}, {});
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }

@@ -211,7 +211,9 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto document = read_document(arguments.path, arguments.settings, problems);
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
-    if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(problems)), exit_code::done;
+    const auto warnings = warnings_of(pipeline);
+    if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(warnings)), exit_code::done;
+    complain(to_text(warnings));
     print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
     if (verbose) print("\n" + to_text(origins_of(document, registry)));
     return exit_code::done;
