@@ -37,6 +37,7 @@ struct ImageRead {
             const auto header = images().header(path, format_of_file(path).name);
             for (const auto& [output, channel] : params.channels)
                 if (survey.wants(output)) require_channel(path, header, channel);
+            for (const auto& pick : survey.picks()) require_channel(path, header, pick.part);
         });
     }
 

@@ -94,7 +94,8 @@ NodeType remap_grids() {
         .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &RemapGrids::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
-        .output("volume", &RemapGrids::Ports::volume, "The carved source: same grids, transforms and metadata.");
+        .output("volume", &RemapGrids::Ports::volume, "The carved source: same grids, transforms and metadata.")
+        .passes("source");
 }
 
 }  // namespace fluidcarve
