@@ -33,18 +33,16 @@ struct Draft {
 /// The NodeCheck of one draft; faults become problems.
 class NodeCheckOf : public NodeCheck {
 public:
-    NodeCheckOf(const Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
+    NodeCheckOf(Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
     bool stated(std::string_view field) const override { return draft_.value->find(field) != nullptr; }
     std::size_t connections(std::string_view input) const override {
         for (std::size_t n = 0; n < draft_.references.size(); ++n)
             if (draft_.node.type->inputs[n].name == input) return draft_.references[n].size();
         return 0;
     }
-    void fault(std::string_view field, const std::string& message) override {
-        const auto* const found = draft_.value->find(field);
-        fault(found ? found->value.mark : draft_.node.mark, message);
-    }
+    void fault(std::string_view field, const std::string& message) override { fault(place(field), message); }
     void fault(const Mark& at, const std::string& message) override { add(problems_, at, fmt::format("{} {}", draft_.node.type->name, message)); }
+    void warn(std::string_view field, const std::string& message) override { add(draft_.node.warnings, place(field), message); }
     std::vector<std::string> names(std::string_view input) const override {
         for (std::size_t n = 0; n < draft_.node.input_names.size(); ++n)
             if (draft_.node.type->inputs[n].name == input) return draft_.node.input_names[n];
@@ -52,7 +50,12 @@ public:
     }
 
 private:
-    const Draft& draft_;
+    const Mark& place(std::string_view field) const {
+        const auto* const found = draft_.value->find(field);
+        return found ? found->value.mark : draft_.node.mark;
+    }
+
+    Draft& draft_;
     Problems& problems_;
 };
 
@@ -235,6 +238,9 @@ private:
             return add(problems_, reference.mark, fmt::format("'{}' ({}) has no output", from.name, from.type->name), from.mark, "it is defined here"),
                    std::nullopt;
         const auto found = reference.port.empty() ? ports.begin() : std::find(ports.begin(), ports.end(), reference.port);
+        const auto& spec = draft.node.type->inputs[input];
+        if (found == ports.end() && from.type->outputs_param.empty() && registry_.selection(from.outputs.front().type, spec.type))
+            return Link{source->second, 0, reference.port};
         if (found == ports.end()) {
             if (from.params || from.type->outputs_param.empty())
                 add(problems_, reference.mark,
@@ -244,7 +250,6 @@ private:
         }
         const Link link{source->second, static_cast<std::size_t>(found - ports.begin())};
         const auto& output = from.outputs[link.output];
-        const auto& spec = draft.node.type->inputs[input];
         if (!registry_.accepts(spec.type, output.type)) {
             add(problems_, reference.mark,
                 fmt::format("{} input '{}' takes {}, but {}.{} is {}", draft.node.type->name, spec.name, registry_.accepted_names(spec.type), from.name,
@@ -461,6 +466,18 @@ private:
 };
 
 }  // namespace
+
+
+const std::string& taken_by(const Pipeline& pipeline, const Link& link) {
+    return link.part.empty() ? pipeline.nodes[link.node].outputs[link.output].name : link.part;
+}
+
+Problems warnings_of(const Pipeline& pipeline) {
+    Problems out;
+    for (const auto& node : pipeline.nodes)
+        for (const auto& warning : node.warnings) add(out, warning.at, fmt::format("warning: {} {}", node.type->name, warning.message));
+    return out;
+}
 
 bool Pipeline::writes(std::size_t n) const {
     const auto& node = nodes[n];

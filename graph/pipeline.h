@@ -23,6 +23,7 @@ std::string to_text(Rate rate);
 struct Link {
     std::size_t node = 0;    ///< index in Pipeline::nodes
     std::size_t output = 0;  ///< index in Node::outputs
+    std::string part = {};   ///< the part of it that is taken (Selection); empty: all of it
 };
 
 /// A node of a pipeline with resolved type, parsed parameters and connected inputs.
@@ -41,6 +42,8 @@ struct Node {
     bool per_frame_input = false;                       ///< at least one input arrives per frame
     Provenance provenance;                              ///< of a writer: what its files state, but for checksums (state_provenance)
     std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
+
+    std::vector<Problem> warnings;  ///< what its check warns of
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
 };
@@ -63,6 +66,12 @@ struct Pipeline {
     /// `nodes` and everything upstream of them, as one flag per node of the pipeline.
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
+
+/// What a link takes, as in the file: "density" of `sim.density`; a node's first output by its name.
+const std::string& taken_by(const Pipeline& pipeline, const Link& link);
+
+/// All warnings of the nodes' checks, in words that begin with "warning:".
+Problems warnings_of(const Pipeline& pipeline);
 
 /// Checks a document against the registry. Opens no data files.
 /// @return the pipeline; not usable if problems were added

@@ -85,6 +85,14 @@ public:
     virtual std::vector<std::string> names(std::string_view input) const = 0;
     virtual void fault(std::string_view field, const std::string& message) = 0;  ///< adds a problem at the field, else at the node
     virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
+    virtual void warn(std::string_view field, const std::string& message) = 0;   ///< adds a warning at the field, else at the node
+};
+
+/// A part of a reader's first output that the run will take by its name (Selection).
+struct Pick {
+    std::string part;
+    std::type_index type = typeid(void);  ///< of the input that takes it
+    std::string taker;                    ///< for messages: "'edges' takes carved.density"
 };
 
 /// What is known of a payload in a frame before it is read.
@@ -100,6 +108,7 @@ public:
     virtual const std::vector<int>& frames() const = 0;                             ///< frame numbers of the sequence
     virtual bool needs(int frame) const = 0;                                        ///< whether the run will read the frame
     virtual bool wants(std::string_view output) const = 0;                          ///< whether the run will read the output
+    virtual const std::vector<Pick>& picks() const = 0;                             ///< parts of the first output that the run will take
     virtual void stands_in(int frame, int file) = 0;                                ///< frame `frame` uses the file of frame `file`
     virtual void expect(int frame, std::uint64_t bytes) = 0;                        ///< bytes of memory for the frame, estimated from its file
     virtual void leave_out(int frame) = 0;                                          ///< removes the frame for all nodes; its neighbours become adjacent in time
@@ -128,6 +137,11 @@ struct Growth {
     /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
     std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
     std::string item = "item";  ///< what is counted, for messages
+    /// A true-or-false parameter: whether fewer items than wanted are enough, if there are no more. It is no part of the cache key of the
+    /// result, which serves both. Empty: there is none.
+    std::string best_effort = {};
+    /// Whether a report entry says that there are no more items than the result holds; empty: none does.
+    std::function<bool(const nlohmann::ordered_json& entry)> exhausted = nullptr;
 };
 
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.

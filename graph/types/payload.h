@@ -80,6 +80,21 @@ struct Conversion {
     std::function<Payload(const Payload&)> convert;
 };
 
+/// A way to parts of a payload by name: an input of type `to` also takes `node.part`, if the node's first output is of type `from` and has
+/// no names of its own for parts (Declare::outputs_from).
+struct Selection {
+    std::type_index from = typeid(void);
+    std::type_index to = typeid(void);
+    /// @throws Failure whose message goes on after the node's name: "has no grid 'x'; it has ..."
+    std::function<Payload(const Payload&, const std::string& part)> pick;
+};
+
+template <class From, class To>
+Selection selection(std::function<Ref<To>(const From&, const std::string& part)> pick) {
+    return {typeid(From), typeid(To),
+            [pick = std::move(pick)](const Payload& payload, const std::string& part) { return Payload(pick(*payload.as<From>(), part)); }};
+}
+
 template <class From, class To>
 Conversion conversion(std::function<Ref<To>(const Ref<From>&)> convert) {
     return {typeid(From), typeid(To), [convert = std::move(convert)](const Payload& payload) { return Payload(convert(payload.as<From>())); }};

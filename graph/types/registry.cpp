@@ -48,6 +48,7 @@ void Registry::add(NodeType type) {
         take(output.name, output.doc);
         payload(output.type);
     }
+    if (!type.passes.empty() && !type.input(type.passes)) refuse(fmt::format("it has no input '{}' to pass on", type.passes));
     if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
 }
 
@@ -58,6 +59,8 @@ void Registry::add(PayloadType type) {
 }
 
 void Registry::add(Conversion conversion) { conversions_.push_back(std::move(conversion)); }
+
+void Registry::add(Selection selection) { selections_.push_back(std::move(selection)); }
 
 const NodeType* Registry::node(std::string_view name) const {
     const auto found = nodes_.find(name);
@@ -85,6 +88,12 @@ const PayloadType& Registry::payload(std::type_index type) const {
 
 const Conversion* Registry::conversion(std::type_index from, std::type_index to) const {
     for (const auto& known : conversions_)
+        if (known.from == from && known.to == to) return &known;
+    return nullptr;
+}
+
+const Selection* Registry::selection(std::type_index from, std::type_index to) const {
+    for (const auto& known : selections_)
         if (known.from == from && known.to == to) return &known;
     return nullptr;
 }

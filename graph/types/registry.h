@@ -31,14 +31,15 @@ struct ProvenanceReader {
     std::function<Provenance(const std::string& path)> read;
 };
 
-/// The node types, payload types and conversions that a pipeline may use, and what looks into files and compares them. A plain value
-/// that the program, or a test, fills.
+/// The node types, payload types, conversions and selections that a pipeline may use, and what looks into files and compares them. A plain
+/// value that the program, or a test, fills.
 class Registry {
 public:
     /// @throws std::logic_error if the name is taken, a doc string is empty, or a port's payload type is not registered
     void add(NodeType type);
     void add(PayloadType type);
     void add(Conversion conversion);
+    void add(Selection selection);
     void add(FileInspector inspector) { inspectors_.push_back(std::move(inspector)); }
     void add(ProvenanceReader reader) { provenance_reader_ = std::move(reader); }
     void add(FileComparer comparer) { comparers_.push_back(std::move(comparer)); }
@@ -56,6 +57,8 @@ public:
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
     bool accepts(std::type_index to, std::type_index from) const;
     Payload convert(const Payload& payload, std::type_index to) const;
+    /// The way from payloads of a type to parts that an input of type `to` takes; null if there is none.
+    const Selection* selection(std::type_index from, std::type_index to) const;
     /// Names of all payload types that an input of the type takes: "volume, float or vector".
     std::string accepted_names(std::type_index to) const;
 
@@ -64,6 +67,7 @@ private:
     std::map<std::string, NodeType, std::less<>> nodes_;
     std::vector<PayloadType> payloads_;
     std::vector<Conversion> conversions_;
+    std::vector<Selection> selections_;
     std::vector<FileInspector> inspectors_;
     ProvenanceReader provenance_reader_;
     std::vector<FileComparer> comparers_;

@@ -41,6 +41,7 @@ struct ImageRead {
                 require_channel(path, header, channel);
                 survey.delivers(frame, output, {{{channel}}, size});
             }
+            for (const auto& pick : survey.picks()) require_channel(path, header, pick.part);
             survey.delivers(frame, "volume", {names_of(header), size});
         });
     }

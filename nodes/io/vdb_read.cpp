@@ -3,6 +3,7 @@
 #include "nodes/field/same_transform.h"
 #include "nodes/io/file_sequence.h"
 #include "nodes/io/openvdb_types.h"
+#include "nodes/io/picked_grid.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
 
@@ -124,6 +125,20 @@ public:
     std::string name_of(const std::vector<std::size_t>& places) const {
         const auto& name = header().grids[places.front()].name;
         return places.size() == 3 ? base(name) : name;
+
+    /// Requires that the file has a grid that nodes take from the volume, and of a type that they take.
+    /// @throws Failure (input) naming them
+    void require(const Pick& pick) const {
+        const auto refuse = [&](const std::string& message) { throw Failure(fmt::format("{} {}", header_.path, message), Failure::Kind::input); };
+        const auto parts = triplet_names(pick.part);
+        const auto found = header_.find(pick.part);
+        const bool triplet = !found && std::ranges::all_of(parts, [&](const std::string& each) { return header_.find(each).has_value(); });
+        if (!found && !triplet) refuse(lacks_grid(pick.part, header_.names(), fmt::format(", but {}", pick.taker)));
+        const bool scalar = pick.type == typeid(FloatGrid);
+        if (!scalar && pick.type != typeid(VectorGrid)) return;
+        const auto& wanted = scalar ? FloatGrid::gridType() : VectorGrid::gridType();
+        const auto& is = triplet ? VectorGrid::gridType() : header_.grids[*found].type;
+        if (is != wanted) refuse(fmt::format("has the grid '{}' as {}, but {} as {}", pick.part, short_type(is), pick.taker, short_type(wanted)));
     }
 
     /// The placement of a grid; points may have an offset from the other grids.
@@ -250,6 +265,7 @@ struct VdbRead {
                 places.insert(of_output.begin(), of_output.end());
                 survey.delivers(frame, output, {{{contents.name_of(of_output)}}, std::nullopt});
             }
+            for (const auto& pick : survey.picks()) contents.require(pick);
             const auto named = places;
             if (survey.wants("volume")) {
                 std::vector<std::string> names;

@@ -1,5 +1,7 @@
 #include "runtime/keep/keys.h"
 
+#include "runtime/keep/grown_result.h"
+
 #include <algorithm>
 
 namespace fluidcarve {
@@ -19,7 +21,7 @@ void describe(ContentHash& hash, const Dependencies::OfNode& of, const std::vect
     hash.number(key_version).text(of.type).number(static_cast<std::uint64_t>(of.version));
     if (of.plugin) hash.key(*of.plugin);
     for (const auto& param : of.params)
-        if (among(fields, param.name)) hash.text(param.name).text(param.rest);
+        if (param.rest && among(fields, param.name)) hash.text(param.name).text(*param.rest);
 }
 
 }  // namespace
@@ -113,6 +115,8 @@ Key Keys::result(std::size_t n, std::size_t place) {
     if (!node.type->growth) return key;
     ContentHash hash;
     hash.key(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));
+    // What follows from fewer items than wanted is not for those who want all.
+    if (takes_fewer(node)) hash.text("best effort");
     return hash.digest();
 }
 

@@ -146,7 +146,9 @@ void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
 
 void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said, bool part) {
     if (!cache_.on() || !result) return;
-    const GrownResult grown{pipeline_.nodes[n].type->growth->extent(result), cache_.registry().payload(result.type()).bytes(result), part};
+    const auto& growth = *pipeline_.nodes[n].type->growth;
+    const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(said));
+    const GrownResult grown{growth.extent(result), cache_.registry().payload(result.type()).bytes(result), part, exhausted};
     if (const auto there = cache_.look(key(n, place)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
     auto header = to_json(said);

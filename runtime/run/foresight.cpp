@@ -27,7 +27,7 @@ const Foreseen* Foresight::receives(std::size_t node, int frame, std::string_vie
     const auto found = std::ranges::find(inputs, input, &InputSpec::name);
     if (found == inputs.end()) return nullptr;
     const auto& links = pipeline_.nodes[node].inputs[static_cast<std::size_t>(found - inputs.begin())];
-    const auto* const out = links.size() == 1 ? known(links.front(), frame) : nullptr;
+    const auto* const out = links.size() == 1 && links.front().part.empty() ? known(links.front(), frame) : nullptr;
     return out ? &out->what : nullptr;
 }
 

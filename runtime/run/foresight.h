@@ -20,7 +20,7 @@ public:
 
     /// Takes down what a reader says. @param frame  frame number; of a static reader, any
     void deliver(std::size_t node, int frame, std::string_view output, Foreseen what);
-    /// What an input will receive by its only connection; null: not known.
+    /// What an input will receive by its only connection, as a whole; null: not known.
     const Foreseen* receives(std::size_t node, int frame, std::string_view input) const;
     /// Carries on what is known of a node's inputs to its outputs. To be called for all nodes in order.
     /// @return a message, if the node lays pictures of different sizes over each other; empty: it does not

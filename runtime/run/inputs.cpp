@@ -15,11 +15,12 @@ class SurveyOf : public Survey {
 public:
     /// @param needed  frames that the run will read; nothing: all
     SurveyOf(std::size_t node, const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted,
-             Foresight& foresight)
-        : node_(node), frames_(frames), needed_(needed), wanted_(std::move(wanted)), foresight_(foresight) {}
+             std::vector<Pick> picks, Foresight& foresight)
+        : node_(node), frames_(frames), needed_(needed), wanted_(std::move(wanted)), picks_(std::move(picks)), foresight_(foresight) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
     bool wants(std::string_view output) const override { return wanted_.contains(output); }
+    const std::vector<Pick>& picks() const override { return picks_; }
     void stands_in(int frame, int file) override { stand_ins[frame] = file; }
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
@@ -39,6 +40,7 @@ private:
     const std::vector<int>& frames_;
     const std::optional<FrameSet>& needed_;
     const std::set<std::string, std::less<>> wanted_;
+    const std::vector<Pick> picks_;
     Foresight& foresight_;
 };
 
@@ -88,10 +90,40 @@ void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<
             break;
         }
         if (!node.type->survey) continue;
-        SurveyOf of(n, frames, needed, {}, foresight);
+        SurveyOf of(n, frames, needed, {}, {}, foresight);
         node.type->survey(node.params.get(), of);
         add_missing(node, of, out.missing);
     }
+}
+
+/// The node whose first output has the parts of a link's payload, by name: the way back through nodes whose volumes have the grids of an
+/// input (Declare::names_as). Nothing if it leads to an output that is only a part itself.
+std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
+    while (link.output == 0) {
+        const auto& node = pipeline.nodes[link.node];
+        const auto named = node.outputs.empty() ? node.type->as_named.end() : node.type->as_named.find(node.outputs.front().name);
+        if (named == node.type->as_named.end()) return link.node;
+        const auto input = static_cast<std::size_t>(node.type->input(named->second) - node.type->inputs.data());
+        if (node.inputs[input].empty() || !node.inputs[input].front().part.empty()) break;
+        link = node.inputs[input].front();
+    }
+    return std::nullopt;
+}
+
+/// Per node: the parts of its first output that nodes of the run take, straight or from what other nodes make of it.
+std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vector<bool>& needed) {
+    std::vector<std::vector<Pick>> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (std::size_t input = 0; needed[n] && input < node.inputs.size(); ++input)
+            for (const auto& link : node.inputs[input]) {
+                if (link.part.empty()) continue;
+                if (const auto source = source_of(pipeline, link))
+                    out[*source].push_back(
+                        {link.part, node.type->inputs[input].type, fmt::format("'{}' takes {}.{}", node.name, pipeline.nodes[link.node].name, link.part)});
+            }
+    }
+    return out;
 }
 
 }  // namespace
@@ -101,12 +133,13 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
     std::set<int> left_out;
     Foresight foresight(pipeline);
     const auto wanted = wanted_outputs(pipeline, plan.needed, cache);
+    const auto picks = picks_of(pipeline, plan.needed);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const auto read = frames_needed(pipeline, plan, n, deliver);
-        SurveyOf of(n, node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n], foresight);
+        SurveyOf of(n, node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n], picks[n], foresight);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -124,7 +157,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
     for (auto& [n, stand_ins] : out.stand_ins) {
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(n, out.frames, none, {}, foresight);
+        SurveyOf again(n, out.frames, none, {}, {}, foresight);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }

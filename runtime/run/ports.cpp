@@ -15,9 +15,18 @@ void PortsOf::connect(std::size_t n, void* ports, const Outputs& held, const Out
             if (per_frame && !frame) continue;
             const auto& payload = (per_frame ? *frame : held)[link.node][link.output];
             if (!payload) throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name, source.name, source.outputs[link.output].name));
-            in.push_back(registry.convert(payload, spec.type));
+            in.push_back(taken(link, payload, spec));
         }
         spec.set(ports, in, node.input_names[i]);
+    }
+}
+
+Payload PortsOf::taken(const Link& link, const Payload& payload, const InputSpec& spec) const {
+    if (link.part.empty()) return registry.convert(payload, spec.type);
+    try {
+        return registry.selection(payload.type(), spec.type)->pick(payload, link.part);
+    } catch (const Failure& failure) {
+        throw Failure(fmt::format("input '{}': '{}' {}", spec.name, pipeline.nodes[link.node].name, failure.what()), failure.kind);
     }
 }
 

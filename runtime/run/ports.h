@@ -20,6 +20,10 @@ struct PortsOf {
     void connect(std::size_t node, void* ports, const Outputs& held, const Outputs* frame) const;
     std::vector<Payload> collect(std::size_t node, const void* ports) const;
     std::uint64_t bytes(const std::vector<Payload>& payloads) const;  ///< in memory
+
+private:
+    /// What an input gets of a payload: it as a whole, converted, or a part of it.
+    Payload taken(const Link& link, const Payload& payload, const InputSpec& spec) const;
 };
 
 }  // namespace fluidcarve

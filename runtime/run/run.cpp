@@ -220,6 +220,9 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         // Results are then not kept, which is told at the end.
     }
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report, manifest ? &*manifest : nullptr);
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (prepared.plan().needed[n])
+            for (const auto& warning : pipeline.nodes[n].warnings) report.warn(n, warning.message);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     const auto told = report.warnings();

@@ -260,7 +260,9 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
         out.files = file_places(pipeline);
         return out;
     };
-    if (json) return print(verbose ? to_json(values()) : to_json(problems)), exit_code::done;
+    const auto warnings = warnings_of(pipeline);
+    if (json) return print(verbose ? to_json(values()) : to_json(warnings)), exit_code::done;
+    complain(to_text(warnings));
     print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"), counted(pipeline.frames.frames().size(), "frame")));
     if (verbose) print("\n" + to_text(values()));
     return exit_code::done;

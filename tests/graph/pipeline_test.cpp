@@ -51,6 +51,33 @@ TEST_CASE("a good pipeline is ordered, connected and has its rates") {
     CHECK(pipeline.leaves() == std::vector<std::size_t>{3});
 }
 
+TEST_CASE("an input takes a part of a node's first output by its name, if the output's type has parts") {
+    Registry registry = toy::registry();
+    registry.add(
+        selection<toy::Number, toy::Number>([](const toy::Number& number, const std::string&) { return std::make_shared<toy::Number>(number.value / 2); }));
+    const Scratch scratch;
+    Problems found;
+    const auto file = scratch.write("p.yaml", R"(fluidcarve: 1
+nodes:
+  count: {type: toy.count, path: in.txt}
+  more: {type: toy.add, numbers: [count, count.number, count.half.way]}
+)");
+    const auto pipeline = build_pipeline(read_document(file, {}, found), registry, found);
+    REQUIRE(to_text(found) == "");
+    std::vector<std::string> taken, parts;
+    for (const auto& link : pipeline.find("more")->inputs[0]) {
+        taken.push_back(taken_by(pipeline, link));
+        parts.push_back(link.part);
+    }
+    CHECK(taken == std::vector<std::string>{"number", "number", "half.way"});
+    CHECK(parts == std::vector<std::string>{"", "", "half.way"});
+
+    auto type = *registry.node("toy.add");
+    type.name = "toy.passing";
+    type.passes = "number";
+    CHECK_THROWS_WITH(registry.add(type), "node type 'toy.passing': it has no input 'number' to pass on");
+}
+
 TEST_CASE("without a frame token a reader, and what hangs on it, is static") {
     const auto [pipeline, text] = check(Scratch(), R"(fluidcarve: 1
 nodes:

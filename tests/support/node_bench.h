@@ -81,6 +81,7 @@ public:
         std::map<int, int> stood_in;  ///< frame -> the frame whose file serves it
         std::map<int, std::string> absent;
         std::vector<std::string> warnings;
+        std::vector<Pick> picked;
         const std::vector<int>& frames() const override { return all; }
         void stands_in(int frame, int file) override { stood_in[frame] = file; }
         void leave_out(int frame) override { left_out.insert(frame); }
@@ -88,6 +89,7 @@ public:
         void missing(int frame, const std::string& message) override { absent[frame] = message; }
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }
+        const std::vector<Pick>& picks() const override { return picked; }
         void warn(const std::string& message) override { warnings.push_back(message); }
         void delivers(int frame, std::string_view output, Foreseen what) override { delivered[{frame, std::string(output)}] = std::move(what); }
         const Foreseen* receives(int, std::string_view input) const override {
@@ -98,10 +100,12 @@ public:
         std::map<std::string, Foreseen> received;  ///< by input, in all frames
     };
     /// @param received  what readers say of the inputs
-    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {}) const {
+    /// @param picks     parts that other nodes take of its first output
+    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {}, std::vector<Pick> picks = {}) const {
         Surveyed out;
         out.all = std::move(frames);
         out.received = std::move(received);
+        out.picked = std::move(picks);
         type_.survey(params_.get(), out);
         return out;
     }
@@ -121,6 +125,7 @@ private:
         std::vector<std::string> names(std::string_view) const override { return {}; }
         void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
         void fault(const Mark& at, const std::string& message) override { faults += std::to_string(at.line) + ": " + message + "\n"; }
+        void warn(std::string_view, const std::string&) override {}
     };
 
     std::map<std::string, Payload> outputs(const void* made) const {
