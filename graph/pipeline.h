@@ -73,8 +73,4 @@ const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 /// All warnings of the nodes' checks, in words that begin with "warning:".
 Problems warnings_of(const Pipeline& pipeline);
 
-/// Checks a document against the registry. Opens no data files.
-/// @return the pipeline; not usable if problems were added
-Pipeline build_pipeline(const Document& document, const Registry& registry, Problems& problems);
-
 }  // namespace fluidcarve

@@ -48,7 +48,8 @@ void Registry::add(NodeType type) {
         take(output.name, output.doc);
         payload(output.type);
     }
-    if (!type.passes.empty() && !type.input(type.passes)) refuse(fmt::format("it has no input '{}' to pass on", type.passes));
+    for (const auto& [output, input] : type.as_named)
+        if (!type.input(input)) refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
     if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
 }
 

@@ -100,7 +100,6 @@ struct Flow::Self {
     std::atomic<bool> fatal{false};            ///< the failure ends the run even with `keep_going`
     std::atomic<bool> lost{false};             ///< a cached result is missing
     std::atomic<std::size_t> in_flight{0};     ///< frames
-
     FileProvenance provenance{pipeline, registry, held};
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }

@@ -1,6 +1,7 @@
 #include "runtime/verbs/commands.h"
 #include "runtime/keep/work_folder.h"
 
+#include "graph/build_pipeline.h"
 #include "graph/confinement.h"
 #include "graph/text/words.h"
 #include "graph/views/describe.h"

@@ -1,4 +1,5 @@
 #include "graph/views/file_places.h"
+#include "graph/build_pipeline.h"
 
 #include "graph/views/origins.h"
 #include "tests/support/scratch.h"

@@ -1,4 +1,5 @@
 #include "graph/pipeline.h"
+#include "graph/build_pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -74,8 +75,8 @@ nodes:
 
     auto type = *registry.node("toy.add");
     type.name = "toy.passing";
-    type.passes = "number";
-    CHECK_THROWS_WITH(registry.add(type), "node type 'toy.passing': it has no input 'number' to pass on");
+    type.as_named = {{"sum", "numbre"}};
+    CHECK_THROWS_WITH(registry.add(type), "node type 'toy.passing': it has no input 'numbre' whose grids 'sum' could have");
 }
 
 TEST_CASE("without a frame token a reader, and what hangs on it, is static") {

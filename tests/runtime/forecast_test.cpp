@@ -1,4 +1,5 @@
 #include "runtime/run/forecast.h"
+#include "graph/build_pipeline.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
 #include "tests/support/scratch.h"

@@ -1,4 +1,5 @@
 #include "runtime/page/html_report.h"
+#include "graph/build_pipeline.h"
 
 #include "runtime/page/plot.h"
 #include "tests/support/scratch.h"

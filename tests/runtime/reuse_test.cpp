@@ -1,3 +1,4 @@
+#include "graph/build_pipeline.h"
 #include "runtime/run/forecast.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"

@@ -1,5 +1,6 @@
 #include "nodes/usd/write.h"
 
+#include "graph/build_pipeline.h"
 #include "graph/pipeline.h"
 #include "nodes/catalogue.h"
 #include "tests/support/scratch.h"
