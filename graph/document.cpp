@@ -105,9 +105,11 @@ public:
     std::vector<Mark> sources;  ///< the files read so far
 
 private:
+    /// Whether an extended file is a pipeline: it says so, or it extends another and has nothing but a pipeline's fields.
     static bool is_pipeline(const Value& root) {
-        const auto* const version = root.find("fluidcarve");
-        return version && version->value.text == "1";
+        if (const auto* const version = root.find("fluidcarve")) return version->value.text == "1";
+        return root.find("extends") &&
+               std::ranges::all_of(root.fields, [](const Value::Field& field) { return find_field(top_fields, field.name) != nullptr; });
     }
 
     /// Refuses an extended file without showing any of its text: whoever wrote the pipeline may name files that only its reader may read.
@@ -147,8 +149,9 @@ private:
             if (!find_field(top_fields, field.name))
                 add(problems_, field.mark, fmt::format("a pipeline has no field '{}'{}", field.name, did_you_mean(field.name, names_of(top_fields))));
         const auto* const version = root.find("fluidcarve");
-        if (!version) add(problems_, root.mark, "the format version is missing: the file must state 'fluidcarve: 1'");
-        else if (version->value.kind != Value::Kind::scalar || version->value.text != "1")
+        // One that extends another may leave the version to that.
+        if (!version && !root.find("extends")) add(problems_, root.mark, "the format version is missing: the file must state 'fluidcarve: 1'");
+        if (version && (version->value.kind != Value::Kind::scalar || version->value.text != "1"))
             add(problems_, version->value.mark, fmt::format("format version {} is unknown; this program reads version 1", version->value.describe()));
         for (const auto* name : {"params", "nodes"})
             if (const auto* field = root.find(name); field && field->value.kind != Value::Kind::map)
@@ -403,6 +406,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     out.frames = part("frames", Value::Kind::null);
     out.nodes = part("nodes", Value::Kind::map);
     out.plugins = part("plugins", Value::Kind::null);
+    out.provenance = part("provenance", Value::Kind::null);
     if (root.fields.empty()) return out;
     if (out.nodes.fields.empty() && problems.empty()) add(problems, root.mark, "the pipeline has no nodes");
     if (const auto* const frames = root.find("frames"); frames && frames->value.kind == Value::Kind::null)
@@ -415,6 +419,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     known.replace(out.frames);
     known.replace(out.nodes);
     known.replace(out.plugins);
+    known.replace(out.provenance);
     out.insertions = std::move(known.insertions);
     return out;
 }

@@ -21,6 +21,7 @@ struct Document {
     Value params;               ///< map: param name to value
     Value frames;               ///< null: one frame, number 1
     Value nodes;                ///< map of maps
+    Value provenance;           ///< null: written files state what made them
     Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
 };

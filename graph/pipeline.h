@@ -23,6 +23,7 @@ std::string to_text(Rate rate);
 struct Link {
     std::size_t node = 0;    ///< index in Pipeline::nodes
     std::size_t output = 0;  ///< index in Node::outputs
+    std::string part = {};   ///< the part of it that is taken (Selection); empty: all of it
 };
 
 /// A node of a pipeline with resolved type, parsed parameters and connected inputs.
@@ -39,6 +40,10 @@ struct Node {
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;                       ///< at least one input arrives per frame
+    Provenance provenance;                              ///< of a writer: what its files state, but for checksums (state_provenance)
+    std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
+
+    std::vector<Problem> warnings;  ///< what its check warns of
 
     bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
 };
@@ -49,7 +54,8 @@ struct Pipeline {
     std::vector<std::string> files;  ///< the file and the files that it extends
     FrameSet frames;                 ///< the sequence
     std::vector<Node> nodes;
-    PluginFiles plugins;  ///< plugin file of each node type that is not built in
+    PluginFiles plugins;     ///< plugin file of each node type that is not built in
+    bool provenance = true;  ///< whether written files state what made them
 
     const Node* find(std::string_view name) const;
     std::vector<std::string> node_names() const;
@@ -61,11 +67,10 @@ struct Pipeline {
     std::vector<bool> upstream_of(const std::vector<std::size_t>& nodes) const;
 };
 
-/// How the pipeline uses a file: "'sim' reads it", "it is the pipeline"; empty if it does not. Checked before writing to the file.
-std::string user_of(const Pipeline& pipeline, const std::string& path);
+/// What a link takes, as in the file: "density" of `sim.density`; a node's first output by its name.
+const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 
-/// Checks a document against the registry. Opens no data files.
-/// @return the pipeline; not usable if problems were added
-Pipeline build_pipeline(const Document& document, const Registry& registry, Problems& problems);
+/// All warnings of the nodes' checks, in words that begin with "warning:".
+Problems warnings_of(const Pipeline& pipeline);
 
 }  // namespace fluidcarve

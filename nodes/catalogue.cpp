@@ -1,5 +1,6 @@
 #include "nodes/catalogue.h"
 
+#include "nodes/compare/files.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -21,7 +22,9 @@
 #include "nodes/field/magnitude.h"
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
-#include "nodes/io/inspect.h"
+#include "nodes/inspect/geometry.h"
+#include "nodes/inspect/image.h"
+#include "nodes/inspect/volume.h"
 #include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
@@ -45,6 +48,7 @@
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
 #include "nodes/preview/sheet.h"
+#include "nodes/provenance/read_provenance.h"
 #include "nodes/remap/grids.h"
 #include "nodes/remap/mesh.h"
 #include "nodes/remap/points.h"
@@ -66,6 +70,7 @@
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
+#include "nodes/usd/write.h"
 
 namespace fluidcarve {
 
@@ -80,6 +85,12 @@ Registry builtin_registry() {
     add_points_payload(out);
     add_energy_payload(out);
     out.add(vdb_inspector());
+    out.add(ProvenanceReader{&read_provenance});
+    out.add(image_inspector());
+    out.add(geometry_inspector());
+    out.add(volume_comparer());
+    out.add(image_comparer());
+    out.add(geometry_comparer());
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());
@@ -137,6 +148,7 @@ Registry builtin_registry() {
     out.add(remap_points());
     out.add(filter_seam());
     out.add(preview_sheet());
+    out.add(usd_write());
     return out;
 }
 

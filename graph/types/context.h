@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/payload.h"
+#include "graph/types/provenance.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -23,8 +24,10 @@ public:
         virtual void warn(const std::string& /*message*/) {}
         virtual void warn_at_once(const std::string& message) { warn(message); }
         virtual void report(const std::string& /*section*/, const nlohmann::ordered_json& /*entry*/) {}
+        virtual void tell(const std::string& /*line*/) {}
         virtual void progress(double /*fraction*/) {}
         virtual void hold(const Payload& /*result*/) {}
+        virtual Provenance provenance() const { return {}; }
     };
 
     Context();
@@ -45,7 +48,7 @@ public:
     bool cancelled() const { return host_->cancelled(); }
     /// Throws Cancelled once the run is being stopped. Long bodies call it a few times per second.
     void check_cancelled() const;
-    /// Reports how much of `finish` is done, 0 to 1.
+    /// Reports how much of the work of `finish` is done, 0 to 1. What an earlier run found (`resume`) is no work of this one.
     void progress(double fraction) const { host_->progress(fraction); }
     /// Saves the finished part of a growing result (Growth), so that it is not lost if the run is killed.
     void hold(const Payload& result) const { host_->hold(result); }
@@ -55,6 +58,11 @@ public:
     void warn_at_once(const std::string& message) const { host_->warn_at_once(message); }
     /// Adds an entry for this node to a section of the report, such as `seams`.
     void report(const std::string& section, const nlohmann::ordered_json& entry) const { host_->report(section, entry); }
+
+    /// Shows a line at the end of the run, behind the node's name, unless the run is quiet. Only `conclude` may call it.
+    void tell(const std::string& line) const { host_->tell(line); }
+    /// What a writer states in its files, in place of what a file that was read states of itself. Empty: nothing.
+    Provenance provenance() const { return host_->provenance(); }
 
     /// Bytes that one node may hold in memory for the whole sequence. Beyond that it uses files below `work_folder`.
     std::uint64_t memory_budget() const { return memory_budget_; }

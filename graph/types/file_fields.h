@@ -17,11 +17,12 @@ struct FileField {
 
 /// Fields of the file itself.
 inline constexpr std::array top_fields{
-    FileField{"fluidcarve", "Format version."},
+    FileField{"fluidcarve", "Format version; a file that extends another need not state it."},
     FileField{"plugins", "Files with node types of their own, loaded by --allow-plugins; `fluidcarve schema --plugin FILE` knows these types too."},
     FileField{"params", "What a shot may change, by --set NAME=VALUE; used as ${name}."},
     FileField{"env", "Environment variables that ${NAME} may name."},
     FileField{"extends", "A pipeline file that this one changes, by name: params, nodes and their fields."},
+    FileField{"provenance", "false: written files do not state what made them."},
     FileField{"frames", "The sequence: 1001-1084, 1-10,20-30, 1-100x2. Without it there is one frame, 1."},
     FileField{"nodes", "name: {type: ..., <port or parameter>: ...}"}};
 

@@ -289,10 +289,25 @@ std::optional<NameEnds> PathPattern::name_ends() const {
     return out;
 }
 
+std::string with_frame_token(const std::string& path) {
+    constexpr auto digits = "0123456789";
+    const auto name = path.rfind('/') + 1;
+    const auto ending = path.rfind('.');
+    if (ending == std::string::npos || ending <= name) return {};
+    const auto last = path.find_last_of(digits, ending - 1);
+    if (last == std::string::npos || last < name) return {};
+    const auto before = path.find_last_not_of(digits, last);
+    const auto first = std::max(name, before == std::string::npos ? 0 : before + 1);
+    if (last + 1 - first > static_cast<std::size_t>(most_digits)) return {};
+    return path.substr(0, first) + std::string(last + 1 - first, '#') + path.substr(last + 1);
+}
+
+std::string PathPattern::in_its_folder() const { return in_folder(folder_, text_); }
+
 bool PathPattern::exists() const {
     if (!per_frame_) {
         std::error_code ignored;
-        return std::filesystem::exists(in_folder(folder_, text_), ignored);
+        return std::filesystem::exists(in_its_folder(), ignored);
     }
     std::string pattern;
     for (const auto& part : parts_) {

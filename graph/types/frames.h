@@ -37,6 +37,10 @@ struct NameEnds {
     bool fits(const NameEnds& other) const;
 };
 
+/// A path with the last number of its file's name, outside of the extension, as a frame token: `a.0051.vdb` as `a.####.vdb`; empty if it
+/// has none.
+std::string with_frame_token(const std::string& path);
+
 /// A path that may hold frame tokens: `####` (as many digits as hashes), `%04d`, `$F4`, `<frame>`, `<frame04>`.
 class PathPattern {
 public:
@@ -51,6 +55,8 @@ public:
     bool per_frame() const { return per_frame_; }
     /// The path of one frame, relative paths joined to the folder. Without a token it is the same for all frames.
     std::string at(int frame) const;
+    /// The text, a relative path joined to the folder.
+    std::string in_its_folder() const;
     /// The name of every frame's file; nothing if their folders differ, too.
     std::optional<NameEnds> name_ends() const;
     /// Whether a file of any frame exists now.

@@ -76,6 +76,9 @@ std::vector<std::string> own_types(const Registry& before, const Registry& regis
             if (registry.accepts(to.type, from.type) != before.accepts(to.type, from.type))
                 throw Failure(fmt::format("the plugin {} converts '{}' to '{}' for all nodes; it may only convert from and to types of its own family '{}'",
                                           file, from.name, to.name, family));
+            else if (registry.selection(from.type, to.type) != nullptr && !before.selection(from.type, to.type))
+                throw Failure(fmt::format("the plugin {} picks '{}' from '{}' for all nodes; it may only pick from and to types of its own family '{}'", file,
+                                          to.name, from.name, family));
     return out;
 }
 

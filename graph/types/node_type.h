@@ -1,12 +1,17 @@
 #pragma once
 
 #include "graph/types/context.h"
+#include "graph/types/growth.h"
+#include "graph/types/node_check.h"
 #include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
+#include "graph/types/survey.h"
 
+#include <array>
 #include <concepts>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +34,10 @@ struct OptionalList : List<T> {  ///< empty if unconnected
 };
 template <class T>
 using Named = std::vector<std::pair<std::string, Ref<T>>>;  ///< connections with names: `inputs: {d: a}`
+template <class T>
+struct OptionalNamed : Named<T> {  ///< empty if unconnected
+    using Named<T>::operator=;
+};
 /// Outputs named by a parameter (Declare::outputs_from): name to payload.
 using NamedOutputs = std::map<std::string, Payload>;
 
@@ -66,53 +75,8 @@ struct ParamSpec {
     std::function<std::string(const void* params)> text;  ///< the value as YAML that `parse` reads back
     /// The path of a path parameter; empty for all others.
     std::function<const PathPattern&(const void* params)> path;
-};
-
-/// Interface for a node's own `check`, which finds faults that the declaration can't express.
-class NodeCheck {
-public:
-    virtual ~NodeCheck() = default;
-    virtual bool stated(std::string_view field) const = 0;              ///< whether the pipeline states this input or parameter
-    virtual std::size_t connections(std::string_view input) const = 0;  ///< number of connections of an input
-    /// Names of the connections of a named input, in the order of the file.
-    virtual std::vector<std::string> names(std::string_view input) const = 0;
-    virtual void fault(std::string_view field, const std::string& message) = 0;  ///< adds a problem at the field, else at the node
-    virtual void fault(const Mark& at, const std::string& message) = 0;          ///< adds a problem inside a field's text, such as a program
-};
-
-/// Interface for a reader's `survey`, which looks at its files before a run starts.
-class Survey {
-public:
-    virtual ~Survey() = default;
-    virtual const std::vector<int>& frames() const = 0;               ///< frame numbers of the sequence
-    virtual bool needs(int frame) const = 0;                          ///< whether the run will read the frame
-    virtual bool wants(std::string_view output) const = 0;            ///< whether the run will read the output
-    virtual void stands_in(int frame, int file) = 0;                  ///< frame `frame` uses the file of frame `file`
-    virtual void expect(int frame, std::uint64_t bytes) = 0;          ///< bytes of memory for the frame, estimated from its file
-    virtual void leave_out(int frame) = 0;                            ///< removes the frame for all nodes; its neighbours become adjacent in time
-    virtual void missing(int frame, const std::string& message) = 0;  ///< the file is missing or unreadable
-    virtual void lies(std::string_view /*output*/, const Region&) {}  ///< where an output lies, if the files tell without being read whole
-    virtual void warn(const std::string& message) = 0;
-};
-
-/// How much a growing result holds.
-struct Extent {
-    std::size_t count = 0;  ///< items, such as seams
-    std::size_t of = 0;     ///< 100 % of a count given as a percentage
-};
-
-/// A result that can be cut to a smaller count of items, or continued to a larger one. Example: the seams of a solver, whose first
-/// seams do not depend on the count. The node must have exactly one output.
-struct Growth {
-    std::string param;                                    ///< the parameter with the wanted count; not part of the cache key
-    std::function<std::string(const void* params)> rest;  ///< the part of that parameter that belongs to the cache key, as text
-    std::function<Extent(const Payload& result)> extent;  ///< extent of a result
-    /// The wanted count. @param of  as Extent::of
-    std::function<std::size_t(const void* params, std::size_t of)> wanted;
-    /// The first `count` items of a result. Changes `entry`, the report entry of the whole result, to that of the cut one.
-    std::function<Payload(const Payload& result, std::size_t count, nlohmann::ordered_json& entry)> first;
-    /// The node's warnings that depend on the count, computed from its report entry; empty: none do.
-    std::function<std::vector<std::string>(const nlohmann::ordered_json& entry)> warnings = nullptr;
+    /// The files of a parameter of type WrittenPaths, by name; empty for all others.
+    std::function<const WrittenPaths&(const void* params)> written;
 };
 
 /// A node with bound parameters and, if it gathers, its state. Made anew for every run.
@@ -140,15 +104,20 @@ struct NodeType {
     bool kept = false;                       ///< results are cached in the work folder, unless the pipeline states `cache: false`
     std::type_index digest = typeid(void);   ///< type that `Behaviour::digest` returns; void: no digests
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
+    std::string concludes_from;              ///< the section of the report that `conclude` is handed; empty: there is no `conclude`
     std::optional<Growth> growth;
+    bool in_place = false;                                     ///< outputs stand where inputs do: pictures that meet here have one size
+    std::map<std::string, std::string, std::less<>> as_named;  ///< output to the input whose grids it has, by their names
 
     std::function<std::shared_ptr<void>()> make_params;
     std::function<bool(const void* params)> gathers;
     std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
     std::function<void(const void* params, NodeCheck&)> check;
-    std::function<void(const void* params, Survey&)> survey;    ///< empty: reads no files
+    std::function<void(const void* params, Survey&)> survey;    ///< empty: reads no files, and needs no grid of a name
     std::function<void(const void* params, Outlook&)> foresee;  ///< empty: outputs lie where the inputs lie
+    /// Called after a run with what the node reported of all its frames; empty: nothing to say.
+    std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)> conclude;
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
@@ -188,12 +157,16 @@ struct PortTraits<Named<T>> {
         for (std::size_t n = 0; n < in.size(); ++n) port.emplace_back(names[n], in[n].as<T>());
     }
 };
+template <class T>
+struct PortTraits<OptionalNamed<T>> : PortTraits<Named<T>> {};
 template <class M>
 inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<Optional<T>> = true;
 template <class T>
 inline constexpr bool is_optional<OptionalList<T>> = true;
+template <class T>
+inline constexpr bool is_optional<OptionalNamed<T>> = true;
 struct NoParams {};
 template <class Node>
 struct ParamsOf {
@@ -227,6 +200,7 @@ FLUIDCARVE_HOOK(animates)
 FLUIDCARVE_HOOK(check)
 FLUIDCARVE_HOOK(survey)
 FLUIDCARVE_HOOK(foresee)
+FLUIDCARVE_HOOK(conclude)
 #undef FLUIDCARVE_HOOK
 }  // namespace detail
 
@@ -254,8 +228,12 @@ FLUIDCARVE_HOOK(foresee)
 ///
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
-///     static void survey(const Params&, Survey&);                    looks at its files before the run
-///     static void foresee(const Params&, Outlook&);                looks before the run at where its inputs lie
+///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
+///     static void foresee(const Params&, Outlook&);                  looks before the run at where its inputs lie
+///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);       with Declare::concludes
+///
+/// `conclude` is called once after a run, if all of the node's frames are done, in this run or an earlier one, with what it reported of
+/// them in one section, by frame number; of a node that runs once, its only entry. It warns, reports and tells lines.
 ///
 /// A node with a growing result (Declare::grows, Growth) may have
 ///
@@ -288,6 +266,10 @@ public:
             type_.survey = [](const void* params, Survey& survey) { Node::survey(*static_cast<const Params*>(params), survey); };
         if constexpr (detail::has_foresee<Node>)
             type_.foresee = [](const void* params, Outlook& ahead) { Node::foresee(*static_cast<const Params*>(params), ahead); };
+        if constexpr (detail::has_conclude<Node>)
+            type_.conclude = [](const void* params, const nlohmann::ordered_json& frames, Context& context) {
+                Node::conclude(*static_cast<const Params*>(params), frames, context);
+            };
         type_.bind = &bind;
     }
 
@@ -344,8 +326,24 @@ public:
         type_.digest_fields = std::move(fields);
         return *this;
     }
+    /// Declares that the node has a `conclude`. @param section  of the report, where `run` has an entry for each frame
+    Declare& concludes(std::string section) {
+        static_assert(detail::has_conclude<Node>);
+        type_.concludes_from = std::move(section);
+        return *this;
+    }
     Declare& grows(Growth growth) {
         type_.growth = std::move(growth);
+        return *this;
+    }
+    /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of different sizes are then refused.
+    Declare& in_place() {
+        type_.in_place = true;
+        return *this;
+    }
+    /// Declares that an output is a volume with grids of the same names as an input's.
+    Declare& names_as(std::string output, std::string input) {
+        type_.as_named.emplace(std::move(output), std::move(input));
         return *this;
     }
 
@@ -423,6 +421,10 @@ private:
     static_assert(
         !detail::has_foresee<Node> || requires(const Params& params, Outlook& ahead) { Node::foresee(params, ahead); },
         "`foresee` must be `static void foresee(const Params&, Outlook&)`");
+    static_assert(
+        !detail::has_conclude<Node> ||
+            requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) { Node::conclude(params, frames, context); },
+        "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {
@@ -440,6 +442,8 @@ private:
         };
         if constexpr (std::derived_from<T, PathPattern>)
             spec.path = [member](const void* params) -> const PathPattern& { return static_cast<const Params*>(params)->*member; };
+        if constexpr (std::same_as<T, WrittenPaths>)
+            spec.written = [member](const void* params) -> const WrittenPaths& { return static_cast<const Params*>(params)->*member; };
         return spec;
     }
 

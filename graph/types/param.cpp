@@ -173,4 +173,6 @@ std::optional<InputPath> ParamTraits<InputPath>::parse(const Value& value, Value
 
 std::optional<OutputPath> ParamTraits<OutputPath>::parse(const Value& value, ValueReader& reader) { return read_path<OutputPath>(value, reader, {}); }
 
+std::optional<WrittenPath> ParamTraits<WrittenPath>::parse(const Value& value, ValueReader& reader) { return read_path<WrittenPath>(value, reader, {}); }
+
 }  // namespace fluidcarve

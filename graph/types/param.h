@@ -34,6 +34,13 @@ struct OutputPath : PathPattern {
     using PathPattern::PathPattern;
 };
 
+/// A file that another node of the pipeline writes. A relative path starts at the current folder.
+struct WrittenPath : PathPattern {
+    using PathPattern::PathPattern;
+};
+/// Such files by name: `files: {smoke: out/smoke.####.vdb}`. The pipeline's check refuses a file that no other node writes.
+using WrittenPaths = std::map<std::string, WrittenPath>;
+
 /// A value, or nothing for `auto`.
 template <class T>
 using Auto = std::optional<T>;
@@ -156,6 +163,12 @@ struct ParamTraits<OutputPath> {
     static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
     static std::optional<OutputPath> parse(const Value& value, ValueReader& reader);
     static std::string text(const OutputPath& value) { return value.text(); }
+};
+template <>
+struct ParamTraits<WrittenPath> {
+    static Shape shape() { return {Shape::Kind::output_path, {}, {}}; }
+    static std::optional<WrittenPath> parse(const Value& value, ValueReader& reader);
+    static std::string text(const WrittenPath& value) { return value.text(); }
 };
 
 template <class T>

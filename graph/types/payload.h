@@ -47,6 +47,9 @@ struct PayloadType {
     /// Writes a value to a file, bit for bit; empty: values can't be cached.
     std::function<void(const Payload&, std::ostream&)> write;
     std::function<Payload(std::istream&)> read;  ///< reads what `write` wrote; throws Failure on anything else
+
+    /// A checksum of a value that runs deliver once; the files that are made with it state it (Provenance). Empty: they do not.
+    std::function<std::string(const Payload&)> checksum;
 };
 
 /// How values of a type are written to a file and read back.
@@ -63,7 +66,7 @@ struct Filed {
 template <class T>
 PayloadType payload_type(std::string name, std::string doc, std::function<std::uint64_t(const T&)> bytes, Filed<T> filed = {}) {
     PayloadType out{std::move(name), std::move(doc), typeid(T), [bytes = std::move(bytes)](const Payload& payload) { return bytes(*payload.as<T>()); },
-                    filed.version,   nullptr,        nullptr};
+                    filed.version,   nullptr,        nullptr,   nullptr};
     if (!filed.write) return out;
     out.write = [write = std::move(filed.write)](const Payload& payload, std::ostream& to) { write(*payload.as<T>(), to); };
     out.read = [read = std::move(filed.read)](std::istream& from) { return Payload(read(from)); };
@@ -76,6 +79,21 @@ struct Conversion {
     std::type_index to = typeid(void);
     std::function<Payload(const Payload&)> convert;
 };
+
+/// A way to parts of a payload by name: an input of type `to` also takes `node.part`, if the node's first output is of type `from` and has
+/// no names of its own for parts (Declare::outputs_from).
+struct Selection {
+    std::type_index from = typeid(void);
+    std::type_index to = typeid(void);
+    /// @throws Failure whose message goes on after the node's name: "has no grid 'x'; it has ..."
+    std::function<Payload(const Payload&, const std::string& part)> pick;
+};
+
+template <class From, class To>
+Selection selection(std::function<Ref<To>(const From&, const std::string& part)> pick) {
+    return {typeid(From), typeid(To),
+            [pick = std::move(pick)](const Payload& payload, const std::string& part) { return Payload(pick(*payload.as<From>(), part)); }};
+}
 
 template <class From, class To>
 Conversion conversion(std::function<Ref<To>(const Ref<From>&)> convert) {

@@ -48,6 +48,8 @@ void Registry::add(NodeType type) {
         take(output.name, output.doc);
         payload(output.type);
     }
+    for (const auto& [output, input] : type.as_named)
+        if (!type.input(input)) refuse(fmt::format("it has no input '{}' whose grids '{}' could have", input, output));
     if (!nodes_.emplace(type.name, type).second) refuse("the name is taken");
 }
 
@@ -58,6 +60,8 @@ void Registry::add(PayloadType type) {
 }
 
 void Registry::add(Conversion conversion) { conversions_.push_back(std::move(conversion)); }
+
+void Registry::add(Selection selection) { selections_.push_back(std::move(selection)); }
 
 const NodeType* Registry::node(std::string_view name) const {
     const auto found = nodes_.find(name);
@@ -70,6 +74,13 @@ std::vector<std::string> Registry::node_names() const {
     return out;
 }
 
+std::vector<std::string> Registry::families() const {
+    std::vector<std::string> out;
+    for (const auto& [name, type] : nodes_)
+        if (const auto family = name.substr(0, name.find('.')); out.empty() || out.back() != family) out.push_back(family);
+    return out;
+}
+
 const PayloadType& Registry::payload(std::type_index type) const {
     for (const auto& known : payloads_)
         if (known.type == type) return known;
@@ -78,6 +89,12 @@ const PayloadType& Registry::payload(std::type_index type) const {
 
 const Conversion* Registry::conversion(std::type_index from, std::type_index to) const {
     for (const auto& known : conversions_)
+        if (known.from == from && known.to == to) return &known;
+    return nullptr;
+}
+
+const Selection* Registry::selection(std::type_index from, std::type_index to) const {
+    for (const auto& known : selections_)
         if (known.from == from && known.to == to) return &known;
     return nullptr;
 }

@@ -199,12 +199,15 @@ Json json_of(const Registry& registry, const NodeType& type) {
 
 }  // namespace
 
-std::string listing(const Registry& registry) {
+std::string listing(const Registry& registry, const std::string& only) {
+    const auto wanted = [&](const std::string& name) { return only.empty() || family_of(name) == only; };
     std::size_t widest = 0;
-    for (const auto& [name, type] : registry.nodes()) widest = std::max(widest, name.size());
+    for (const auto& [name, type] : registry.nodes())
+        if (wanted(name)) widest = std::max(widest, name.size());
     std::string out;
     std::string family;
     for (const auto& [name, type] : registry.nodes()) {
+        if (!wanted(name)) continue;
         if (family_of(name) != family) {
             out += (out.empty() ? "" : "\n") + family_of(name) + "\n";
             family = family_of(name);
@@ -254,6 +257,13 @@ std::string to_markdown(const Registry& registry, const NodeType& type) {
     return out + "\n```yaml\n" + example(registry, type, 0) + "```\n";
 }
 
+std::string family_to_markdown(const Registry& registry, const std::string& family) {
+    auto out = fmt::format("## {}\n", family);
+    for (const auto& [name, type] : registry.nodes())
+        if (family_of(name) == family) out += "\n" + to_markdown(registry, type);
+    return out;
+}
+
 std::string to_markdown(const Registry& registry) {
     std::string contents;
     std::string body;
@@ -262,13 +272,12 @@ std::string to_markdown(const Registry& registry) {
         if (family_of(name) != family) {
             family = family_of(name);
             contents += fmt::format("{}- [{}](#{})", contents.empty() ? "" : "\n", family, family);
-            body += fmt::format("\n## {}\n", family);
+            body += "\n" + family_to_markdown(registry, family);
         }
         // GitHub drops dots from the anchor of a heading.
         std::string anchor = name;
         std::erase(anchor, '.');
         contents += fmt::format("\n  - [{}](#{}): {}", name, anchor, first_sentence(type.doc));
-        body += "\n" + to_markdown(registry, type);
     }
     std::string out =
         "# Nodes\n\nWritten by `fluidcarve nodes --markdown`. An input takes `node` (its first output) or `node.output`. Besides its own\n"
@@ -280,6 +289,13 @@ std::string to_markdown(const Registry& registry) {
 }
 
 std::string to_json(const Registry& registry, const NodeType& type) { return json_of(registry, type).dump(2) + "\n"; }
+
+std::string family_to_json(const Registry& registry, const std::string& family) {
+    Json out{{"nodes", Json::array()}};
+    for (const auto& [name, type] : registry.nodes())
+        if (family_of(name) == family) out["nodes"].push_back(json_of(registry, type));
+    return out.dump(2) + "\n";
+}
 
 std::string to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};

@@ -9,7 +9,8 @@ namespace fluidcarve {
 // The reference of node types, for people and for programs. All of it is derived from the declarations (Declare).
 
 /// All node types by family, one line each.
-std::string listing(const Registry& registry);
+/// @param only  a family; empty: all
+std::string listing(const Registry& registry, const std::string& only = {});
 
 /// One node type: ports, parameters and the shortest valid YAML.
 std::string describe(const Registry& registry, const NodeType& type);
@@ -18,10 +19,13 @@ std::string describe(const Registry& registry, const NodeType& type);
 std::string to_markdown(const Registry& registry);
 std::string to_markdown(const Registry& registry, const NodeType& type);  ///< the part about one node type
 
+std::string family_to_markdown(const Registry& registry, const std::string& family);  ///< the part about a family
+
 /// The whole reference as JSON:
 /// `{nodes: [{name, doc, inputs, params, outputs, outputs_from?, version, kept}], types: [{name, doc}]}`.
 /// A parameter has `name`, `value` (its form in words), `choices?`, `unit?`, `min?`, `max?`, `required` or `default` (as YAML), `doc`.
 std::string to_json(const Registry& registry);
-std::string to_json(const Registry& registry, const NodeType& type);  ///< one entry of `nodes`
+std::string to_json(const Registry& registry, const NodeType& type);              ///< one entry of `nodes`
+std::string family_to_json(const Registry& registry, const std::string& family);  ///< `{nodes}` of a family
 
 }  // namespace fluidcarve

@@ -51,7 +51,8 @@ std::vector<Connection> connections(const Pipeline& pipeline, const Registry& re
                 const auto& source = pipeline.nodes[link.node];
                 const auto& output = source.outputs[link.output];
                 out.push_back({link.node, n,
-                               fmt::format("{}.{} ({}) -> {}.{}", source.name, output.name, registry.payload(output.type).name, node.name,
+                               fmt::format("{}.{} ({}) -> {}.{}", source.name, taken_by(pipeline, link),
+                                           registry.payload(link.part.empty() ? output.type : node.type->inputs[input].type).name, node.name,
                                            node.type->inputs[input].name)});
             }
     }

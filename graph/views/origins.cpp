@@ -1,6 +1,7 @@
 #include "graph/views/origins.h"
 
 #include "graph/text/one_line.h"
+#include "graph/text/yaml_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,34 +18,6 @@ using Json = nlohmann::ordered_json;
 
 std::string dump(const Json& json, int indent = -1) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
-/// A text as a YAML scalar, in quotes if it needs them.
-std::string scalar_yaml(const std::string& text) {
-    const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-    const bool marked = text.find_first_of(",[]{}") != std::string::npos || text.find(": ") != std::string::npos || text.find(" #") != std::string::npos;
-    const bool sign = !text.empty() && std::string("-?:").find(text[0]) != std::string::npos && (text.size() == 1 || text[1] == ' ');
-    const bool plain = !text.empty() && text != "~" && text != "null" && text != "Null" && text != "NULL" && !marked && !sign &&
-                       std::string(" #&*!|>'\"%@`").find(text[0]) == std::string::npos && text.back() != ' ' && text.back() != ':' &&
-                       std::none_of(text.begin(), text.end(), control);
-    return plain ? text : dump(text);
-}
-
-std::string yaml(const Value& value) {
-    std::string out;
-    const auto put = [&](const std::string& each) { out += (out.empty() ? "" : ", ") + each; };
-    switch (value.kind) {
-        case Value::Kind::list:
-            for (const auto& item : value.items) put(yaml(item));
-            return "[" + out + "]";
-        case Value::Kind::map:
-            for (const auto& field : value.fields) put(scalar_yaml(field.name) + ": " + yaml(field.value));
-            return "{" + out + "}";
-        case Value::Kind::scalar: return scalar_yaml(value.text);
-        case Value::Kind::null:
-        case Value::Kind::unresolved: break;
-    }
-    return "~";
-}
-
 /// Finds the origins of values in a document.
 class Finder {
 public:
@@ -55,13 +28,13 @@ public:
     }
 
     ValueOrigin stated(const Value& value) const {
-        ValueOrigin out{yaml(value), place(value.mark), {}};
+        ValueOrigin out{yaml_text(value), place(value.mark), {}};
         std::set<std::string> seen;
         add_names(value, out.with, seen);
         return out;
     }
 
-    static ValueOrigin fallback(const std::string& yaml) { return {yaml.empty() ? scalar_yaml(yaml) : yaml, "default", {}}; }
+    static ValueOrigin fallback(const std::string& yaml) { return {yaml.empty() ? yaml_scalar(yaml) : yaml, "default", {}}; }
 
     Origins::Fields of_node(const NodeType& type, const Value& node) const {
         Origins::Fields out;
@@ -142,12 +115,17 @@ std::string to_text(const Origins& origins) {
         out += "  " + node + ":\n";
         for (const auto& [name, origin] : fields) out += "    " + line(name, origin);
     }
-    return out;
+    return origins.files.empty() ? out : out + "\n" + to_text(origins.files);
 }
 
 std::string to_json(const Origins& origins) {
     Json out{{"frames", json_of(origins.frames)}, {"params", json_of(origins.params)}, {"nodes", Json::object()}};
     for (const auto& [node, fields] : origins.nodes) out["nodes"][node] = json_of(fields);
+    for (const auto& file : origins.files) {
+        auto& entry = out["files"][file.node + "." + file.field];
+        entry = {{"path", file.path}, {"writes", file.writes}};
+        if (!file.writes) entry["found"] = file.found;
+    }
     return dump(out, 2) + "\n";
 }
 

@@ -2,6 +2,7 @@
 
 #include "graph/document.h"
 #include "graph/types/registry.h"
+#include "graph/views/file_places.h"
 
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@ struct Origins {
     Fields params;
     /// Node name to fields, in the order of the file: type, connected inputs, all parameters, other stated fields.
     std::vector<std::pair<std::string, Fields>> nodes;
+    FilePlaces files;  ///< where the files lie, for who wants to tell that, too
 };
 
 /// Finds the origins of all values. @param document  must have no problems
@@ -31,8 +33,8 @@ Origins origins_of(const Document& document, const Registry& registry);
 /// One line per value: `count = -18, from shots/sh010.yaml:4`.
 std::string to_text(const Origins& origins);
 
-/// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE: {FIELD: {value, from, with?}}}}`,
-/// with each `value` as a YAML text.
+/// JSON: `{frames: {value, from, with?}, params: {NAME: {value, from, with?}}, nodes: {NODE: {FIELD: {value, from, with?}}},
+/// files?: {NODE.FIELD: {path, writes, found?}}}`, with each `value` as a YAML text.
 std::string to_json(const Origins& origins);
 
 }  // namespace fluidcarve

@@ -202,6 +202,7 @@ std::string schema(const Registry& registry) {
                                    {"params", Json{{"type", "object"}}},
                                    {"env", Json{{"type", "array"}, {"items", {{"type", "string"}}}}},
                                    {"extends", Json{{"type", "string"}}},
+                                   {"provenance", value_of({Shape::Kind::boolean, {}, {}}, any_number())},
                                    {"frames", Json{{"anyOf", Json::array({Json{{"type", "integer"}}, Json{{"type", "string"}, {"pattern", frames}},
                                                                           defined("insertion"), Json{{"type", "null"}}})}}},
                                    {"nodes", Json{{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z0-9_-]+$"}}}}}});
@@ -209,12 +210,11 @@ std::string schema(const Registry& registry) {
     const Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
                    {"title", "fluidcarve pipeline"},
                    {"type", "object"},
-                   {"required", {"fluidcarve"}},
                    {"properties", std::move(properties)},
                    {"additionalProperties", false},
                    {"if", {{"required", {"extends"}}}},
                    {"then", {{"properties", {{"params", map_of("param_change")}, {"nodes", map_of("node_change")}}}}},
-                   {"else", {{"required", {"nodes"}}, {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
+                   {"else", {{"required", {"fluidcarve", "nodes"}}, {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
                    {"definitions", std::move(definitions)}};
     return out.dump(2) + "\n";
 }

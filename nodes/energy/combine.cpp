@@ -113,7 +113,8 @@ NodeType energy_combine() {
                "The interval that is remapped to [0, 1]; values outside are clamped. Auto: from the smallest to the largest active value of the sequence, "
                "found in an extra pass. A list states one interval or auto per term. A constant term counts as 0.")
         .output("energy", &Combine::Ports::energy, "From 0 to the sum of the weights, on the voxels that are active in any term.")
-        .digests({"terms", "range"});
+        .digests({"terms", "range"})
+        .in_place();
 }
 
 }  // namespace fluidcarve

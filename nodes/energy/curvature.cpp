@@ -36,7 +36,8 @@ NodeType energy_curvature() {
         .param("gain", &Curvature::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
         .output("energy", &Curvature::Ports::energy,
                 "|sum of the principal curvatures| (field.curvature), 1 per world unit, on the active voxels of `surface`.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

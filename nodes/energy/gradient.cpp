@@ -34,7 +34,8 @@ NodeType energy_gradient() {
         .input("field", &Gradient::Ports::field, "Density, temperature or any other field.")
         .param("gain", &Gradient::Params::gain, Unit::none, at_least(0), "Multiplier on the result.")
         .output("energy", &Gradient::Ports::energy, "|grad field|, units of `field` per world unit, on its active voxels.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -3,6 +3,7 @@
 #include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
 #include "nodes/image/image.h"
+#include "nodes/io/file_sequence.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ struct Term {
 
 FloatGrid::ConstPtr channel_of(const Volume& image, const std::string& name) {
     const auto grid = image.find(name);
-    if (!grid) throw Failure(fmt::format("there is no channel '{}'; there are {}", name, image.names()));
+    if (!grid) throw Failure(no_channel(name, image.names()));
     if (!grid->isType<FloatGrid>())
         throw Failure(fmt::format("grid '{}' is of type {}, but a channel of an image is a float grid; name the `channels` to take", name, grid->type()));
     return openvdb::gridConstPtrCast<FloatGrid>(grid);
@@ -51,6 +52,12 @@ struct ImageEnergy {
         Ref<Volume> source;
         Ref<FloatGrid> energy, intensity;
     };
+
+    static void survey(const Params& params, Survey& survey) {
+        survey_grids(
+            "source", survey, [](std::size_t) { return true; }, [&](const auto& there) { require_channels(params.channels, there); });
+    }
+
     static void run(const Params& params, Ports& io, Context& context) {
         for (const auto& [channel, weight] : terms_of(*io.source, params.channels)) {
             require_near(channel->getName(), channel->evalActiveVoxelBoundingBox());
@@ -111,7 +118,8 @@ NodeType energy_image() {
         .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
         .output("intensity", &ImageEnergy::Ports::intensity, "The intensity, units of the channels: use it as a solver's `field`.")
         .version(2)
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

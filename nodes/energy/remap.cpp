@@ -63,7 +63,8 @@ NodeType energy_remap() {
         .param("clamp", &RemapCurve::clamp, "Whether values outside of `range` go to the ends of `to`. False: they are extrapolated linearly.")
         .param("invert", &RemapCurve::invert, "Maps the low end of `range` to the high end of `to`: empty space then gets the highest energy.")
         .output("energy", &EnergyRemap::Ports::remapped, "The remapped values, on the active voxels of `energy`. Its background is remapped too.")
-        .digests({"energy"});
+        .digests({"energy"})
+        .in_place();
 }
 
 }  // namespace fluidcarve

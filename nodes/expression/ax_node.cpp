@@ -45,12 +45,13 @@ void check_ax(const AxParams& params, const std::string& output, NodeCheck& chec
     module->compile(expression_of(params, check.names("inputs"), output), faults);
     for (const auto& fault : faults) {
         const auto message = fmt::format("'{}' {}", fault.field, fault.message);
-        if (fault.line > 0) check.fault(params.code.place(fault.line, fault.column), fmt::format("'{}': {}", fault.field, fault.message));
+        if (fault.warning) check.warn(fault.field, message);
+        else if (fault.line > 0) check.fault(params.code.place(fault.line, fault.column), fmt::format("'{}': {}", fault.field, fault.message));
         else check.fault(fault.field, message);
     }
 }
 
-Ref<FloatGrid> AxProgram::run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+FloatGrid::Ptr AxProgram::run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
                               const Context& context) const {
     const auto& module = expressions();
     const auto place = [&](int line, int column) { return text_of(params.code.place(line, column)); };

@@ -22,7 +22,8 @@ struct AxParams {
     Script code;
 };
 
-/// Reports all faults of a program, at their places in the file. Without the module `expressions` it reports nothing, and the run fails.
+/// Reports all faults of a program, at their places in the file, and warns of inputs and constants that it never reads. Without the module `expressions` it
+/// reports nothing, and the run fails.
 /// @param output  name of the grid that the program writes, without @
 void check_ax(const AxParams& params, const std::string& output, NodeCheck& check);
 
@@ -31,7 +32,7 @@ class AxProgram {
 public:
     /// Runs the program for one frame. @param least  smallest allowed result, or -infinity
     /// @throws Failure as `evaluated`
-    Ref<FloatGrid> run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
+    FloatGrid::Ptr run(const AxParams& params, const std::string& output, float least, const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs,
                        const Context& context) const;
 
 private:

@@ -2,13 +2,17 @@
 
 #include "nodes/expression/ax_node.h"
 
+#include <openvdb/tools/ChangeBackground.h>
+
 namespace fluidcarve {
 namespace {
 
 constexpr auto energy_output = "energy";
 
 struct EnergyAx {
-    using Params = AxParams;
+    struct Params : AxParams {
+        float outside = 0;
+    };
     struct Ports {
         Named<AnyGrid> inputs;
         Ref<FloatGrid> energy;
@@ -18,7 +22,12 @@ struct EnergyAx {
 
     static void check(const Params& params, NodeCheck& check) { check_ax(params, energy_output, check); }
 
-    void run(const Params& params, Ports& io, Context& context) const { io.energy = program.run(params, energy_output, 0, io.inputs, context); }
+    void run(const Params& params, Ports& io, Context& context) const {
+        const auto energy = program.run(params, energy_output, 0, io.inputs, context);
+        // Inactive voxels are all 0 so far, the background.
+        if (params.outside > 0) openvdb::tools::changeBackground(energy->tree(), params.outside);
+        io.energy = energy;
+    }
 };
 
 }  // namespace
@@ -28,9 +37,12 @@ NodeType energy_ax() {
         .input("inputs", &EnergyAx::Ports::inputs, ax_inputs_doc)
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@energy"))
+        .param("outside", &EnergyAx::Params::outside, Unit::none, at_least(0),
+               "The energy where no input is active. 0: seams cost nothing in empty space, and go there first.")
         .output("energy", &EnergyAx::Ports::energy,
-                "The values that the program writes, finite and at least 0, on the voxels that are active in any input; 0 elsewhere.")
-        .kept();
+                "The values that the program writes, finite and at least 0, on the voxels that are active in any input; `outside` elsewhere.")
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -26,6 +26,7 @@ struct ExpressionFault {
     int line = 0;       ///< line of the code, from 1; 0: the field as a whole
     int column = 0;     ///< from 1, in bytes
     std::string message;
+    bool warning = false;  ///< the program can run all the same
 };
 
 /// A program ready to run, from many threads at once.
@@ -50,8 +51,8 @@ using NamedGrid = std::pair<std::string, openvdb::GridBase::ConstPtr>;
 /// without a seed, printing, bit shifts, texts, matrices, and functions that read anything but their arguments and the voxel's position.
 struct ExpressionModule {
     /// Compiles a program. The compiled program ends and does not crash.
-    /// @param faults  receives all faults that can be found at once
-    /// @return null if there are faults
+    /// @param faults  receives all faults that can be found at once, but none that follows from another; if there are none, the warnings
+    /// @return null if there are faults other than warnings
     std::shared_ptr<const CompiledExpression> (*compile)(const Expression& expression, std::vector<ExpressionFault>& faults);
     /// Runs a program for each active voxel of `out`; once per tile, unless the program uses the voxel's position: tiles then become
     /// voxels where values differ.

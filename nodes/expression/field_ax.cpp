@@ -32,7 +32,8 @@ NodeType field_ax() {
         .param("params", &AxParams::params, ax_params_doc)
         .required("code", &AxParams::code, ax_code_doc("@out"))
         .output("out", &FieldAx::Ports::out, "The values that the program writes, finite, on the voxels that are active in any input; 0 elsewhere.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -100,7 +100,8 @@ NodeType field_filter() {
         .param("iterations", &FieldFilter::Params::iterations, Unit::none, between(1, 100), "How often the filter is applied.")
         .output("filtered", &FieldFilter::Ports::filtered,
                 "The smoothed field, in its unit, on its active voxels. Inactive voxels count with their stored value, and keep it.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

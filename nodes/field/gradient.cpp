@@ -33,7 +33,8 @@ NodeType field_gradient() {
     return Declare<FieldGradient>("field.gradient", "The gradient of a field: the direction and steepness of its rise.")
         .input("field", &FieldGradient::Ports::field, "Density, temperature or any other field.")
         .output("gradient", &FieldGradient::Ports::gradient, "grad field, units of `field` per world unit, on its active voxels.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

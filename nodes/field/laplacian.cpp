@@ -39,7 +39,8 @@ NodeType field_laplacian() {
     return Declare<FieldLaplacian>("field.laplacian", "The Laplacian of a field, div grad: below 0 on peaks, above 0 in pits.")
         .input("field", &FieldLaplacian::Ports::field, "Density, temperature or any other field.")
         .output("laplacian", &FieldLaplacian::Ports::laplacian, "Units of `field` per square world unit, on its active voxels.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -29,7 +29,8 @@ FloatGrid::Ptr magnitude_field(const Ref<VectorGrid>& vectors) {
 NodeType field_magnitude() {
     return Declare<FieldMagnitude>("field.magnitude", "The length of each vector: speed from velocity.")
         .input("vectors", &FieldMagnitude::Ports::vectors, "Velocity or any other vectors; staggered grids are collocated.")
-        .output("magnitude", &FieldMagnitude::Ports::magnitude, "Length, in the unit of `vectors`, on their active voxels.");
+        .output("magnitude", &FieldMagnitude::Ports::magnitude, "Length, in the unit of `vectors`, on their active voxels.")
+        .in_place();
 }
 
 }  // namespace fluidcarve

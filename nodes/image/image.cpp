@@ -4,6 +4,7 @@
 #include "graph/text/words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -44,16 +45,30 @@ const ImageFormat* format_of_name(const std::string& path) {
 const ImageFormat& format_of_file(const std::string& path) {
     const auto begin = InputFile(path, image_use).head(8);
     for (const auto& format : formats())
-        for (const auto& start : format.starts)
-            if (begin.starts_with(start)) return format;
+        for (const auto& start : format.starts) {
+            if (!begin.starts_with(start)) continue;
+            const auto* const named = format_of_name(path);
+            if (named && named != &format)
+                refuse(fmt::format("{} holds {}, but its name says {}; rename it to end in {}", path, format.shown, named->shown, format.endings.front()));
+            return format;
+        }
     refuse(begin.empty() ? fmt::format("{} is empty", path) : fmt::format("{} is not an image in a supported format: {}", path, shown_formats()));
 }
 
-std::string image_endings() {
-    std::string out;
-    for (const auto& format : formats())
-        for (const auto& ending : format.endings) out += (out.empty() ? "" : ", ") + ending;
+std::vector<std::string> all_image_endings() {
+    std::vector<std::string> out;
+    for (const auto& format : formats()) out.insert(out.end(), format.endings.begin(), format.endings.end());
     return out;
+}
+
+std::string image_endings() { return fmt::format("{}", fmt::join(all_image_endings(), ", ")); }
+
+std::string no_channel(const std::string& channel, const std::string& there) { return fmt::format("there is no channel '{}'; there are {}", channel, there); }
+
+void require_channels(const std::optional<std::vector<std::string>>& wanted, const std::vector<std::string>& there) {
+    if (!wanted) return;
+    for (const auto& channel : *wanted)
+        if (std::find(there.begin(), there.end(), channel) == there.end()) throw Failure(no_channel(channel, fmt::format("{}", fmt::join(there, ", "))));
 }
 
 bool is_opacity(const std::string& channel) {

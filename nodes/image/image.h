@@ -2,6 +2,7 @@
 
 #include "graph/input_file.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,11 +66,19 @@ struct ImageFormat {
 const ImageFormat* format_of_name(const std::string& path);
 
 /// The format of a file, by its first bytes.
-/// @throws Failure (input) if the file is missing, can't be read, or has an unknown format
+/// @throws Failure (input) if the file is missing, can't be read, has an unknown format, or the extension of another one
 const ImageFormat& format_of_file(const std::string& path);
 
-/// All extensions for messages: ".png, .exr, ...".
+/// The extensions of all formats: ".png", ".exr", ...
+std::vector<std::string> all_image_endings();
+
+/// The same for messages: ".png, .exr, ...".
 std::string image_endings();
+
+/// "there is no channel 'Q'; there are R, G, B". @param there  names of all channels, as `R, G, B`
+std::string no_channel(const std::string& channel, const std::string& there);
+/// Checks by their names that channels are there. @param wanted  nothing: none @throws Failure with the message of no_channel()
+void require_channels(const std::optional<std::vector<std::string>>& wanted, const std::vector<std::string>& there);
 
 /// Whether a channel is opacity by its name: A or alpha, also with a layer's name before it.
 bool is_opacity(const std::string& channel);

@@ -1,6 +1,7 @@
 #include "nodes/image/image_volume.h"
 
 #include "graph/text/problem.h"
+#include "graph/types/provenance.h"
 #include "nodes/field/extent.h"
 #include "nodes/image/upright.h"
 
@@ -189,7 +190,7 @@ Channels channels_of(const Volume& volume, const ImageWish& wish) {
     if (wish.channels) {
         for (const auto& name : *wish.channels) {
             const auto grid = volume.find(name);
-            if (!grid) throw Failure(fmt::format("there is no channel '{}'; there are {}", name, volume.names()));
+            if (!grid) throw Failure(no_channel(name, volume.names()));
             take(grid);
         }
     } else {
@@ -334,6 +335,11 @@ void reframe(Image& image, const Image::Window& to) {
 
 }  // namespace
 
+std::array<int, 2> upright_size(const Image& header) {
+    const Upright upright(orientation_of(header), header.display);
+    return {upright.width(), upright.height()};
+}
+
 Volume volume_of(const Image& image) {
     // Registers the types of metadata.
     openvdb::initialize();
@@ -341,7 +347,8 @@ Volume volume_of(const Image& image) {
     const auto box = upright.voxels(united(image.data, image.display));
     Volume out;
     for (std::size_t c = 0; c < image.channels.size(); ++c) out.grids.push_back(grid_of(image, c, upright, box));
-    for (const auto& attribute : image.attributes) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
+    for (const auto& attribute : image.attributes)
+        if (!is_provenance(attribute.name)) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
     out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
     out.metadata.insertMeta(data_key, openvdb::Vec4IMetadata(packed(image.data)));
     out.metadata.insertMeta(display_key, openvdb::Vec4IMetadata(packed(image.display)));

@@ -3,6 +3,7 @@
 #include "nodes/image/image.h"
 #include "nodes/payloads.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -15,6 +16,9 @@ namespace fluidcarve {
 /// left pixel of the display window is voxel `(0, 0, 0)`. All pixels of both windows are active, also zeros. Attributes become metadata
 /// of the volume, named `image:NAME`; the depth of a channel becomes metadata of its grid.
 Volume volume_of(const Image& image);
+
+/// Width and height of the picture that a volume shows, turned upright, pixels. @param header  may have no pixels
+std::array<int, 2> upright_size(const Image& header);
 
 /// Bytes of memory of a picture and its volume. @param header  may have no pixels
 std::uint64_t bytes_as_volume(const Image& header);

@@ -32,11 +32,17 @@ struct ImageRead {
 
     /// Finds files that can't be read or lack a channel before the run starts.
     static void survey(const Params& params, Survey& survey) {
-        survey_files(params.path, params.missing, survey, [&](int, int file) {
+        survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             const auto path = params.path.at(file);
             const auto header = images().header(path, format_of_file(path).name);
-            for (const auto& [output, channel] : params.channels)
-                if (survey.wants(output)) require_channel(path, header, channel);
+            const auto size = upright_size(header);
+            for (const auto& [output, channel] : params.channels) {
+                if (!survey.wants(output)) continue;
+                require_channel(path, header, channel);
+                survey.delivers(frame, output, {{{channel}}, size});
+            }
+            for (const auto& pick : survey.picks()) require_channel(path, header, pick.part);
+            survey.delivers(frame, "volume", {names_of(header), size});
         });
     }
 
@@ -59,9 +65,14 @@ struct ImageRead {
     }
 
 private:
+    static std::vector<std::string> names_of(const Image& header) {
+        std::vector<std::string> out;
+        for (const auto& each : header.channels) out.push_back(each.name);
+        return out;
+    }
+
     static void require_channel(const std::string& path, const Image& header, const std::string& channel) {
-        std::vector<std::string> names;
-        for (const auto& each : header.channels) names.push_back(each.name);
+        const auto names = names_of(header);
         if (std::find(names.begin(), names.end(), channel) != names.end()) return;
         const auto best = nearest(channel, names);
         throw Failure(fmt::format("{} has no channel '{}'; it has {}{}", path, channel, fmt::join(names, ", "),

@@ -2,7 +2,9 @@
 
 #include "graph/output_file.h"
 #include "graph/types/module.h"
+#include "nodes/image/image_provenance.h"
 #include "nodes/image/image_volume.h"
+#include "nodes/io/file_sequence.h"
 
 #include <fmt/format.h>
 
@@ -42,6 +44,11 @@ struct ImageWrite {
         if (check.stated("quality") && format->name != "jpeg") check.fault("quality", fmt::format("'quality' is for JPEG; {} is lossless", format->shown));
     }
 
+    static void survey(const Params& params, Survey& survey) {
+        survey_grids(
+            "source", survey, [](std::size_t) { return true; }, [&](const auto& there) { require_channels(params.channels, there); });
+    }
+
     static void run(const Params& params, Ports& io, Context& context) {
         const auto path = params.path.at(context.frame());
         ImageWish wish{format_of_name(path), {}, params.channels};
@@ -49,11 +56,16 @@ struct ImageWrite {
         const auto warn = [&](const std::string& message) { context.warn(message); };
         const auto& module = load_module<ImageModule>("images");
         try {
-            const auto image = image_of(*io.source, wish, warn);
+            auto image = image_of(*io.source, wish, warn);
             if (image.format == "jpeg") warn("JPEG keeps 8 bits and changes values a little each time it is written; PNG, TIFF and EXR keep them");
+            const auto provenance = context.provenance();
+            // PNG and JPEG get it below: OpenImageIO does not write it to JPEG.
+            if (image.format == "openexr")
+                for (const auto& [name, text] : provenance) image.attributes.push_back({name, "string", text});
             OutputFile output(path);
             module.write(output.aside(), image, params.quality);
             verify(module, output, image, *wish.format, warn);
+            add_provenance(output.aside(), provenance);
             output.commit();
         } catch (const Failure& failure) {
             const std::string reason = failure.what();

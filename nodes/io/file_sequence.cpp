@@ -73,6 +73,23 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey, const 
     }
 }
 
+bool survey_grids(std::string_view input, Survey& survey, const std::function<bool(std::size_t place)>& wants,
+                  const std::function<void(const std::vector<std::string>& names)>& check) {
+    const auto& frames = survey.frames();
+    for (std::size_t place = 0; place < frames.size(); ++place) {
+        if (!survey.needs(frames[place]) || !wants(place)) continue;
+        const auto* const known = survey.receives(frames[place], input);
+        if (!known || !known->grids) continue;
+        try {
+            check(*known->grids);
+        } catch (const Failure& failure) {
+            survey.missing(frames[place], failure.what());
+            return false;
+        }
+    }
+    return true;
+}
+
 std::string file_of(const InputPath& path, Missing missing, const Context& context) {
     return path.at(missing == Missing::hold ? held(path, context.frames(), context.frame()) : context.frame());
 }

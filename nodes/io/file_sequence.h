@@ -3,8 +3,11 @@
 #include "graph/types/context.h"
 #include "graph/types/param.h"
 
+#include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -29,6 +32,13 @@ void check_missing(const InputPath& path, Missing missing, NodeCheck& check);
 /// The survey of a reader: handles frames without a file as `missing` says, and calls `look` for the frames that the run needs.
 /// @param look  called with a frame and the frame whose file it uses; may throw Failure, which counts as a missing file
 void survey_files(const InputPath& path, Missing missing, Survey& survey, const std::function<void(int frame, int file)>& look);
+
+/// The survey of a node that needs grids of certain names: calls `check` with the names of the grids that an input will have, in the order
+/// of the frames, where readers know them. Stops at the first Failure, which counts as a missing input.
+/// @param wants  whether the node takes the frame with this index in the sequence
+/// @return whether `check` threw nothing
+bool survey_grids(std::string_view input, Survey& survey, const std::function<bool(std::size_t place)>& wants,
+                  const std::function<void(const std::vector<std::string>& names)>& check);
 
 /// Path of the file for the context's frame.
 std::string file_of(const InputPath& path, Missing missing, const Context& context);

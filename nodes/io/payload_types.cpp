@@ -1,6 +1,7 @@
 #include "nodes/io/payload_types.h"
 
 #include "nodes/io/grid_stream.h"
+#include "nodes/io/picked_grid.h"
 
 #include <set>
 
@@ -72,6 +73,7 @@ void add_payloads(Registry& registry) {
     registry.add(conversion<VectorGrid, Volume>([](const Ref<VectorGrid>& grid) { return volume_of(grid); }));
     registry.add(conversion<MaskGrid, Volume>([](const Ref<MaskGrid>& grid) { return volume_of(grid); }));
     registry.add(conversion<AnyGrid, Volume>([](const Ref<AnyGrid>& any) { return volume_of(any->grid); }));
+    add_grid_selections(registry);
 }
 
 }  // namespace fluidcarve

@@ -6,6 +6,7 @@
 #include "graph/text/words.h"
 #include "nodes/field/dense.h"
 #include "nodes/io/openvdb_types.h"
+#include "nodes/io/picked_grid.h"
 #include "nodes/io/point_check.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/tree_check.h"
@@ -408,10 +409,7 @@ std::optional<std::size_t> VdbHeader::find(const std::string& name) const {
 
 std::size_t VdbHeader::place(const std::string& name) const {
     if (const auto found = find(name)) return *found;
-    const auto known = names();
-    const auto best = nearest(name, known);
-    refuse(fmt::format("{} has no grid '{}'; it has {}{}", path, name, known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
-                       best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
+    refuse(fmt::format("{} {}", path, lacks_grid(name, names())));
 }
 
 std::vector<std::string> VdbHeader::names() const {

@@ -4,6 +4,7 @@
 #include "nodes/io/file_sequence.h"
 #include "nodes/io/header_region.h"
 #include "nodes/io/openvdb_types.h"
+#include "nodes/io/picked_grid.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
 
@@ -119,6 +120,27 @@ public:
         if (choice.kind == GridKind::vector && !has(name) && std::all_of(parts.begin(), parts.end(), has))
             return {place(parts[0], GridKind::scalar), place(parts[1], GridKind::scalar), place(parts[2], GridKind::scalar)};
         return {place(name, choice.kind)};
+    }
+
+    /// Name of the grid that an output will be. @param places  as of `places`
+    std::string name_of(const std::vector<std::size_t>& places) const {
+        const auto& name = header().grids[places.front()].name;
+        return places.size() == 3 ? base(name) : name;
+    }
+
+    /// Requires that the file has a grid that nodes take from the volume, and of a type that they take.
+    /// @throws Failure (input) naming them
+    void require(const Pick& pick) const {
+        const auto refuse = [&](const std::string& message) { throw Failure(fmt::format("{} {}", header_.path, message), Failure::Kind::input); };
+        const auto parts = triplet_names(pick.part);
+        const auto found = header_.find(pick.part);
+        const bool triplet = !found && std::ranges::all_of(parts, [&](const std::string& each) { return header_.find(each).has_value(); });
+        if (!found && !triplet) refuse(lacks_grid(pick.part, header_.names(), fmt::format(", but {}", pick.taker)));
+        const bool scalar = pick.type == typeid(FloatGrid);
+        if (!scalar && pick.type != typeid(VectorGrid)) return;
+        const auto& wanted = scalar ? FloatGrid::gridType() : VectorGrid::gridType();
+        const auto& is = triplet ? VectorGrid::gridType() : header_.grids[*found].type;
+        if (is != wanted) refuse(fmt::format("has the grid '{}' as {}, but {} as {}", pick.part, short_type(is), pick.taker, short_type(wanted)));
     }
 
     /// The placement of a grid; points may have an offset from the other grids.
@@ -240,15 +262,23 @@ struct VdbRead {
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
-            for (const auto& [output, choice] : params.grids)
-                if (survey.wants(output))
-                    for (const auto place : contents.places(output, choice)) {
-                        places.insert(place);
-                        regions[output].add(contents.header().grids[place], placement_of(params));
-                    }
+            for (const auto& [output, choice] : params.grids) {
+                if (!survey.wants(output)) continue;
+                const auto of_output = contents.places(output, choice);
+                places.insert(of_output.begin(), of_output.end());
+                for (const auto place : of_output) regions[output].add(contents.header().grids[place], placement_of(params));
+                survey.delivers(frame, output, {{{contents.name_of(of_output)}}, std::nullopt});
+            }
+            for (const auto& pick : survey.picks()) contents.require(pick);
             const auto named = places;
-            if (survey.wants("volume"))
-                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) places.insert(n);
+            if (survey.wants("volume")) {
+                std::vector<std::string> names;
+                for (std::size_t n = 0; n < contents.header().grids.size(); ++n) {
+                    places.insert(n);
+                    names.push_back(contents.header().grids[n].name);
+                }
+                survey.delivers(frame, "volume", {std::move(names), std::nullopt});
+            }
             steadiness.look(contents.header(), places, frame, survey);
             survey.expect(frame, memory_of(contents, places, named));
         });

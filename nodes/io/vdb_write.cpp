@@ -1,5 +1,6 @@
 #include "nodes/io/vdb_write.h"
 
+#include "nodes/io/provenance_metadata.h"
 #include "nodes/io/vdb_file.h"
 
 namespace fluidcarve {
@@ -26,7 +27,9 @@ struct VdbWrite {
     static void run(const Params& params, Ports& io, Context& context) {
         const auto at = params.translate.value_or(Vec3{});
         const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
-        write_vdb(params.path.at(context.frame()), *io.source, params.compression, params.translate || params.scale ? &placement : nullptr);
+        auto volume = *io.source;
+        set_provenance(volume.metadata, context.provenance());
+        write_vdb(params.path.at(context.frame()), volume, params.compression, params.translate || params.scale ? &placement : nullptr);
     }
 };
 

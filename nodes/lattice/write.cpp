@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "nodes/geometry_file/provenance_comments.h"
 
 #include <fmt/format.h>
 
@@ -14,16 +15,6 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr int lines_by_default = 16;
-
-/// The vertices along a dimension that get a line; always the last one.
-std::vector<int> chosen(int count, int every) {
-    std::vector<int> out;
-    for (int n = 0; n < count; n += every) out.push_back(n);
-    if (out.back() != count - 1) out.push_back(count - 1);
-    return out;
-}
-
 struct LatticeWrite {
     struct Params {
         OutputPath path;
@@ -34,19 +25,32 @@ struct LatticeWrite {
     };
     static void run(const Params& params, Ports& io, Context& context) {
         std::array<int, 3> every;
-        for (std::size_t n = 0; n < 3; ++n) every[n] = params.every.value_or((io.lattice->shape[n] + lines_by_default - 1) / lines_by_default);
-        write_wireframe(params.path.at(context.frame()), *io.lattice, every);
+        for (std::size_t n = 0; n < 3; ++n) every[n] = params.every.value_or(every_by_default(io.lattice->shape[n]));
+        write_wireframe(params.path.at(context.frame()), *io.lattice, every, context.provenance());
     }
 };
 
 }  // namespace
 
-void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every) {
+int every_by_default(int count) {
+    constexpr int lines = 16;
+    return (count + lines - 1) / lines;
+}
+
+std::vector<int> lined_vertices(int count, int every) {
+    std::vector<int> out;
+    for (int n = 0; n < count; n += every) out.push_back(n);
+    if (out.back() != count - 1) out.push_back(count - 1);
+    return out;
+}
+
+void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every, const Provenance& provenance) {
     OutputFile file(path);
     std::ofstream out(file.aside(), std::ios::binary);
     out << "# " << lattice.description << "\n";
+    for (const auto& line : provenance_comments(provenance, obj_comment)) out << line << "\n";
     std::array<std::vector<int>, 3> at;
-    for (std::size_t n = 0; n < 3; ++n) at[n] = chosen(lattice.shape[n], every[n]);
+    for (std::size_t n = 0; n < 3; ++n) at[n] = lined_vertices(lattice.shape[n], every[n]);
     for (const int k : at[2])
         for (const int j : at[1])
             for (const int i : at[0]) {
@@ -59,13 +63,12 @@ void write_wireframe(const std::string& path, const Lattice& lattice, const std:
     for (std::size_t along = 0; along < 3; ++along) {
         if (size[along] < 2) continue;
         const auto a = (along + 1) % 3, b = (along + 2) % 3;
+        // Blender reads no more than the first two vertices of a line.
         for (std::size_t m = 0; m < size[a]; ++m)
             for (std::size_t n = 0; n < size[b]; ++n) {
-                const auto first = 1 + m * stride[a] + n * stride[b];
-                out << 'l';
-                for (std::size_t step = 0; step < size[along]; ++step) out << ' ' << first + step * stride[along];
-                if (along == 2 && lattice.closed) out << ' ' << first;
-                out << '\n';
+                const auto first = 1 + m * stride[a] + n * stride[b], last = first + (size[along] - 1) * stride[along];
+                for (auto from = first; from < last; from += stride[along]) out << "l " << from << ' ' << from + stride[along] << '\n';
+                if (along == 2 && lattice.closed) out << "l " << last << ' ' << first << '\n';
             }
     }
     out.close();
@@ -74,12 +77,15 @@ void write_wireframe(const std::string& path, const Lattice& lattice, const std:
 }
 
 NodeType lattice_write() {
-    return Declare<LatticeWrite>("lattice.write",
-                                 "Writes a lattice as lines in an .obj file, to view it beside the data. Writes one file per frame if the lattice moves.")
+    return Declare<LatticeWrite>(
+               "lattice.write",
+               "Writes a lattice as lines in an .obj file, to view it beside the data. Writes one file per frame if the lattice moves. Positions "
+               "are those of the shot's world, with its axes. Blender turns OBJ files unless told otherwise: import them with Forward Y, Up Z.")
         .input("lattice", &LatticeWrite::Ports::lattice, "The lattice.")
         .required("path", &LatticeWrite::Params::path, "The file. Needs a frame token such as #### if the lattice moves.")
         .param("every", &LatticeWrite::Params::every, Unit::vertices, between(1, most_vertices),
-               "Distance between neighbouring lines, in vertices; 1 draws all. auto draws about 16 lines along each dimension.");
+               "Distance between neighbouring lines, in vertices; 1 draws all. auto draws about 16 lines along each dimension.")
+        .version(2);
 }
 
 }  // namespace fluidcarve

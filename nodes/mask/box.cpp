@@ -38,7 +38,8 @@ NodeType mask_box() {
         .required("min", &MaskBox::Params::min, Unit::world, any_number(), "The low corner.")
         .required("max", &MaskBox::Params::max, Unit::world, any_number(), "The high corner. Both corners lie in the box.")
         .output("mask", &MaskBox::Ports::mask, "The voxels whose centres lie in the box.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

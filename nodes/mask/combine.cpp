@@ -48,7 +48,8 @@ NodeType mask_combine() {
         .param("mode", &MaskCombine::Params::mode,
                "union: voxels in any of the masks. intersection: voxels in all. difference: voxels in the first and in no other.")
         .output("mask", &MaskCombine::Ports::mask, "The combined mask.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

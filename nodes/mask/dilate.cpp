@@ -47,7 +47,8 @@ NodeType mask_dilate() {
         .required("voxels", &MaskDilate::Params::voxels, Unit::voxels, between(-256, 256),
                   "Distance along each axis and diagonal. Above 0 the mask grows, below 0 it shrinks.")
         .output("mask", &MaskDilate::Ports::dilated, "The mask, grown or shrunk.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -38,7 +38,8 @@ NodeType mask_sphere() {
         .required("center", &MaskSphere::Params::center, Unit::world, any_number(), "Centre of the sphere.")
         .required("radius", &MaskSphere::Params::radius, Unit::world, at_least(0), "Radius of the sphere; its border lies in it.")
         .output("mask", &MaskSphere::Ports::mask, "The voxels whose centres lie in the sphere.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

@@ -73,7 +73,8 @@ NodeType mask_threshold() {
         .param("above", &Threshold::Params::above, Unit::none, any_number(), "Lowest value, in the field's unit. Auto: no bound.")
         .param("below", &Threshold::Params::below, Unit::none, any_number(), "Highest value, in the field's unit. Auto: no bound.")
         .output("mask", &Threshold::Ports::mask, "The voxels with a value in the range.")
-        .kept();
+        .kept()
+        .in_place();
 }
 
 }  // namespace fluidcarve

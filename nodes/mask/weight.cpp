@@ -83,7 +83,8 @@ NodeType mask_weight() {
         .required("weights", &Weight::Params::weights, Unit::none, at_least(0), "One weight per mask.")
         .param("outside", &Weight::Params::outside, Unit::none, at_least(0), "The weight outside of all masks.")
         .param("mode", &Weight::Params::mode, "assign: weight * (1 + energy) / 2, so that mainly the region decides. multiply: weight * energy.")
-        .output("energy", &Weight::Ports::weighted, "The weighted energy.");
+        .output("energy", &Weight::Ports::weighted, "The weighted energy.")
+        .in_place();
 }
 
 }  // namespace fluidcarve

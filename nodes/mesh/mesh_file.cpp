@@ -3,6 +3,7 @@
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
+#include "nodes/geometry_file/provenance_comments.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
@@ -11,6 +12,8 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <optional>
+#include <string_view>
 
 namespace fluidcarve {
 namespace {
@@ -29,6 +32,13 @@ const Format& format_of(const std::string& path) {
     const auto fault = ending_fault(path);
     if (!fault.empty()) throw Failure(fault, Failure::Kind::input);
     return *std::find_if(formats.begin(), formats.end(), [ending = ending_of(path)](const Format& each) { return each.ending == ending; });
+}
+
+/// Where comments go in the text of a file: before all in OBJ, behind the format in PLY; nothing if the format has none.
+std::optional<std::size_t> comments_at(const std::string& path, const std::string& text) {
+    if (ending_of(path) == ".obj") return 0;
+    if (ending_of(path) == ".ply") return text.find('\n', text.find('\n') + 1) + 1;
+    return std::nullopt;
 }
 
 /// @param most  reads only so many bytes from the beginning
@@ -67,12 +77,16 @@ void probe_mesh(const std::string& path) {
     }
 }
 
-std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement) {
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement, const Provenance& provenance) {
     Losses losses;
     const auto text = format_of(path).text(mesh, unplaced(mesh, placement), losses);
     OutputFile output(path);
     std::ofstream out(output.aside(), std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    const auto at = comments_at(path, text);
+    out << std::string_view(text).substr(0, at.value_or(0));
+    if (at)
+        for (const auto& line : provenance_comments(provenance, *at == 0 ? obj_comment : ply_comment)) out << line << '\n';
+    out << std::string_view(text).substr(at.value_or(0));
     output.commit(out);
     return losses;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/types/provenance.h"
 #include "nodes/mesh/mesh.h"
 
 #include <string>
@@ -25,9 +26,10 @@ void probe_mesh(const std::string& path);
 /// Writes a mesh in the format of the path's extension. A mesh read from a file of that format is written as it was. The file appears
 /// whole or not at all.
 /// @param placement  the placement to undo; null: that of the mesh's origin
+/// @param provenance  what the file states of how it was made, as comments in OBJ and PLY; OFF and STL state nothing
 /// @return messages about data that the format can't hold
 /// @throws Failure if the file can't be written
-std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement = nullptr);
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh, const Placement* placement = nullptr, const Provenance& provenance = {});
 
 /// Why a path's extension is not that of a mesh file; empty if it is.
 std::string ending_fault(const std::string& path);

@@ -1,4 +1,5 @@
 #include "nodes/geometry_file/obj.h"
+#include "nodes/geometry_file/provenance_comments.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
@@ -167,7 +168,8 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     const auto& lines = lines_for(mesh, "obj", losses);
     auto line = lines.begin();
     const auto write_up_to = [&](auto end) {
-        for (; line != end; ++line) fmt::format_to(to, "{}\n", line->text);
+        for (; line != end; ++line)
+            if (!is_provenance_comment(line->text)) fmt::format_to(to, "{}\n", line->text);
     };
     const auto write_before = [&](std::size_t face) { write_up_to(std::find_if(line, lines.end(), [&](const Mesh::Line& each) { return each.face > face; })); };
     const Attribute *uvs = nullptr, *normals = nullptr, *extra = nullptr;

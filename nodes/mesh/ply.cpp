@@ -1,3 +1,4 @@
+#include "nodes/geometry_file/provenance_comments.h"
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
@@ -284,7 +285,8 @@ public:
 private:
     void put_header(const std::vector<Mesh::Line>& lines) {
         std::vector<std::string> comments, statements;
-        for (const auto& line : lines) comments.push_back(line.text);
+        for (const auto& line : lines)
+            if (!is_provenance_comment(line.text)) comments.push_back(line.text);
         const auto properties = [&](Attribute::On on) {
             for (const auto& attribute : kept_)
                 for (const auto& part : attribute.parts)

@@ -2,8 +2,10 @@
 
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
+#include "nodes/geometry_file/provenance_comments.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/profile.h"
+#include "nodes/io/provenance_metadata.h"
 #include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
@@ -107,11 +109,14 @@ openvdb::GridBase::ConstPtr in_grid(const Points& points) { return points.grid ?
 
 bool names_ply(const std::string& path) { return ending_of(path) == ".ply"; }
 
-Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement) {
+Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement,
+                    const Provenance& provenance) {
     Unsaid out;
     if (!names_ply(path)) {
         const auto grid = in_grid(points);
-        const auto* const seen_as = detected_profile(write_vdb(path, together(points, grid, beside), Codec::as_read, placement));
+        auto volume = together(points, grid, beside);
+        set_provenance(volume.metadata, provenance);
+        const auto* const seen_as = detected_profile(write_vdb(path, volume, Codec::as_read, placement));
         const bool off = !offset_of(*grid).isZero(), seen_off = seen_as && seen_as->points_off;
         if (off != seen_off) out.offset = off ? "half_voxel" : "none";
         return out;
@@ -121,6 +126,9 @@ Unsaid write_points(const std::string& path, const Points& points, const Volume*
         for (std::size_t n = 0; n < ply.size; ++n)
             ply.set_position(n, (points.placement.scale * ply.position(n) + points.placement.translate - placement->translate) / placement->scale);
     if (encoding) ply.encoding = *encoding;
+    std::erase_if(ply.comments, is_provenance_comment);
+    const auto comments = provenance_comments(provenance, ply_comment);
+    ply.comments.insert(ply.comments.begin(), comments.begin(), comments.end());
     write_ply(path, ply);
     return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/types/provenance.h"
 #include "nodes/payloads.h"
 #include "nodes/points/points.h"
 
@@ -39,8 +40,10 @@ struct Unsaid {
 ///                   metadata and codec have precedence over those of the points
 /// @param encoding   for a PLY file; null: as it was read, or little-endian
 /// @param placement  the placement to undo; null: that of the reader
+/// @param provenance  what the file states of how it was made
 /// @throws Failure if the file can't be written, or if several point grids of `beside` have the points' name
-Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement);
+Unsaid write_points(const std::string& path, const Points& points, const Volume* beside, const PlyEncoding* encoding, const Placement* placement,
+                    const Provenance& provenance = {});
 
 /// Whether a path has the extension .ply, upper or lower case.
 bool names_ply(const std::string& path);

@@ -283,6 +283,15 @@ PlyPoints read_ply(const std::string& path) {
 
 PlyPoints read_ply_header(const std::string& path) { return Reader(path).take(); }
 
+bool holds_points(const std::string& path) {
+    try {
+        read_ply_header(path);
+        return true;
+    } catch (const Failure&) {
+        return false;
+    }
+}
+
 void write_ply(const std::string& path, const PlyPoints& points) {
     OutputFile output(path);
     std::ofstream file(output.aside(), std::ios_base::binary | std::ios_base::trunc);

@@ -40,6 +40,9 @@ struct PlyPoints {
 /// Whether a file begins like a PLY file. @throws Failure (input) if it can't be read
 bool is_ply(const std::string& path);
 
+/// Whether the header of a PLY file declares vertices alone, as read_ply takes them: no faces.
+bool holds_points(const std::string& path);
+
 /// Reads a PLY file.
 /// @throws Failure (input) naming the file and the fault: not a PLY file, truncated, no x, y and z of floats, a position that is not
 ///   finite, lists at vertices, or other elements with entries, such as faces, which refer to vertices

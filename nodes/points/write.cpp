@@ -1,6 +1,8 @@
 #include "nodes/points/write.h"
 
+#include "nodes/geometry_file/usda.h"
 #include "nodes/points/file.h"
+#include "nodes/points/usda.h"
 
 namespace fluidcarve {
 
@@ -16,6 +18,7 @@ struct PointsWrite {
     struct Params {
         OutputPath path;
         Auto<PlyEncoding> encoding;
+        Auto<double> width;
         Auto<Vec3> translate;
         Auto<double> scale;
     };
@@ -25,16 +28,28 @@ struct PointsWrite {
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        const bool ply = names_ply(params.path.text());
-        if (ply && check.connections("beside") > 0) check.fault("beside", "a PLY file holds points alone; write a .vdb, or the grids with vdb.write");
+        const bool ply = names_ply(params.path.text()), usda = names_usda(params.path.text());
+        if ((ply || usda) && check.connections("beside") > 0)
+            check.fault("beside", fmt::format("a {} file holds points alone; write a .vdb, or the grids with vdb.write", ply ? "PLY" : ".usda"));
+        if (!usda && check.stated("width")) check.fault("width", "is for USD files; the path does not end in .usda");
         if (!ply && check.stated("encoding")) check.fault("encoding", "is for PLY files; the path does not end in .ply");
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
         const auto at = params.translate.value_or(Vec3{});
         const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
-        const auto unsaid = write_points(params.path.at(context.frame()), *io.source, io.beside.get(), params.encoding ? &*params.encoding : nullptr,
-                                         params.translate || params.scale ? &placement : nullptr);
+        const auto path = params.path.at(context.frame());
+        const auto* const stated = params.translate || params.scale ? &placement : nullptr;
+        if (names_usda(path)) {
+            const auto frame = params.path.per_frame() ? std::optional(context.frame()) : std::nullopt;
+            const auto unsaid = write_points_usda(path, *io.source, {stated, params.width, frame});
+            for (const auto& name : unsaid.attributes)
+                context.warn(fmt::format("attribute '{}' is left out: it can't go to USD; write a .vdb to keep it", name));
+            if (unsaid.width) context.warn("the .usda file does not tell how wide the points are, and they have no voxels: say 'width'");
+            return;
+        }
+        const auto unsaid =
+            write_points(path, *io.source, io.beside.get(), params.encoding ? &*params.encoding : nullptr, stated, context.provenance());
         for (const auto& name : unsaid.attributes)
             context.warn(fmt::format("attribute '{}' is of a type that PLY can't hold and is left out; write a .vdb to keep it", name));
         if (!unsaid.offset.empty())
@@ -46,18 +61,23 @@ struct PointsWrite {
 }  // namespace
 
 NodeType points_write() {
-    return Declare<PointsWrite>("points.write", "Writes points to VDB files, alone or beside other grids, or to PLY files. A file appears whole or not at all.")
+    return Declare<PointsWrite>("points.write",
+                                "Writes points to VDB files, alone or beside other grids, to PLY or to USD files. A file appears whole or not at all.")
         .input("source", &PointsWrite::Ports::source, "The points. Unchanged points are written as they were read.")
         .input("beside", &PointsWrite::Ports::beside,
                "Other grids to write to the same VDB file. The source replaces a point grid of the same name, else it comes last. Blender's files are "
                "recognised by their grids: for particles without `velocity` or `density`, points.read needs `offset: half_voxel`.")
         .required(
             "path", &PointsWrite::Params::path,
-            "File, .vdb or .ply; with a frame token such as #### if the source comes per frame. Missing folders are made. PLY holds no grid metadata, texts, "
+            "File, .vdb, .ply or .usda; with a frame token such as #### if the source comes per frame. Missing folders are made. PLY holds no grid metadata, "
+            "texts, "
             "matrices or 64-bit integers. Vectors become `name_x`, `name_y`, `name_z`, groups 0 or 1 in `group_name`. Positions in PLY include the offset of "
-            "the reader.")
+            "the reader. USD holds what PLY does; usd.write puts such files beside volumes.")
         .param("encoding", &PointsWrite::Params::encoding, "Encoding of PLY files. Auto: as the source's file, or little_endian if that was not PLY.")
-        .param("translate", &PointsWrite::Params::translate, Unit::world, any_number(), "The placement of a reader to undo. Auto: that of the source's reader.")
+        .param("width", &PointsWrite::Params::width, Unit::world, between(1e-9, 1e9),
+               "Width of each point in .usda files. Auto: twice its `radius` or `pscale`; without one half a voxel of the points' grid, which PLY files lack.")
+        .param("translate", &PointsWrite::Params::translate, Unit::world, any_number(),
+               "The placement of a reader to undo. Auto: that of the source's reader; points in .usda files stay in the shot's world.")
         .param("scale", &PointsWrite::Params::scale, Unit::none, between(1e-6, 1e6), "The same for a reader's `scale`.");
 }
 

@@ -2,6 +2,7 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "nodes/image/image_provenance.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -18,6 +21,20 @@ struct Destroy {
     void operator()(cairo_t* context) const { cairo_destroy(context); }
 };
 using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
+
+/// The part of a line in a rectangle (Liang and Barsky 1984); nothing: none of it.
+std::optional<Canvas::Line> cut(const Canvas::Line& line, const Canvas::Rect& within) {
+    const auto& [x0, y0, x1, y1] = line;
+    double first = 0, last = 1;
+    for (const auto& [step, room] : {std::pair(x0 - x1, x0 - within.x), std::pair(x1 - x0, within.x + within.width - x0), std::pair(y0 - y1, y0 - within.y),
+                                     std::pair(y1 - y0, within.y + within.height - y0)}) {
+        if (step == 0 && room < 0) return std::nullopt;
+        if (step < 0) first = std::max(first, room / step);
+        if (step > 0) last = std::min(last, room / step);
+    }
+    if (first > last) return std::nullopt;
+    return Canvas::Line{x0 + first * (x1 - x0), y0 + first * (y1 - y0), x0 + last * (x1 - x0), y0 + last * (y1 - y0)};
+}
 
 }  // namespace
 
@@ -81,9 +98,13 @@ void Canvas::lines(const Rect& within, const std::vector<Line>& lines, double wi
     cairo_set_dash(context, nullptr, 0, 0);
     cairo_set_line_width(context, width);
     cairo_set_line_cap(context, CAIRO_LINE_CAP_ROUND);
-    for (const auto& line : lines) {
-        cairo_move_to(context, line.x0, line.y0);
-        cairo_line_to(context, line.x1, line.y1);
+    // Cairo counts with 24 bits before the point: lines that end far beyond the page would come back into it.
+    const Rect around{within.x - width, within.y - width, within.width + 2 * width, within.height + 2 * width};
+    for (const auto& each : lines) {
+        const auto line = cut(each, around);
+        if (!line) continue;
+        cairo_move_to(context, line->x0, line->y0);
+        cairo_line_to(context, line->x1, line->y1);
     }
     cairo_stroke(context);
     cairo_restore(context);
@@ -132,12 +153,13 @@ double Canvas::text_width(const std::string& text, const Type& type) {
     return extents.x_advance;
 }
 
-void Canvas::write_png(const std::string& path) const {
+void Canvas::write_png(const std::string& path, const Provenance& provenance) const {
     // The context keeps the first error of all drawing calls.
     auto status = cairo_status(page_->context.get());
     OutputFile file(path);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), file.aside().c_str());
     if (status != CAIRO_STATUS_SUCCESS) throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+    add_provenance(file.aside(), provenance);
     file.commit();
 }
 

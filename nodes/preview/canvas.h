@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/types/provenance.h"
 #include "nodes/preview/colours.h"
 
 #include <memory>
@@ -58,8 +59,8 @@ public:
     void text(double x, double y, const std::string& text, const Type& type, Align align = Align::left);
     double text_width(const std::string& text, const Type& type);
 
-    /// The file appears whole or not at all. @throws Failure if it can't be written
-    void write_png(const std::string& path) const;
+    /// The file appears whole or not at all. @param provenance  what it states of how it was made @throws Failure if it can't be written
+    void write_png(const std::string& path, const Provenance& provenance = {}) const;
 
 private:
     struct Page;

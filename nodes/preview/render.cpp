@@ -144,12 +144,12 @@ FloatGrid::Ptr fire_light_in(const FloatGrid& fire, const FloatGrid& smoke, doub
     return out;
 }
 
-/// Light of the fire in one pixel: what comes through the smoke, and what the smoke scatters.
+/// Light of the fire in one pixel: what comes through the smoke, times the gain, and what the smoke scatters.
 struct Glow {
     double fire = 0;
     double smoke = 0;
 };
-std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window) {
+std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const ViewWindow& window, double gain) {
     Film film(window.width, window.height);
     const auto camera = window.camera(film);
     FloatGrid::ConstPtr light;
@@ -179,7 +179,7 @@ std::vector<Glow> glow(const FloatGrid& fire, const FloatGrid* smoke, const View
                         scattered += through * (1 - stays) * BoxSampler::sample(light_values, place);
                         through *= stays;
                     }
-                out[static_cast<std::size_t>(y) * window.width + x] = {1 - std::exp(-heat), fire_light * scattered};
+                out[static_cast<std::size_t>(y) * window.width + x] = {1 - std::exp(-gain * heat), fire_light * scattered};
             }
     });
     return out;
@@ -238,7 +238,7 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
     std::optional<Film> film;
     if (smoke) film.emplace(lit(*smoke, window));
     std::vector<Glow> shine(count);
-    if (fire) shine = glow(*fire, smoke.get(), window);
+    if (fire) shine = glow(*fire, smoke.get(), window, exposure.gain);
     const double daylight = exposure.fire > 0 ? by_fire : 1;
 
     Render out{window.area, {window.width, window.height, {}}};
@@ -250,7 +250,8 @@ Render render(const Scene& scene, View view, const openvdb::CoordBBox& box, cons
         const auto flame = fluidcarve::flame(heat);
         const auto& [red, green, blue] = fire_colour;
         const auto shade = [&](double warm, std::uint8_t behind, std::uint8_t glow) {
-            const double seen = daylight * (light.r + ambient_light * light.a) + warm * scattered + of_screen(behind) * (1 - light.a);
+            const double given = daylight * (light.r + ambient_light * light.a) + warm * scattered;
+            const double seen = exposure.gain * given + of_screen(behind) * (1 - light.a);
             // Fire hides what is behind it.
             return byte(on_screen(seen) * (1 - heat) * (1 - heat) + glow);
         };

@@ -26,10 +26,12 @@ bool glows(const std::string& name);
 /// @throws Failure if the shown grid holds no floats
 Scene scene_of(const Volume& volume, const std::string& input, const openvdb::GridBase::ConstPtr& shown);
 
-/// The values that are rendered as the thickest smoke and the brightest fire. Higher values are rendered thicker and brighter still.
+/// How bright a render is: the values that are rendered as the thickest smoke and the brightest fire, and the gain of all light. Higher
+/// values are rendered thicker and brighter still.
 struct Exposure {
     float smoke = 0;
     float fire = 0;
+    double gain = 1;  ///< factor of the light that smoke scatters and fire gives; the background has none
 
     /// Raises both to the highest active values of a scene. Values that are not finite are ignored.
     void meter(const Scene& scene);

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -32,6 +34,9 @@ constexpr double caption = 22;
 constexpr double row_gap = 8;
 constexpr double band_gap = 22;
 constexpr double line_height = 16;
+constexpr double axes_side = 64;  // side of the drawing of the world's axes
+constexpr double axis_length = 20;
+constexpr double least_slant = 0.25;  // an axis whose part across the view is shorter than this runs along it
 
 /// Draws a SheetPage onto a canvas.
 class Drawing {
@@ -43,9 +48,10 @@ public:
     }
 
     Canvas draw() {
-        const double room = canvas_.width() - 2 * margin;
+        const double room = canvas_.width() - 2 * margin - axes_side;
         canvas_.text(margin, 36, shortened(page_.title, title, room), title);
         canvas_.text(margin, 56, shortened(page_.summary, plain, room), plain);
+        draw_axes(std::round(canvas_.width() - margin - axes_side / 2), header / 2 + 4);
         double y = header;
         for (std::size_t band = 0; band < layout_.bands(); ++band) {
             draw_band(band * layout_.across(), y);
@@ -128,14 +134,62 @@ private:
         }
         if (!panel.before.empty()) canvas_.outline(layout_.place(picture, panel.before), before_line, true);
         if (!panel.active.empty()) canvas_.outline(layout_.place(picture, panel.active), active_line, false);
-        std::vector<Canvas::Line> lines;
-        for (const auto& [from, to] : panel.seams)
-            lines.push_back({layout_.right(picture, from[0]), layout_.up(picture, from[1]), layout_.right(picture, to[0]), layout_.up(picture, to[1])});
         const double width = std::clamp(std::floor(layout_.zoom()) / 2 - 0.5, 1.0, 2.0);
-        // A dark outline separates the seams from bright energy.
-        canvas_.lines(whole, lines, width + 1.5, nothing);
-        canvas_.lines(whole, lines, width, seam_colour);
+        canvas_.lines(whole, on_page(panel.lattice, picture), width, lattice_colour);
+        // A dark outline separates what is drawn from bright energy and smoke.
+        for (const auto& [drawn, colour] : {std::pair(&panel.rig, rig_colour), std::pair(&panel.seams, seam_colour)}) {
+            const auto lines = on_page(*drawn, picture);
+            canvas_.lines(whole, lines, width + 1.5, nothing);
+            canvas_.lines(whole, lines, width, colour);
+        }
         if (!panel.note.empty()) canvas_.text(x + layout_.column() / 2, y + layout_.row() / 2 + 4, panel.note, plain, Canvas::Align::centre);
+    }
+
+    std::vector<Canvas::Line> on_page(const std::vector<PictureLine>& lines, const Canvas::Rect& picture) const {
+        std::vector<Canvas::Line> out;
+        for (const auto& [from, to] : lines)
+            out.push_back({layout_.right(picture, from[0]), layout_.up(picture, from[1]), layout_.right(picture, to[0]), layout_.up(picture, to[1])});
+        return out;
+    }
+
+    /// Draws the world's axes as arrows from a place; one that runs along the view as a circle, with a dot if it points at the viewer, else
+    /// with a cross.
+    void draw_axes(double x, double y) {
+        const Canvas::Rect page{0, 0, static_cast<double>(canvas_.width()), static_cast<double>(canvas_.height())};
+        for (const bool along : {false, true})  // circles come last, over the ends of the arrows
+            for (std::size_t n = 0; n < page_.axes.size(); ++n) {
+                const double right = page_.axes[n].right, up = page_.axes[n].up, towards = page_.axes[n].towards;
+                const double slant = std::hypot(right, up);
+                if ((slant < least_slant) != along || (slant == 0 && towards == 0)) continue;
+                const auto colour = axis_colours[n];
+                const std::string name(1, "xyz"[n]);
+                const Canvas::Type type{12, true, colour};
+                if (along) {
+                    draw_circle(page, x, y, towards > 0, colour);
+                    canvas_.text(x - 12, y + 15, name, type, Canvas::Align::centre);
+                    continue;
+                }
+                const double tip_x = x + axis_length * right, tip_y = y - axis_length * up;
+                const auto barb = [&](double side) {
+                    return Canvas::Line{tip_x, tip_y, tip_x - (5 * right + side * up) / slant, tip_y + (5 * up - side * right) / slant};
+                };
+                canvas_.lines(page, {{x, y, tip_x, tip_y}, barb(3), barb(-3)}, 2, colour);
+                canvas_.text(x + 1.4 * axis_length * right, y - 1.4 * axis_length * up + 4, name, type, Canvas::Align::centre);
+            }
+    }
+
+    void draw_circle(const Canvas::Rect& page, double x, double y, bool dotted, Colour colour) {
+        constexpr double radius = 6;
+        constexpr int steps = 24;
+        const double turn = 2 * std::acos(-1.0) / steps;
+        std::vector<Canvas::Line> lines;
+        for (int n = 0; n < steps; ++n)
+            lines.push_back({x + radius * std::cos(n * turn), y + radius * std::sin(n * turn), x + radius * std::cos((n + 1) * turn),
+                             y + radius * std::sin((n + 1) * turn)});
+        if (!dotted) lines.insert(lines.end(), {{x - 3, y - 3, x + 3, y + 3}, {x - 3, y + 3, x + 3, y - 3}});
+        canvas_.fill({x - 4, y - 4, 8, 8}, paper);
+        canvas_.lines(page, lines, 2, colour);
+        if (dotted) canvas_.fill({x - 2, y - 2, 4, 4}, colour);
     }
 
     void draw_legend(double y) {
@@ -151,9 +205,9 @@ private:
         };
         if (any([](const SheetPanel& panel) { return !panel.active.empty(); })) entry(active_line, false, "box of active voxels");
         if (any([](const SheetPanel& panel) { return !panel.before.empty(); })) entry(before_line, true, "that of before");
+        if (any([](const SheetPanel& panel) { return !panel.lattice.empty(); })) entry(lattice_colour, false, "lattice");
+        if (any([](const SheetPanel& panel) { return !panel.rig.empty(); })) entry(rig_colour, false, "rig");
         if (any([](const SheetPanel& panel) { return !panel.seams.empty(); })) entry(seam_colour, false, "seams");
-        const auto [right, up] = picture_axes(page_.view);
-        canvas_.text(canvas_.width() - margin, y, fmt::format("{} to the right, {} up", "xyz"[right], "xyz"[up]), plain, Canvas::Align::right);
     }
 
     std::string shortened(std::string text, const Canvas::Type& type, double width) {
@@ -192,6 +246,18 @@ Area around(const std::vector<PictureLine>& lines) {
     return out;
 }
 
+/// The area that contains all lines, but no further beyond the content than its size.
+Area beside(const Area& content, const std::vector<PictureLine>& lines) {
+    auto out = around(lines);
+    if (out.empty()) return out;
+    for (const int side : {0, 1}) {
+        const std::int64_t reach = content.size(side);
+        out.first[side] = static_cast<int>(std::max<std::int64_t>(out.first[side], content.first[side] - reach));
+        out.last[side] = static_cast<int>(std::min<std::int64_t>(out.last[side], content.last[side] + reach));
+    }
+    return out;
+}
+
 }  // namespace
 
 ScaleRange range_of(const std::vector<SheetRow>& rows, SheetRow::Scale scale) {
@@ -224,6 +290,10 @@ Canvas draw_sheet(const SheetPage& page) {
             if (!panel.projection.empty()) cell = std::max(cell, panel.projection.cell);
         }
     if (area.empty()) area = {{0, 0}, {0, 0}};
+    const auto content = area;
+    for (const auto& row : page.rows)
+        for (const auto& panel : row.panels)
+            for (const auto* lines : {&panel.lattice, &panel.rig}) area.include(beside(content, *lines));
     const PanelLayout layout(area, cell, page.frames.size(), page.rows.size(), panels_left + margin);
     return Drawing(page, layout).draw();
 }

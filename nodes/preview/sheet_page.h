@@ -1,10 +1,12 @@
 #pragma once
 
 #include "nodes/preview/canvas.h"
+#include "nodes/preview/overlay.h"
 #include "nodes/preview/projection.h"
 #include "nodes/preview/render.h"
 #include "nodes/preview/seam_lines.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,8 +19,8 @@ struct SheetPanel {
     Area before;            ///< box of active voxels before the carve, drawn dashed; may be empty
     Projection projection;  ///< a panel has either a projection or a render; the other is empty
     Render render;
-    std::vector<PictureLine> seams;  ///< lines drawn over the picture
-    std::string note;                ///< text in the middle of the picture
+    std::vector<PictureLine> lattice, rig, seams;  ///< lines drawn over the picture, in this order
+    std::string note;                              ///< text in the middle of the picture
 };
 
 /// A row of pictures of one kind, with one panel per frame.
@@ -36,9 +38,9 @@ struct SheetRow {
 struct SheetPage {
     std::string title;
     std::string summary;
-    View view = View::y;
-    std::vector<std::string> frames;  ///< titles of the columns, at least one
-    std::vector<SheetRow> rows;       ///< at least one
+    std::array<SeenDirection, 3> axes{};  ///< the world's x, y and z, drawn at the upper right
+    std::vector<std::string> frames;      ///< titles of the columns, at least one
+    std::vector<SheetRow> rows;           ///< at least one
 };
 
 /// The range of one scale over all rows.
@@ -50,11 +52,16 @@ ScaleRange range_of(const std::vector<SheetRow>& rows, SheetRow::Scale scale);
 /// The colour of a value; NaN has the colour for "no active voxel".
 Colour colour_of(float value, SheetRow::Scale scale, const ScaleRange& range);
 
-/// The colour of seams; no colour scale contains it.
+/// The colours of seams, lattice and rig; no colour scale contains them.
 constexpr Colour seam_colour{64, 255, 208};
+constexpr Colour lattice_colour{198, 128, 255};
+constexpr Colour rig_colour{168, 240, 64};
+/// The colours of the world's axes x, y and z.
+constexpr std::array<Colour, 3> axis_colours{{{226, 84, 76}, {112, 196, 88}, {92, 148, 246}}};
 
-/// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same area, so that pictures can be compared.
-/// Beside each group of rows with the same scale is its colour bar with numbers.
+/// Draws a sheet, 560 to 2000 pixels wide, with one column per frame. All panels show the same area, so that pictures can be compared: all
+/// that is shown, and the lattice and the rig, but of these no more than the size of the rest on each side. Beside each group of rows with the same scale is
+/// its colour bar with numbers.
 Canvas draw_sheet(const SheetPage& page);
 
 }  // namespace fluidcarve

@@ -15,6 +15,8 @@ namespace fluidcarve {
 
 namespace {
 
+using Show = SheetWish::Show;
+
 /// Calls `body` with one or two grids cast to their type, FloatGrid or VectorGrid.
 template <class Body, class... Grids>
 Projection typed(const Body& body, const openvdb::GridBase& first, const Grids&... others) {
@@ -38,39 +40,38 @@ std::string seams_text(const Seams& seams) {
 
 }  // namespace
 
+bool SheetRows::shows(Show how) const { return std::find(wish_.shows.begin(), wish_.shows.end(), how) != wish_.shows.end(); }
+
 void SheetRows::plan(const Shown& frame) {
-    using Show = SheetWish::Show;
     using What = Kind::What;
-    using How = Kind::How;
-    std::vector<How> hows;
-    if (wish_.show == Show::maximum || wish_.show == Show::both) hows.push_back(How::maximum);
-    if (wish_.show == Show::slice || wish_.show == Show::both) hows.push_back(How::slice);
-    if (wish_.show == Show::render) hows.push_back(How::render);
-    for (const auto how : hows) {
+    for (const auto how : wish_.shows) {
         kinds_.push_back({What::before, how});
         if (frame.data.after) kinds_.push_back({What::after, how});
-        if (frame.data.after && wish_.difference && how != How::render) kinds_.push_back({What::difference, how});
+        if (frame.data.after && wish_.difference && how != Show::render) kinds_.push_back({What::difference, how});
     }
-    if (frame.data.energy) kinds_.push_back({What::energy, How::slice});
+    if (frame.data.energy) kinds_.push_back({What::energy, Show::slice});
     panels_.resize(kinds_.size());
+    axes_ = world_axes(*frame.space, frame.before.empty() ? openvdb::Vec3d(0) : frame.before.getCenter(), wish_.view);
     face_ = frame.data.seams && seams_face(*frame.data.lattice, frame.data.seams->axis, *frame.space, wish_.view);
 }
 
 void SheetRows::add(SheetFrame data) {
     if (data.seams) require_seams(*data.lattice, *data.seams, data.number);
-    Shown frame{std::move(data), {}, {}, {}};
+    Shown frame{std::move(data), {}, {}, {}, {}, {}};
     frame.space = frame.data.before->constTransformPtr();
     frame.before = frame.data.before->evalActiveVoxelBoundingBox();
     if (frame.data.after) frame.after = frame.data.after->evalActiveVoxelBoundingBox();
     require_room(frame);
+    if (wish_.lattice) frame.lattice = lattice_lines(*frame.data.lattice, *frame.space, wish_.view);
+    if (wish_.rig) frame.rig = rig_lines(*frame.data.rig, *frame.space, wish_.view);
     if (!frame.before.empty()) active_.expand(frame.before);
     if (frames_.empty()) plan(frame);
     for (std::size_t row = 0; row < kinds_.size(); ++row)
-        panels_[row].push_back(kinds_[row].how == Kind::How::slice ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
+        panels_[row].push_back(kinds_[row].how == Show::slice ? SheetPanel() : panel(kinds_[row], frame, std::nullopt));
     scenes_.expand(frame.data.before_scene.box());
     scenes_.expand(frame.data.after_scene.box());
     exposure_.meter(frame.data.before_scene);
-    if (wish_.show == SheetWish::Show::maximum || wish_.show == SheetWish::Show::render) frame.data.before = frame.data.after = nullptr;
+    if (!shows(Show::slice)) frame.data.before = frame.data.after = nullptr;
     frames_.push_back(std::move(frame));
     if (wish_.slice) slice(frames_.size() - 1, *wish_.slice);
 }
@@ -92,7 +93,7 @@ void SheetRows::require_room(const Shown& frame) const {
 void SheetRows::slice(std::size_t place, int plane) {
     auto& frame = frames_[place];
     for (std::size_t row = 0; row < kinds_.size(); ++row)
-        if (kinds_[row].how == Kind::How::slice) panels_[row][place] = panel(kinds_[row], frame, plane);
+        if (kinds_[row].how == Show::slice) panels_[row][place] = panel(kinds_[row], frame, plane);
     frame.data.before = frame.data.after = nullptr;
     frame.data.energy = nullptr;
 }
@@ -100,7 +101,7 @@ void SheetRows::slice(std::size_t place, int plane) {
 void SheetRows::render(const std::function<void(double)>& progress) {
     for (std::size_t place = 0; place < frames_.size(); ++place)
         for (std::size_t row = 0; row < kinds_.size(); ++row) {
-            if (kinds_[row].how != Kind::How::render) continue;
+            if (kinds_[row].how != Show::render) continue;
             if (progress) progress(static_cast<double>(place * kinds_.size() + row) / static_cast<double>(frames_.size() * kinds_.size()));
             auto& data = frames_[place].data;
             auto& scene = kinds_[row].what == Kind::What::before ? data.before_scene : data.after_scene;
@@ -112,15 +113,17 @@ void SheetRows::render(const std::function<void(double)>& progress) {
 
 SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const {
     SheetPanel out;
-    const auto& [data, space, before, after] = frame;
+    const auto& [data, space, before, after, lattice, rig] = frame;
     const auto view = wish_.view;
+    out.lattice = lattice;
+    out.rig = rig;
     const auto part = [&](const openvdb::CoordBBox& box) { return plane ? slice_of(box, view, *plane) : box; };
     const auto show = [&](const openvdb::GridBase& grid, const openvdb::CoordBBox& active) {
         const auto box = part(active);
-        // If the grid is also shown as a maximum, that row states the size.
-        if (kind.how != Kind::How::slice || wish_.show == SheetWish::Show::slice) out.caption = size_text(active);
+        // If the grid is shown in another way, too, that row states the size.
+        if (kind.how != Show::slice || wish_.shows.size() == 1) out.caption = size_text(active);
         if (!active.empty()) out.active = face_of(active, view);
-        if (kind.how == Kind::How::render) return;
+        if (kind.how == Show::render) return;
         if (box.empty()) out.note = "no active voxels";
         else out.projection = typed([&](const auto& each) { return maximum_projection(each, view, box); }, grid);
     };
@@ -144,7 +147,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
         case Kind::What::energy:
             out.projection = slice_in(*data.energy, *space, view, *plane);
             if (out.projection.empty()) out.note = "no active voxels";
-            if (data.seams && !face_) out.seams = seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
+            if (data.seams && wish_.seams && !face_) out.seams = seam_lines(*data.lattice, *data.seams, data.number, *space, view, *plane);
             break;
     }
     return out;
@@ -157,17 +160,17 @@ std::string SheetRows::name_of(const Kind& kind) const {
         case Kind::What::difference: return "difference";
         case Kind::What::energy: break;
     }
-    return frames_.front().data.seams ? "seams over energy" : "energy";
+    return frames_.front().data.seams && wish_.seams ? "seams over energy" : "energy";
 }
 
 std::string SheetRows::text_of(const Kind& kind, int plane) const {
     const char axis = "xyz"[static_cast<int>(wish_.view)];
     const auto slice = fmt::format("slice at {} = {}", axis, plane);
-    if (kind.how == Kind::How::render) return fmt::format("lit, seen along {}", axis);
-    const bool sliced = kind.how == Kind::How::slice;
+    if (kind.how == Show::render) return fmt::format("lit, seen along {}{}", axis, wish_.exposure != 0 ? fmt::format(", exposure {:+g}", wish_.exposure) : "");
+    const bool sliced = kind.how == Show::slice;
     if (kind.what == Kind::What::difference) return sliced ? "after - before, " + slice : fmt::format("after - before, largest along {}", axis);
     if (kind.what != Kind::What::energy) return sliced ? slice : fmt::format("maximum along {}", axis);
-    if (!frames_.front().data.seams) return slice;
+    if (!frames_.front().data.seams || !wish_.seams) return slice;
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
     const bool crossed = std::any_of(panels.begin(), panels.end(), [](const SheetPanel& panel) { return !panel.seams.empty(); });
@@ -180,17 +183,18 @@ SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& 
     const auto count = frames_.size();
     if (!wish_.slice)
         for (std::size_t place = 0; place < count; ++place) slice(place, plane);
+    exposure_.gain = std::exp2(wish_.exposure);
     render(progress);
 
     SheetPage out;
     out.title = wish_.grid;
     out.summary = fmt::format("{} of {}", count, counted(total, "frame"));
     if (frames_.front().data.seams) out.summary += "; " + seams_text(*frames_.front().data.seams);
-    out.view = wish_.view;
+    out.axes = axes_;
     for (const auto& frame : frames_) out.frames.push_back(frame.data.name);
     for (std::size_t row = 0; row < kinds_.size(); ++row) {
         const auto& kind = kinds_[row];
-        const auto scale = kind.how == Kind::How::render         ? SheetRow::Scale::none
+        const auto scale = kind.how == Show::render              ? SheetRow::Scale::none
                            : kind.what == Kind::What::energy     ? SheetRow::Scale::energy
                            : kind.what == Kind::What::difference ? SheetRow::Scale::change
                                                                  : SheetRow::Scale::value;

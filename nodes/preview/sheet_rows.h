@@ -2,6 +2,7 @@
 
 #include "nodes/preview/sheet_page.h"
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,11 +13,15 @@ namespace fluidcarve {
 
 /// What a sheet shows.
 struct SheetWish {
-    enum class Show { maximum, slice, both, render };
+    enum class Show { maximum, slice, render };
     std::string grid;
     View view = View::y;
-    Show show = Show::maximum;
-    std::optional<int> slice;  ///< index coordinate along the view; nothing: the middle of `before` in all frames shown
+    std::vector<Show> shows{Show::maximum};  ///< in the order of the rows, each once
+    double exposure = 0;                     ///< of renders, stops
+    bool lattice = false;                    ///< whether the lattice is drawn over all pictures
+    bool rig = false;                        ///< the same for the rig
+    bool seams = true;                       ///< whether seams are drawn over the energy
+    std::optional<int> slice;                ///< index coordinate along the view; nothing: the middle of `before` in all frames shown
     bool difference = true;
     std::uint64_t budget = ~std::uint64_t{0};  ///< memory of what tiles become as voxels, bytes (grid_fits)
 };
@@ -28,12 +33,13 @@ struct SheetFrame {
     openvdb::GridBase::ConstPtr before, after;  ///< both FloatGrid or both VectorGrid
     Scene before_scene, after_scene;            ///< scenes of `before` and `after`, if they are rendered
     std::shared_ptr<const FloatGrid> energy;
-    std::shared_ptr<const Lattice> lattice;  ///< set if there are seams
+    std::shared_ptr<const Lattice> lattice;  ///< set if there are seams, or it is drawn
+    std::shared_ptr<const Rig> rig;          ///< set if it is drawn
     std::shared_ptr<const Seams> seams;
 };
 
-/// Makes the rows of a sheet, frame by frame: `before`, `after` and their difference as maximum projections, then as slices; or `before`
-/// and `after` as renders; then the seams over a slice of the energy. Grids are freed as soon as they are drawn. If the slice is in the
+/// Makes the rows of a sheet, frame by frame: for each way to show them `before`, `after` and, unless they are rendered, their difference;
+/// then the seams over a slice of the energy. Grids are freed as soon as they are drawn. If the slice is in the
 /// middle, grids to slice are held until all frames are known. Grids to render are held too, since all frames share area and exposure.
 class SheetRows {
 public:
@@ -49,17 +55,18 @@ public:
 private:
     struct Kind {
         enum class What { before, after, difference, energy };
-        enum class How { maximum, slice, render };
         What what;
-        How how;
+        SheetWish::Show how;
     };
     /// An added frame. It holds its grids until they are drawn.
     struct Shown {
         SheetFrame data;
         openvdb::math::Transform::ConstPtr space;  ///< transform of `before`
         openvdb::CoordBBox before, after;          ///< boxes of active voxels
+        std::vector<PictureLine> lattice, rig;     ///< lines over all pictures
     };
     void plan(const Shown& frame);
+    bool shows(SheetWish::Show how) const;
     void slice(std::size_t place, int plane);
     void render(const std::function<void(double)>& progress);
     SheetPanel panel(const Kind& kind, const Shown& frame, std::optional<int> plane) const;
@@ -74,6 +81,7 @@ private:
     openvdb::CoordBBox active_;                    ///< box of the active voxels of `before` in all frames
     openvdb::CoordBBox scenes_;                    ///< box of all scenes in all frames
     Exposure exposure_;                            ///< metered on the scenes of `before`
+    std::array<SeenDirection, 3> axes_{};          ///< the world's axes in the first frame
     bool face_ = false;                            ///< whether seams face the viewer
 };
 

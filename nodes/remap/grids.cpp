@@ -4,7 +4,10 @@
 #include "nodes/remap/finish/finish.h"
 #include "nodes/remap/finish/tears.h"
 #include "nodes/remap/grid.h"
+#include "nodes/remap/result/carve_result.h"
 #include "nodes/remap/rim.h"
+
+#include <nlohmann/json.hpp>
 
 namespace fluidcarve {
 
@@ -60,7 +63,10 @@ struct RemapGrids {
         const Finish finish{params.renormalize, params.conserve == Conserve::mass ? params.densities : std::vector<std::string>(), params.transform_vectors};
         const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
         io.volume = std::make_shared<Volume>(finished(*io.source, carved, *io.lattice, map, finish));
+        context.report(grids_by_frame, {{context.per_frame() ? std::to_string(context.frame()) : "all", compared(*io.source, *io.volume)}});
     }
+
+    static void conclude(const Params&, const nlohmann::ordered_json& frames, Context& context) { tell_result(frames, context); }
 };
 
 }  // namespace
@@ -94,7 +100,10 @@ NodeType remap_grids() {
         .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &RemapGrids::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
         .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
-        .output("volume", &RemapGrids::Ports::volume, "The carved source: same grids, transforms and metadata.");
+        .output("volume", &RemapGrids::Ports::volume,
+                "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
+        .names_as("volume", "source")
+        .concludes(grids_by_frame);
 }
 
 }  // namespace fluidcarve

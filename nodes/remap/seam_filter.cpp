@@ -249,7 +249,8 @@ NodeType filter_seam() {
         .param("width", &FilterSeam::Params::width, Unit::voxels, between(1, 8),
                "Voxels from the middle of the cube to its sides: 1 is a cube of 3 x 3 x 3 voxels.")
         .output("volume", &FilterSeam::Ports::volume,
-                "The source, with filtered values at the active voxels of cells that a seam divides. All other voxels are bit for bit the same.");
+                "The source, with filtered values at the active voxels of cells that a seam divides. All other voxels are bit for bit the same.")
+        .names_as("volume", "source");
 }
 
 }  // namespace fluidcarve

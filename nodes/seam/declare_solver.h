@@ -39,6 +39,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "Whether each seam in `window` is the same in all frames. It is then found in the sum of the energy over all frames.")
         .param("pair_static", &Params::pair_static,
                "The same for the seams in `pair_window`: for example on a river bank, which stands still beside the river.")
+        .param("best_effort", &Params::best_effort,
+               "What happens if there is room for fewer seams than `count`, because of `protect` or the window. false: the node fails. true: it finds as many "
+               "as there is room for, perhaps none, and a warning says how many of how many, and where the next one finds no way.")
         .param(
             "measure", &Params::measure,
             "vertex: all vertices count equally. volume: a vertex counts as much as the space around it, since in bent lattices inner cells are smaller than "
@@ -74,7 +77,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})
         .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,
                 [params_of](const void* params, std::size_t vertices) { return SeamNode::wanted(params_of(params), vertices); }, &SeamNode::first,
-                &SeamNode::warnings})
+                &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})
+        .in_place()
         .kept();
 }
 

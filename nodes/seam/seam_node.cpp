@@ -18,13 +18,18 @@ void SeamNode::foresee(const Params& params, Outlook& ahead) {
 }
 
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io, Context& context) {
+    // The first frame tells, before all others are read. What is left after other seams is known only later.
+    if (context.place() == 0 && io.after.empty()) require_vertex_left(params, io.lattice->shape[dimension(params.axis)], "");
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
     require_frame_fits(grids, *io.lattice, context.memory_budget());
     return std::make_shared<FrameEnergy>(sample_frame(grids, io.lattice, params.axis, params.measure));
 }
 
-void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) { before_ = {result.as<Seams>(), entry}; }
+void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
+    before_ = {result.as<Seams>(), entry};
+    end_shortfall(before_.report);
+}
 
 Extent SeamNode::extent(const Payload& result) {
     const auto seams = result.as<Seams>();
@@ -43,6 +48,8 @@ Payload SeamNode::first(const Payload& result, std::size_t count, nlohmann::orde
 
 std::vector<std::string> SeamNode::warnings(const nlohmann::ordered_json& entry) { return seam_warnings(entry); }
 
+bool SeamNode::exhausted(const nlohmann::ordered_json& entry) { return falls_short(entry); }
+
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from) {
     const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
     const auto task = task_of(params, space);
@@ -55,9 +62,11 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         auto energy = gathered_.take(params, space, context);
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
-        found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_}, context);
-        for (const auto& warning : seam_warnings(found.report)) context.warn(warning);
+        found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort},
+                           context);
     }
+    if (task.count < task.asked && !falls_short(found.report)) set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);
+    for (const auto& warning : seam_warnings(found.report)) context.warn(warning);
     if (const auto fault = space.extension_fault(*found.seams); !fault.empty()) context.warn(fault);
     context.report("seams", found.report);
     io.seams = std::move(found.seams);

@@ -59,6 +59,8 @@ public:
     static Payload first(const Payload& result, std::size_t count, nlohmann::ordered_json& entry);
     /// Warnings about a set of seams, made from its report.
     static std::vector<std::string> warnings(const nlohmann::ordered_json& entry);
+    /// Whether a set's report says that there are no more seams.
+    static bool exhausted(const nlohmann::ordered_json& entry);
 
 protected:
     /// Finds the seams and reports them under `seams` (solve/report.h).

@@ -1,6 +1,7 @@
 #include "nodes/seams/payload_type.h"
 
 #include "nodes/io/binary.h"
+#include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seams.h"
 
 namespace fluidcarve {
@@ -71,10 +72,12 @@ Ref<Seams> read_all(std::istream& from) {
 }  // namespace
 
 void add_seams_payload(Registry& registry) {
-    registry.add(payload_type<Seams>(
+    auto type = payload_type<Seams>(
         "seams", "Seams through a lattice over all frames, in order.",
         [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
-        {2, &write_all, &read_all}));
+        {2, &write_all, &read_all});
+    type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
+    registry.add(std::move(type));
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "nodes/seams/seam_file.h"
 
 #include "graph/text/problem.h"
+#include "nodes/io/provenance_metadata.h"
 #include "nodes/io/vdb_file.h"
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seam_metadata.h"
@@ -257,7 +258,11 @@ Seams seams_from_volume(const Volume& volume) {
     return out;
 }
 
-void write_seams(const std::string& path, const Seams& seams) { write_vdb(path, seams_to_volume(seams)); }
+void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance) {
+    auto volume = seams_to_volume(seams);
+    set_provenance(volume.metadata, provenance);
+    write_vdb(path, volume);
+}
 
 Seams read_seams(const std::string& path) {
     const auto volume = read_vdb(path);

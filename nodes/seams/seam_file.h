@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/types/provenance.h"
 #include "nodes/payloads.h"
 #include "nodes/seams/seams.h"
 
@@ -20,7 +21,7 @@ Seams seams_from_volume(const Volume& volume);
 
 /// Writes a seam file, whole or not at all.
 /// @throws Failure if it can't be written
-void write_seams(const std::string& path, const Seams& seams);
+void write_seams(const std::string& path, const Seams& seams, const Provenance& provenance = {});
 /// Reads a seam file.
 /// @throws Failure (input) naming the file
 Seams read_seams(const std::string& path);

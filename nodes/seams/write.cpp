@@ -13,7 +13,7 @@ struct SeamsWrite {
     struct Ports {
         Ref<Seams> seams;
     };
-    static void run(const Params& params, Ports& io, Context&) { write_seams(params.path.at(0), *io.seams); }
+    static void run(const Params& params, Ports& io, Context& context) { write_seams(params.path.at(0), *io.seams, context.provenance()); }
 };
 
 }  // namespace

@@ -26,13 +26,13 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
     for (const auto& param : type.params) {
         if (param.shape.kind == Shape::Kind::input_path || param.shape.kind == Shape::Kind::output_path) continue;
         const auto text = param.text(node.params.get());
-        const bool grows = type.growth && type.growth->param == param.name;
-        out.params.push_back({param.name, text, grows ? type.growth->rest(node.params.get()) : text});
+        const bool grows = type.growth && type.growth->param == param.name, either_way = type.growth && type.growth->best_effort == param.name;
+        out.params.push_back({param.name, text, either_way ? std::nullopt : std::optional(grows ? type.growth->rest(node.params.get()) : text)});
     }
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
         for (std::size_t l = 0; l < node.inputs[i].size(); ++l) {
             const auto& link = node.inputs[i][l];
-            out.inputs.push_back({type.inputs[i].name, node.input_names[i][l], link.node, pipeline_.nodes[link.node].outputs[link.output].name});
+            out.inputs.push_back({type.inputs[i].name, node.input_names[i][l], link.node, taken_by(pipeline_, link)});
         }
     return out;
 }

@@ -22,13 +22,14 @@ public:
     /// A parameter. Paths are no dependencies: what is in the files counts.
     struct Param {
         std::string name, text;
-        std::string rest;  ///< the part that belongs to the cache key: all of it, but for the count of a growing result (Growth::rest)
+        /// The part that belongs to the cache key: all of it, but for the count of a growing result (Growth::rest); nothing of Growth::best_effort.
+        std::optional<std::string> rest;
     };
     /// A connected input; one of a list is a dependency of its own.
     struct Input {
         std::string name, link_name;  ///< names of the port, and of the link at a named input
         std::size_t source = 0;       ///< the node that it reads
-        std::string output;           ///< name of the source's output
+        std::string output;           ///< name of the source's output, or of the part of its first one
     };
     /// What does not differ from frame to frame.
     struct OfNode {

@@ -17,23 +17,30 @@ std::optional<GrownResult> GrownResult::in(const Json& header) {
     if (found == header.end()) return std::nullopt;
     const Extent extent{found->at("count").get<std::size_t>(), found->at("of").get<std::size_t>()};
     // Without a size it counts as no smaller than any other.
-    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()), header.contains("part")};
+    return GrownResult{extent, header.value("size", std::numeric_limits<std::uint64_t>::max()), header.contains("part"), header.contains("exhausted")};
 }
 
 void GrownResult::describe(Json& header) const {
     header["size"] = bytes;
     header["extent"] = {{"count", extent.count}, {"of", extent.of}};
     if (part) header["part"] = true;
+    if (exhausted) header["exhausted"] = true;
 }
 
-bool GrownResult::enough_for(const Node& node) const { return extent.count >= wanted_by(node, extent); }
+bool GrownResult::enough_for(const Node& node) const { return extent.count >= wanted_by(node, extent) || (exhausted && takes_fewer(node)); }
 
-bool GrownResult::fits(const Node& node) const { return !part && extent.count == wanted_by(node, extent); }
+bool GrownResult::fits(const Node& node) const { return !part && !exhausted && extent.count == wanted_by(node, extent); }
 
 bool GrownResult::holds(const GrownResult& other) const {
     if (extent.count != other.extent.count) return extent.count > other.extent.count;
+    if (exhausted != other.exhausted) return exhausted;
     // Of pairs of seams, those of one window are found first. So of two parts with as many seams the larger one holds more.
     return (!part || other.part) && bytes >= other.bytes;
+}
+
+bool takes_fewer(const Node& node) {
+    const auto& growth = node.type->growth;
+    return growth && !growth->best_effort.empty() && node.type->param(growth->best_effort)->text(node.params.get()) == ParamTraits<bool>::text(true);
 }
 
 void cut(const Node& node, const GrownResult& all, Payload& result, Said& said) {

@@ -2,17 +2,20 @@
 
 #include "graph/confinement.h"
 #include "graph/output_file.h"
+#include "graph/text/words.h"
 #include "runtime/keep/work_folder.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -24,7 +27,7 @@ constexpr std::size_t most_named = 3;
 /// Names in a row: "a, b and 2 others". @param names  at least the first `most_named` @param total  how many there are
 std::string listed(const std::vector<std::string>& names, std::size_t total) {
     if (total <= most_named) return fmt::format("{}", fmt::join(names, ", "));
-    return fmt::format("{} and {} others", fmt::join(names.begin(), names.begin() + most_named, ", "), total - most_named);
+    return fmt::format("{} and {}", fmt::join(names.begin(), names.begin() + most_named, ", "), counted(total - most_named, "other"));
 }
 
 /// Per node: which changed nodes are upstream of it. A row of bits for each, so that ten thousand nodes in a chain take some MB.
@@ -82,8 +85,8 @@ std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
     return out;
 }
 
-/// Describes the differences between two states of a node.
-std::vector<std::string> differences(const json& was, const json& now) {
+/// Describes the differences between two states of a node. @param unless  a parameter that is left out; empty: none
+std::vector<std::string> differences(const json& was, const json& now, const std::string& unless) {
     std::vector<std::string> out;
     if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
     if (was["version"] != now["version"]) out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(), now["version"].dump()));
@@ -95,7 +98,7 @@ std::vector<std::string> differences(const json& was, const json& now) {
         for (const auto* const each : {&was, &now})
             for (const auto& [name, value] : (*each)[part].items()) names.insert(name);
         for (const auto& name : names)
-            if (const auto before = text(was[part], name), after = text(now[part], name); before != after)
+            if (const auto before = text(was[part], name), after = text(now[part], name); before != after && (input || name != unless))
                 out.push_back(fmt::format("{}{} changed from {} to {}", input ? "input " : "", name, before, after));
     }
     std::vector<int> changed, fresh;
@@ -114,6 +117,33 @@ std::vector<std::string> differences(const json& was, const json& now) {
     return out;
 }
 
+/// The count of a growing result, if it is not why the node runs: nothing is kept that it could be too large for. Else empty.
+std::string idle_count(const Node& node, const std::optional<GrownResult>& grown, const json& was, const json& now) {
+    return node.type->growth && !grown && was.value("rest", "") == now.value("rest", "") ? node.type->growth->param : std::string();
+}
+
+/// "goes on from 7 of 12 seams"; empty: the node begins anew.
+std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
+    if (!grown || grown->enough_for(node)) return {};
+    const auto& growth = *node.type->growth;
+    if (grown->extent.count == 0) return "goes on where it was stopped";
+    return fmt::format("goes on from {} of {}", grown->extent.count, counted(growth.wanted(node.params.get(), grown->extent.of), growth.item));
+}
+
+const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
+    std::pair{Work::frame, "frame"}, {Work::take, "take"}, {Work::load, "load"}, {Work::once, "once"}};
+
+json json_of(const Cost& cost) {
+    return {{"seconds", cost.seconds},      {"abreast", cost.at.abreast}, {"cores", cost.at.cores}, {"input_bytes", cost.at.input_bytes},
+            {"gathered", cost.at.gathered}, {"items", cost.at.items},     {"of", cost.at.of}};
+}
+
+Cost cost_in(const json& from) {
+    const auto count = [&](const char* name) { return static_cast<std::size_t>(std::max(0.0, from.value(name, 0.0))); };
+    return {from.value("seconds", 0.0),
+            {from.value("abreast", 1.0), from.value("cores", 1.0), count("input_bytes"), count("gathered"), count("items"), count("of")}};
+}
+
 /// Whether a value read from a file has the form that `made_of` returns.
 bool well_formed(const json& node) {
     if (!node.is_object() || !node.contains("type") || !node["type"].is_string() || !node.contains("version") || !node["version"].is_number()) return false;
@@ -122,11 +152,11 @@ bool well_formed(const json& node) {
         for (const auto& [name, value] : node[part].items())
             if (!value.is_string() || (std::string_view(part) == "files" && name.find_first_not_of("-0123456789") != std::string::npos)) return false;
     }
-    if (!node.contains("cost")) return true;
-    if (!node["cost"].is_object()) return false;
-    for (const auto& [name, value] : node["cost"].items())
-        if (!value.is_number()) return false;
-    return true;
+    if (node.contains("rest") && !node["rest"].is_string()) return false;
+    if (!node.contains("costs")) return true;
+    if (!node["costs"].is_object()) return false;
+    return std::ranges::all_of(
+        node["costs"], [](const json& cost) { return cost.is_object() && std::ranges::all_of(cost, [](const json& value) { return value.is_number(); }); });
 }
 
 }  // namespace
@@ -156,7 +186,11 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
     const auto of = dependencies.of(n);
     json out{{"type", of.type}, {"version", of.version}, {"params", json::object()}, {"inputs", json::object()}, {"files", json::object()}};
     if (of.plugin) out["plugin"] = of.plugin->text();
-    for (const auto& param : of.params) out["params"][param.name] = param.text;
+    const auto& growth = pipeline.nodes[n].type->growth;
+    for (const auto& param : of.params) {
+        out["params"][param.name] = param.text;
+        if (growth && growth->param == param.name) out["rest"] = param.rest;
+    }
     std::map<std::string, std::vector<std::string>> sources;
     for (const auto& input : of.inputs) sources[input.name].push_back(pipeline.nodes[input.source].name + "." + input.output);
     for (const auto& [name, all] : sources) out["inputs"][name] = fmt::format("{}", fmt::join(all, ", "));
@@ -172,7 +206,7 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
 
 void History::set(const std::string& node, json made_of) {
     if (const auto& was = of(node); !was.is_null()) {
-        if (was.contains("cost")) made_of["cost"] = was["cost"];
+        if (was.contains("costs") && was["type"] == made_of["type"] && was["version"] == made_of["version"]) made_of["costs"] = was["costs"];
         for (const auto& [frame, content] : was.at("files").items())
             if (!made_of["files"].contains(frame)) made_of["files"][frame] = content;
     }
@@ -180,22 +214,27 @@ void History::set(const std::string& node, json made_of) {
 }
 
 void History::set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes) {
-    auto& known = nodes_[node]["cost"];
-    if (cost.frame_s) known["frame_s"] = *cost.frame_s;
-    if (cost.take_s) known["take_s"] = *cost.take_s;
-    if (cost.once_s) known["once_s"] = *cost.once_s;
-    if (cost.bytes > 0) known["bytes"] = cost.bytes;
-    known["input_bytes"] = input_bytes;
+    auto& known = nodes_[node]["costs"];
+    for (const auto& [work, name] : names_of_work)
+        if (auto measured = cost[work]) {
+            measured->at.input_bytes = input_bytes;
+            known[name] = json_of(*measured);
+        }
+    if (cost.bytes > 0) known["result"] = {{"bytes", cost.bytes}, {"input_bytes", input_bytes}};
 }
 
-std::optional<NodeCost> History::cost(const std::string& node, std::uint64_t input_bytes) const {
+NodeCost History::cost(const std::string& node, const std::string& type) const {
+    NodeCost out;
     const auto& made = of(node);
-    if (made.is_null() || !made.contains("cost")) return std::nullopt;
-    const auto& known = made["cost"];
-    const auto then = known.value("input_bytes", std::uint64_t{0});
-    const double scale = then > 0 && input_bytes > 0 ? static_cast<double>(input_bytes) / static_cast<double>(then) : 1;
-    const auto seconds = [&](const char* name) { return known.contains(name) ? std::optional(scale * known[name].get<double>()) : std::nullopt; };
-    return NodeCost{seconds("frame_s"), seconds("take_s"), seconds("once_s"), static_cast<std::uint64_t>(scale * known.value("bytes", 0.0))};
+    if (made.is_null() || !made.contains("costs") || made["type"] != type) return out;
+    const auto& known = made["costs"];
+    for (const auto& [work, name] : names_of_work)
+        if (known.contains(name)) out[work] = cost_in(known[name]);
+    if (known.contains("result")) {
+        out.bytes = known["result"].value("bytes", std::uint64_t{0});
+        out.bytes_of_input = known["result"].value("input_bytes", std::uint64_t{0});
+    }
+    return out;
 }
 
 void History::save() const {
@@ -212,17 +251,26 @@ void History::save() const {
 }
 
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, const Dependencies& dependencies,
-                                 const std::function<std::vector<bool>(std::size_t node)>& reads) {
+                                 const std::function<NodeNow(std::size_t node)>& now) {
     const auto count = pipeline.nodes.size();
     std::vector<std::vector<std::string>> own(count);
+    std::vector<std::string> continued(count);
     std::vector<bool> fresh(count, false);
     ChangedUpstream upstream(pipeline);
     for (std::size_t n = 0; n < count; ++n) {
         if (shares[n].frames == 0) continue;
-        const auto& was = history.of(pipeline.nodes[n].name);
+        const auto& node = pipeline.nodes[n];
+        const auto& was = history.of(node.name);
+        const auto [reads, grown] = now(n);
         fresh[n] = was.is_null();
-        if (!fresh[n]) own[n] = differences(was, History::made_of(pipeline, n, dependencies, reads(n)));
-        upstream.add(n, fresh[n] || !own[n].empty());
+        continued[n] = goes_on(node, grown);
+        bool changed = fresh[n];
+        if (!fresh[n]) {
+            const auto is = History::made_of(pipeline, n, dependencies, reads);
+            own[n] = differences(was, is, idle_count(node, grown, was, is));
+            changed = !differences(was, is, "").empty();
+        }
+        upstream.add(n, changed);
     }
     const auto readers = readers_of(pipeline);
     std::vector<std::string> out(count);
@@ -232,10 +280,13 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         std::vector<std::string> users;
         for (const auto user : readers[n])
             if (shares[user].runs > 0 || shares[user].taken_anew > 0) users.push_back(pipeline.nodes[user].name);
+        std::vector<std::string> causes;
+        if (!fresh[n] && !upstream.none(n)) causes.push_back("changed: " + upstream.text(n));
+        if (!own[n].empty()) causes.push_back(listed(own[n], own[n].size()));
+        if (!continued[n].empty()) causes.push_back(continued[n]);
         if (!history.on()) out[n] = "nothing is kept";
+        else if (!causes.empty()) out[n] = fmt::format("{}", fmt::join(causes, "; "));
         else if (fresh[n]) out[n] = "never run";
-        else if (!own[n].empty()) out[n] = listed(own[n], own[n].size());
-        else if (!upstream.none(n)) out[n] = "changed: " + upstream.text(n);
         else if (node.kept && pipeline.writes(n)) out[n] = "its files are missing, or not as it wrote them";
         else if (!node.kept && !users.empty()) out[n] = "for " + listed(users, users.size());
         else if (!node.kept) out[n] = "its results are not kept";

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "runtime/keep/dependencies.h"
-#include "runtime/tell/report.h"
+#include "runtime/keep/grown_result.h"
+#include "runtime/plan/schedule.h"
+#include "runtime/tell/costs.h"
 
 #include <nlohmann/json.hpp>
 
@@ -20,7 +22,7 @@ public:
     History(const std::string& folder, const std::string& pipeline);
 
     bool on() const { return !path_.empty(); }
-    /// The last state of a node: {"type", "version", "params", "inputs", "files", "plugin"?, "cost"?}; null if unknown.
+    /// The last state of a node: {"type", "version", "params", "rests", "inputs", "files", "plugin"?, "costs"?}; null if unknown.
     const nlohmann::json& of(const std::string& node) const;
     /// The present state of a node, in the form of `of` but without cost.
     /// @param reads  per place in the sequence: whether the run reads the node's files
@@ -28,9 +30,10 @@ public:
 
     /// Replaces the state of a node. Its cost is kept, and so are the files of frames that are not in `made_of`.
     void set(const std::string& node, nlohmann::json made_of);
+    /// Replaces those costs that are known. @param input_bytes  CostSetting::input_bytes of all of them
     void set_cost(const std::string& node, const NodeCost& cost, std::uint64_t input_bytes);
-    /// The measured cost of a node, scaled to inputs of this size. @param input_bytes  bytes of a frame; 0: unknown, not scaled
-    std::optional<NodeCost> cost(const std::string& node, std::uint64_t input_bytes) const;
+    /// The measured costs of a node of this type.
+    NodeCost cost(const std::string& node, const std::string& type) const;
     /// Writes the file. Ignores errors.
     void save() const;
 
@@ -40,10 +43,16 @@ private:
     nlohmann::json nodes_;
 };
 
-/// Why each node runs, in words; empty for nodes that do not run.
-/// @param reads  per node and place: whether the run reads the node's files
+/// What a forecast knows of a node before the run.
+struct NodeNow {
+    std::vector<bool> reads;           ///< per place: whether the run reads the node's files
+    std::optional<GrownResult> grown;  ///< how much of its growing result is kept
+};
+
+/// Why each node runs, in words; empty for nodes that do not run. What changed is told in the order of the pipeline: first the nodes upstream,
+/// then the node itself. A count is told only if it is why the node runs: smaller ones are answered by what is kept.
 /// @return one text per node
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, const Dependencies& dependencies,
-                                 const std::function<std::vector<bool>(std::size_t node)>& reads);
+                                 const std::function<NodeNow(std::size_t node)>& now);
 
 }  // namespace fluidcarve

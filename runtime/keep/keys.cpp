@@ -1,5 +1,7 @@
 #include "runtime/keep/keys.h"
 
+#include "runtime/keep/grown_result.h"
+
 #include <algorithm>
 
 namespace fluidcarve {
@@ -7,6 +9,8 @@ namespace {
 
 /// Raise it whenever the computation of keys changes.
 constexpr std::uint64_t key_version = 1;
+/// In the keys of writers whose files do not state what made them.
+constexpr auto no_provenance = "no provenance";
 
 bool among(const std::vector<std::string>* fields, const std::string& name) {
     return !fields || std::find(fields->begin(), fields->end(), name) != fields->end();
@@ -17,7 +21,7 @@ void describe(ContentHash& hash, const Dependencies::OfNode& of, const std::vect
     hash.number(key_version).text(of.type).number(static_cast<std::uint64_t>(of.version));
     if (of.plugin) hash.key(*of.plugin);
     for (const auto& param : of.params)
-        if (among(fields, param.name)) hash.text(param.name).text(param.rest);
+        if (param.rest && among(fields, param.name)) hash.text(param.name).text(*param.rest);
 }
 
 }  // namespace
@@ -85,12 +89,15 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     if (known) return *known;
     if (node.rate != Rate::frame && pipeline_.nodes[n].streams_in()) {
         known = gathered(n);
+        if (!pipeline_.provenance && pipeline_.writes(n)) known = ContentHash().key(*known).text(no_provenance).digest();
         return *known;
     }
     const auto of = dependencies_.of(n);
     const auto& frames = dependencies_.frames();
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
+    // With or without provenance a writer's files differ. What it says does not count: a file is true to the values that made it.
+    if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(frames.at(place)));
     if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));
@@ -108,6 +115,8 @@ Key Keys::result(std::size_t n, std::size_t place) {
     if (!node.type->growth) return key;
     ContentHash hash;
     hash.key(key).text(node.type->param(node.type->growth->param)->text(node.params.get()));
+    // What follows from fewer items than wanted is not for those who want all.
+    if (takes_fewer(node)) hash.text("best effort");
     return hash.digest();
 }
 

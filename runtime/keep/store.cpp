@@ -1,7 +1,6 @@
 #include "runtime/keep/store.h"
 
 #include "graph/output_file.h"
-#include "runtime/keep/grown_result.h"
 
 #include <algorithm>
 
@@ -49,6 +48,13 @@ bool Store::knows(std::size_t n, std::size_t place) {
     const bool current = !now.empty() && std::find(were.begin(), were.end(), now) != were.end();
     if (current) cache_.touch(key(n, place));
     return current;
+}
+
+std::optional<GrownResult> Store::grown(std::size_t n) {
+    const auto& node = pipeline_.nodes[n];
+    if (!node.type->growth || !node.kept || !cache_.on() || node.rate == Rate::frame) return std::nullopt;
+    const auto header = cache_.look(key(n, 0));
+    return header && header->contains("outputs") ? GrownResult::in(*header) : std::nullopt;
 }
 
 bool Store::knows_digest(std::size_t n, std::size_t place) {
@@ -140,7 +146,9 @@ void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest,
 
 void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said, bool part) {
     if (!cache_.on() || !result) return;
-    const GrownResult grown{pipeline_.nodes[n].type->growth->extent(result), cache_.registry().payload(result.type()).bytes(result), part};
+    const auto& growth = *pipeline_.nodes[n].type->growth;
+    const bool exhausted = growth.exhausted && growth.exhausted(grown_entry(said));
+    const GrownResult grown{growth.extent(result), cache_.registry().payload(result.type()).bytes(result), part, exhausted};
     if (const auto there = cache_.look(key(n, place)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
     auto header = to_json(said);

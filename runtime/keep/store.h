@@ -4,6 +4,7 @@
 #include "runtime/keep/cache.h"
 #include "runtime/keep/dependencies.h"
 #include "runtime/keep/file_hashes.h"
+#include "runtime/keep/grown_result.h"
 #include "runtime/keep/keys.h"
 #include "runtime/keep/said.h"
 
@@ -27,6 +28,8 @@ public:
     /// The same, but reads the whole entry; a damaged one does not count.
     bool knows_whole(std::size_t node, std::size_t place) { return knows(node, place) && cache_.whole(keys_.kept(node, place)); }
     bool knows_whole_digest(std::size_t node, std::size_t place) { return knows_digest(node, place) && cache_.whole(keys_.taken(node, place)); }
+    /// How much of a growing result is kept; nothing: none of it is.
+    std::optional<GrownResult> grown(std::size_t node);
     /// Warnings and report entries from the computation of a cached result.
     Said said(std::size_t node, std::size_t place);
     Said said_of_digest(std::size_t node, std::size_t place) const;

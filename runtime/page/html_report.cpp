@@ -4,6 +4,7 @@
 #include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
+#include "runtime/page/grid_rows.h"
 #include "runtime/page/html_style.h"
 #include "runtime/page/plot.h"
 
@@ -114,8 +115,10 @@ public:
         graph();
         nodes();
         for (const auto& [name, entry] : report_.at("seams").items()) seams(name, entry);
+        grids();
         for (const auto& [name, section] : report_.items())
-            if (name != "nodes" && name != "seams" && section.is_object() && !section.empty()) others(name, section);
+            if (name != "nodes" && name != "seams" && name != "grids" && name != "grids_by_frame" && section.is_object() && !section.empty())
+                others(name, section);
         values();
         return out_ + "</body>\n</html>\n";
     }
@@ -361,6 +364,14 @@ private:
                                                                            : plain(list[n]));
         }
         if (heads.size() > 1) out_ += "<details><summary>All numbers</summary>\n" + wide_table(heads, rows) + "</details>\n";
+    }
+
+    void grids() {
+        const auto found = report_.find("grids");
+        if (found == report_.end()) return;
+        section("Carved grids");
+        out_ += element("p class=\"muted\"", "In world units. Mass is the mean of all frames; flicker is its mean change from frame to frame, as a share.") +
+                "\n" + wide_table(grid_heads, grid_rows(*found));
     }
 
     /// Any other section of the report, with entries per node or per node and frame.

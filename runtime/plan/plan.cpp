@@ -37,11 +37,14 @@ struct Target {
     bool digests;  ///< NODE.INPUT: only the digests of the gatherer NODE
 };
 
-std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline, std::string& fault) {
+std::optional<Target> target_of(const Wish& wish, const Pipeline& pipeline, std::string& fault) {
+    const auto& to = wish.to;
+    const auto* const option = wish.only ? "--only" : "--to";
     const auto dot = to.find('.');
     const auto* const node = pipeline.find(to.substr(0, dot));
     if (!node)
-        return fault = fmt::format("--to: there is no node '{}'{}", to.substr(0, dot), did_you_mean(to.substr(0, dot), pipeline.node_names())), std::nullopt;
+        return fault = fmt::format("{}: there is no node '{}'{}", option, to.substr(0, dot), did_you_mean(to.substr(0, dot), pipeline.node_names())),
+               std::nullopt;
     const Target out{static_cast<std::size_t>(node - pipeline.nodes.data()), dot != std::string::npos};
     if (!out.digests) return out;
     const auto port = to.substr(dot + 1);
@@ -49,7 +52,7 @@ std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline,
     if (takes && node->type->input(port)) return out;
     const auto has = [&](const OutputSpec& output) { return output.name == port; };
     if (std::any_of(node->outputs.begin(), node->outputs.end(), has)) return Target{out.node, false};
-    fault = fmt::format("--to: '{}' ({}) has no output '{}'{}", node->name, node->type->name, port,
+    fault = fmt::format("{}: '{}' ({}) has no output '{}'{}", option, node->name, node->type->name, port,
                         takes ? ", nor an input of this name" : ", and no input that it takes frame by frame");
     return std::nullopt;
 }
@@ -59,7 +62,7 @@ std::optional<Target> target_of(const std::string& to, const Pipeline& pipeline,
 std::string fault_of(const Wish& wish, const Pipeline& pipeline) {
     std::string fault;
     std::optional<Target> to;
-    if (!wish.to.empty() && !(to = target_of(wish.to, pipeline, fault))) return fault;
+    if (!wish.to.empty() && !(to = target_of(wish, pipeline, fault))) return fault;
     if (wish.from.empty()) return {};
     if (!pipeline.find(wish.from)) return fmt::format("--from: there is no node '{}'{}", wish.from, did_you_mean(wish.from, pipeline.node_names()));
     if (to && !downstream_of(pipeline, index_of(pipeline, wish.from))[to->node])
@@ -76,7 +79,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     out.gathered_in.assign(count, 0);
     if (!wish.to.empty()) {
         std::string fault;
-        const auto to = *target_of(wish.to, pipeline, fault);
+        const auto to = *target_of(wish, pipeline, fault);
         targets = {to.node};
         if (to.digests) out.digested = to.node;
     }

@@ -83,6 +83,7 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, 0) ? Action::load : Action::run;
         if (action == Action::load) return;
+        checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         else inputs(n, 0, 0);
     }
@@ -92,8 +93,14 @@ private:
         if (action != Action::none) return;
         action = known_.result(n, place) || kept_earlier(n, place, pass) ? Action::load : Action::run;
         if (action == Action::load) return;
+        checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
         inputs(n, place, pass);
+    }
+
+    /// A writer states checksums of results upstream: it needs them, also where all that it reads is cached.
+    void checksummed(std::size_t n) {
+        for (const auto& link : pipeline_.nodes[n].checksummed) later({Visit::once, link.node});
     }
 
     bool kept_earlier(std::size_t n, std::size_t place, std::size_t pass) const {
@@ -150,6 +157,22 @@ bool Schedule::Frame::empty() const {
 
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known) {
     return Scheduler(pipeline, plan, delivered, known).make();
+}
+
+std::vector<Calls> calls_of(const Schedule& schedule) {
+    std::vector<Calls> out(schedule.once.size());
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        out[n].once = schedule.gathers[n] != 0 || schedule.once[n] == Action::run;
+        out[n].loads = schedule.once[n] == Action::load ? 1 : 0;
+    }
+    for (const auto& pass : schedule.frames)
+        for (const auto& frame : pass)
+            for (std::size_t n = 0; n < out.size(); ++n) {
+                out[n].runs += frame.results[n] == Action::run ? 1 : 0;
+                out[n].takes += frame.takes[n] == Take::anew ? 1 : 0;
+                out[n].loads += (frame.results[n] == Action::load ? 1 : 0) + (frame.takes[n] == Take::kept ? 1 : 0);
+            }
+    return out;
 }
 
 NodeFrames frames_of(const Schedule& schedule, std::size_t n) {

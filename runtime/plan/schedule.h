@@ -49,6 +49,16 @@ struct Schedule {
 /// Decides what each node does in each frame. @param delivered  per place: whether the frame is delivered
 Schedule make_schedule(const Pipeline& pipeline, const Plan& plan, const std::vector<bool>& delivered, const Known& known);
 
+/// How often a node's bodies are called, over all passes.
+struct Calls {
+    std::size_t runs = 0;   ///< computed frames; one that two passes need, and that is not kept, counts twice
+    std::size_t takes = 0;  ///< for a gatherer: frames taken from its inputs
+    std::size_t loads = 0;  ///< cached results and digests that are loaded
+    bool once = false;      ///< it finishes, or runs once
+};
+/// @return one entry per node
+std::vector<Calls> calls_of(const Schedule& schedule);
+
 /// Places of the frames in which a node works, over all passes.
 struct NodeFrames {
     std::set<std::size_t> run;                     ///< it computes the frame's result

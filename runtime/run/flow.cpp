@@ -1,6 +1,9 @@
 #include "runtime/run/flow.h"
 
 #include "runtime/plan/frame_run.h"
+#include "runtime/run/file_provenance.h"
+#include "runtime/run/out_of_memory.h"
+#include "runtime/run/ports.h"
 
 #include <fmt/format.h>
 #include <tbb/flow_graph.h>
@@ -26,10 +29,13 @@ using Take = Schedule::Take;
 struct Flow::Self {
     /// The Context::Host of one call of a body. Forwards messages to the run, and records them for the cache.
     struct Line : Context::Host {
-        Line(Self& run, std::size_t node) : run(run), node(node) {}
+        Line(Self& run, std::size_t node) : run(run), node(node), span(run.costs) {}
         Self& run;
         const std::size_t node;
         const Clock::time_point start = Clock::now();
+        Costs::Span span;
+        std::atomic<double> fraction{0};  ///< of the work of `finish`
+        Extent found{}, before{};         ///< of a growing result: what is kept, and what an earlier run had found
         std::mutex mutex;
         Said said;
         bool grows = false;  ///< `hold` caches what there is of a growing result
@@ -50,8 +56,10 @@ struct Flow::Self {
             const std::lock_guard lock(mutex);
             said.report[section] = entry;
         }
-        void progress(double fraction) override {
-            if (run.steps[node].finish) run.progress.part(*run.steps[node].finish, fraction, since(start));
+        Provenance provenance() const override { return run.provenance.of(node); }
+        void progress(double share) override {
+            fraction = share;
+            if (run.steps[node].finish) run.progress.part(*run.steps[node].finish, share, since(start));
         }
         void hold(const Payload& result) override {
             const std::lock_guard lock(mutex);
@@ -59,10 +67,17 @@ struct Flow::Self {
             if (!grows || begin < next_hold) return;
             const RunProfile::Span span(run.profile, "keep", node, std::nullopt);
             run.store.keep_grown(node, 0, result, said, true);
+            grew(of().type->growth->extent(result));
             // Wait ten times as long as the write took, so that writing takes at most a tenth of the time.
             constexpr int pauses = 10;
             next_hold = Clock::now() + pauses * (Clock::now() - begin);
         }
+        void grew(const Extent& extent) {
+            found = extent;
+            run.report.grew(node, extent.count, wanted());
+        }
+        std::size_t wanted() const { return of().type->growth->wanted(of().params.get(), found.of); }
+        const Node& of() const { return run.pipeline.nodes[node]; }
     };
     struct Steps {
         std::optional<std::size_t> run, add, finish;
@@ -76,51 +91,26 @@ struct Flow::Self {
     InputGuard& guard;
     Report& report;
     Progress& progress;
+    Costs& costs;
     RunProfile* const profile;
     const std::function<bool()> cancelled;
-    std::vector<Behaviour> behaviours;
-    std::vector<Steps> steps;
-    std::vector<std::vector<Payload>> held;  ///< `[node][output]`: outputs of nodes that run once
-    std::atomic<bool> failed{false};         ///< a body failed
-    std::atomic<bool> fatal{false};          ///< the failure ends the run even with `keep_going`
-    std::atomic<bool> lost{false};           ///< a cached result is missing
+    const PortsOf io{pipeline, registry};
+    std::vector<Behaviour> behaviours{};
+    std::vector<Steps> steps{};
+    std::vector<Calls> all_calls{};            ///< per node
+    std::vector<std::size_t> gathered{};       ///< per node: frames that it has taken
+    std::vector<std::vector<Payload>> held{};  ///< `[node][output]`: outputs of nodes that run once
+    std::atomic<bool> failed{false};           ///< a body failed
+    std::atomic<bool> fatal{false};            ///< the failure ends the run even with `keep_going`
+    std::atomic<bool> lost{false};             ///< a cached result is missing
+    std::atomic<std::size_t> in_flight{0};     ///< frames
+    FileProvenance provenance{pipeline, registry, held};
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
     Context context(Line& line) {
         Context out(line, frames);
         out.limits(options.memory, options.work_folder);
-        return out;
-    }
-
-    /// Sets a node's input ports. @param frame  null: inputs that arrive per frame stay empty
-    void connect(std::size_t n, void* ports, const FrameRun* frame) const {
-        const auto& node = pipeline.nodes[n];
-        for (std::size_t i = 0; i < node.inputs.size(); ++i) {
-            const auto& spec = node.type->inputs[i];
-            std::vector<Payload> in;
-            for (const auto& link : node.inputs[i]) {
-                const auto& source = pipeline.nodes[link.node];
-                const bool per_frame = source.rate == Rate::frame;
-                if (per_frame && !frame) continue;
-                const auto& payload = (per_frame ? frame->outputs : held)[link.node][link.output];
-                if (!payload) throw Failure(fmt::format("input '{}' got nothing from {}.{}", spec.name, source.name, source.outputs[link.output].name));
-                in.push_back(registry.convert(payload, spec.type));
-            }
-            spec.set(ports, in, node.input_names[i]);
-        }
-    }
-
-    std::vector<Payload> collect(std::size_t n, const void* ports) const {
-        std::vector<Payload> out;
-        for (const auto& output : pipeline.nodes[n].outputs) out.push_back(output.get(ports));
-        return out;
-    }
-
-    std::uint64_t bytes(const std::vector<Payload>& payloads) const {
-        std::uint64_t out = 0;
-        for (const auto& payload : payloads)
-            if (payload) out += registry.payload(payload.type()).bytes(payload);
         return out;
     }
 
@@ -143,7 +133,7 @@ struct Flow::Self {
         } catch (const Failure& failure) {
             return fault(failure.what(), failure.kind);
         } catch (const std::bad_alloc&) {
-            return fault("out of memory; try a smaller --in-flight", Failure::Kind::data);
+            return fault(out_of_memory(what, in_flight, memory_now()), Failure::Kind::data);
         } catch (const std::exception& error) {
             return fault(error.what(), Failure::Kind::data);
         }
@@ -154,7 +144,7 @@ struct Flow::Self {
     bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body) {
         return guarded(line.node, frame ? std::optional(frames[frame->place]) : std::nullopt, what, [&] {
             const auto ports = behaviours[line.node].make_ports();
-            connect(line.node, ports.get(), frame);
+            io.connect(line.node, ports.get(), held, frame ? &frame->outputs : nullptr);
             auto where = context(line);
             if (frame) where.at(frame->place);
             guard.read(store.inputs(line.node, frame ? frame->place : 0), [&] { body(ports.get(), where); });
@@ -164,10 +154,36 @@ struct Flow::Self {
     /// Reports the end of a body that is called once, and keeps what it held. A failure there ends the run.
     void end_once(Line& line, std::size_t step, bool good, bool delivers) {
         const auto n = line.node;
-        report.finished(n, since(line.start), bytes(held[n]));
-        progress.done(step, since(line.start), std::nullopt);
+        report.ended(n, since(line.start), io.bytes(held[n]), good);
         if (!good) fatal = true;
         else if (delivers) keep(n, 0, held[n], line.said);
+        const auto share = line.span.end();
+        add_cost_once(line, share, good);
+        if (good) progress.done(step, share, std::nullopt);
+    }
+
+    /// Adds what a body that is called once took. One that was stopped counts by the share of its work that it had done.
+    void add_cost_once(Line& line, double seconds, bool good) {
+        constexpr double least = 0.05;
+        const double done = good ? 1 : line.fraction.load();
+        if (!good && (!cancelled() || done < least)) return;
+        CostSetting at{options.abreast(std::nullopt), line.span.cores(), 0, gathered[line.node], 0, 0};
+        if (const auto& growth = line.of().type->growth) {
+            if (good && !held[line.node].empty()) line.found = growth->extent(held[line.node][0]);
+            const auto all = good ? line.found.count : line.wanted();
+            at.items = all > line.before.count ? all - line.before.count : 0;
+            at.of = line.found.of;
+        }
+        costs.add(line.node, Work::once, seconds / done, at);
+    }
+
+    /// Adds what a call for one frame took, if it was good. @return its share of the run's wall time
+    double add_cost(Costs::Span& span, std::size_t n, Work work, bool good = true) {
+        const auto share = span.end();
+        const auto& calls = all_calls[n];
+        const double abreast = options.abreast(work == Work::frame ? calls.runs : work == Work::take ? calls.takes : calls.loads);
+        if (good) costs.add(n, work, share, {abreast, abreast, 0, 0, 0, 0});
+        return share;
     }
 
     /// Whether a frame can't be run: a node before failed there, or the run was cancelled.
@@ -188,13 +204,14 @@ struct Flow::Self {
     /// Loads a node's cached outputs into `into`. @return false if they are missing
     bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
         const RunProfile::Span span(profile, "load", n, frame_at(n, place));
-        if (auto outputs = store.result(n, place)) return into = std::move(*outputs), true;
+        Costs::Span cost(costs);
+        if (auto outputs = store.result(n, place)) return into = std::move(*outputs), add_cost(cost, n, Work::load), true;
         lost = true;
         return false;
     }
 
     void load_once(std::size_t n) {
-        if (load(n, 0, held[n])) report.holds(n, bytes(held[n]));
+        if (load(n, 0, held[n])) report.holds(n, io.bytes(held[n]));
     }
 
     /// Calls `finish` of a gatherer. If its result grows, it continues from the cached part of a former run.
@@ -205,7 +222,10 @@ struct Flow::Self {
                 const RunProfile::Span span(profile, "load", n, std::nullopt);
                 return store.part(n);
             }();
-            if (part) behaviours[n].resume(part->first, part->second);
+            if (part) {
+                line.grew(line.before = line.of().type->growth->extent(part->first));
+                behaviours[n].resume(part->first, part->second);
+            }
         }
         behaviours[n].finish(ports, where);
     }
@@ -215,7 +235,7 @@ struct Flow::Self {
         const bool delivers = pipeline.nodes[n].rate != Rate::frame;
         const bool good = call(line, nullptr, "finish", [&](void* ports, Context& where) {
             end_gathering(n, ports, where, line);
-            if (delivers) held[n] = collect(n, ports);
+            if (delivers) held[n] = io.collect(n, ports);
         });
         end_once(line, *steps[n].finish, good, delivers);
     }
@@ -230,7 +250,7 @@ struct Flow::Self {
             if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports, where), where);
             if (behaviour.finish) end_gathering(n, ports, where, line);
             if (behaviour.run) behaviour.run(ports, where);
-            held[n] = collect(n, ports);
+            held[n] = io.collect(n, ports);
         });
         end_once(line, *steps[n].run, good, true);
     }
@@ -258,11 +278,11 @@ struct Flow::Self {
             frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
                 where.wanting(wants);
                 behaviours[n].run(ports, where);
-                frame.outputs[n] = collect(n, ports);
+                frame.outputs[n] = io.collect(n, ports);
             });
-            report.ran(n, frame.place, since(line.start), bytes(frame.outputs[n]));
-            progress.done(*steps[n].run, since(line.start), frames[frame.place]);
+            report.ran(n, frame.place, since(line.start), io.bytes(frame.outputs[n]));
             if (!frame.failed[n]) keep(n, frame.place, frame.outputs[n], line.said);
+            progress.done(*steps[n].run, add_cost(line.span, n, Work::frame, !frame.failed[n]), frames[frame.place]);
         }
         release(n, frame, wiring);
     }
@@ -278,21 +298,23 @@ struct Flow::Self {
         const auto how = frame.scheduled.takes[n];
         if (how == Take::kept) {
             const RunProfile::Span span(profile, "load", n, frames[frame.place]);
+            Costs::Span cost(costs);
             if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
             else lost = true;
+            add_cost(cost, n, Work::load);
             frame.failed[n] = frame.outputs[n].empty();
         } else if (how == Take::anew && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
         } else if (how == Take::anew) {
             Line line(*this, n);
             frame.failed[n] = !call(line, &frame, "digest", [&](void* ports, Context& where) { frame.outputs[n] = {behaviours[n].digest(ports, where)}; });
-            report.took(n, frame.place, since(line.start), bytes(frame.outputs[n]));
-            progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+            report.took(n, frame.place, since(line.start), io.bytes(frame.outputs[n]));
             if (!frame.failed[n]) {
                 const bool stores = options.cache && pipeline.nodes[n].digests_kept;
                 const RunProfile::Span span(stores ? profile : nullptr, "keep", n, frames[frame.place]);
                 store.keep_digest(n, frame.place, frame.outputs[n].front(), line.said);
             }
+            progress.done(*steps[n].add, add_cost(line.span, n, Work::take, !frame.failed[n]), frames[frame.place]);
         }
     }
 
@@ -315,7 +337,11 @@ struct Flow::Self {
             if (good && all) good = take(line, frame);
             if (!behaviours[n].digest) {
                 report.took(n, frame.place, since(line.start), 0);
-                progress.done(*steps[n].add, since(line.start), frames[frame.place]);
+                progress.done(*steps[n].add, add_cost(line.span, n, Work::take, good && all), frames[frame.place]);
+            }
+            if (good && all) {
+                report.gathered(n, frame.place);
+                ++gathered[n];
             }
         }
         release(n, frame, wiring);
@@ -337,15 +363,16 @@ struct Flow::Self {
         }
     }
 
-    void announce(const Plan& plan, const Schedule& schedule);
+    void announce(const Schedule& schedule);
     void run_pass(std::size_t p, const Plan& plan, const Schedule& schedule);
 };
 
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
-           Report& report, Progress& progress, RunProfile* profile, std::function<bool()> cancelled)
-    : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, profile, std::move(cancelled), {}, {}, {}, {}, {}, {}}) {
+           Report& report, Progress& progress, Costs& costs, RunProfile* profile, std::function<bool()> cancelled)
+    : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, costs, profile, std::move(cancelled)}) {
     const auto count = pipeline.nodes.size();
     self_->steps.resize(count);
+    self_->gathered.resize(count);
     self_->held.resize(count);
     for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
 }
@@ -356,32 +383,24 @@ bool Flow::stopped() const { return self_->stopped(); }
 bool Flow::lost() const { return self_->lost; }
 
 /// Registers everything that will run with the progress display.
-void Flow::Self::announce(const Plan& plan, const Schedule& schedule) {
-    std::vector<std::size_t> runs(pipeline.nodes.size(), 0);
-    for (std::size_t p = 0; p < plan.passes.size(); ++p) {
-        const auto& pass = plan.passes[p];
-        std::vector<std::size_t> adds(pipeline.nodes.size(), 0);
-        for (const auto& frame : schedule.frames[p]) {
-            for (const auto n : pass.per_frame) runs[n] += frame.results[n] == Action::run ? 1 : 0;
-            for (const auto n : pass.gatherers) adds[n] += frame.takes[n] == Take::anew ? 1 : 0;
-        }
-        for (const auto n : pass.gatherers) {
-            if (adds[n] > 0) steps[n].add = progress.add({pipeline.nodes[n].name, adds[n]});
-            if (schedule.gathers[n]) steps[n].finish = progress.add({pipeline.nodes[n].name, 1});
-        }
-    }
-    const auto count_once = [&](const std::vector<std::size_t>& nodes) {
-        for (const auto n : nodes) runs[n] += schedule.once[n] == Action::run ? 1 : 0;
+void Flow::Self::announce(const Schedule& schedule) {
+    all_calls = calls_of(schedule);
+    progress.begin_again();
+    const auto step = [&](std::size_t n, std::size_t runs, Work work) {
+        return runs > 0 ? std::optional(progress.add({pipeline.nodes[n].name, runs, costs.expected(n, work)})) : std::nullopt;
     };
-    for (const auto& pass : plan.passes) count_once(pass.before);
-    count_once(plan.after);
-    for (std::size_t n = 0; n < runs.size(); ++n)
-        if (runs[n] > 0) steps[n].run = progress.add({pipeline.nodes[n].name, runs[n]});
+    for (std::size_t n = 0; n < all_calls.size(); ++n) {
+        const auto& calls = all_calls[n];
+        const bool finishes = schedule.gathers[n] != 0;
+        steps[n].add = step(n, calls.takes, Work::take);
+        steps[n].finish = step(n, finishes ? 1 : 0, Work::once);
+        steps[n].run = calls.runs > 0 ? step(n, calls.runs, Work::frame) : step(n, calls.once && !finishes ? 1 : 0, Work::once);
+    }
 }
 
 void Flow::run(const Plan& plan, const Schedule& schedule) {
     auto& self = *self_;
-    self.announce(plan, schedule);
+    self.announce(schedule);
     for (std::size_t p = 0; p < plan.passes.size() && !self.stopped(); ++p) {
         self.progress.begin_pass(p);
         self.run_once(plan.passes[p].before, schedule);
@@ -413,6 +432,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     int ends = 0;
     for (const auto unit : wiring.units) ends += wiring.readers[unit].empty() ? 1 : 0;
     flow::function_node<std::size_t, Token> admit(graph, flow::unlimited, [&](std::size_t order) {
+        ++self.in_flight;
         auto frame = std::make_shared<FrameRun>(places[order], order, frames_of_pass[places[order]]);
         frame->open = ends;
         for (const auto unit : wiring.units) {
@@ -422,7 +442,10 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
         return frame;
     });
     flow::function_node<Token, flow::continue_msg> retire(graph, flow::unlimited, [&](const Token& frame) {
-        if (frame->open.fetch_sub(1) == 1) limiter.decrementer().try_put(flow::continue_msg{});
+        if (frame->open.fetch_sub(1) == 1) {
+            --self.in_flight;
+            limiter.decrementer().try_put(flow::continue_msg{});
+        }
         return flow::continue_msg{};
     });
     flow::make_edge(source, limiter);

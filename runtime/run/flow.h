@@ -4,29 +4,17 @@
 #include "runtime/keep/input_guard.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
+#include "runtime/run/options.h"
+#include "runtime/tell/costs.h"
 #include "runtime/tell/profile.h"
 #include "runtime/tell/progress.h"
 #include "runtime/tell/report.h"
 
-#include <atomic>
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace fluidcarve {
-
-/// Limits and options of one run.
-struct RunOptions {
-    int threads = 1;
-    int in_flight = 2;         ///< maximum number of frames in memory at once
-    std::uint64_t memory = 0;  ///< bytes that each node may hold in memory for the whole sequence
-    std::string work_folder = ".fluidcarve";
-    bool keep_going = false;                                            ///< run the other frames after a failure
-    bool cache = true;                                                  ///< read and write cached results in the work folder
-    bool sync = false;                                                  ///< wait until each written file is on the disk
-    std::uint64_t cache_size = std::uint64_t{50} * 1024 * 1024 * 1024;  ///< bytes of cached results that remain after a run
-};
 
 /// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds all results that outlive a pass.
 class Flow {
@@ -34,10 +22,11 @@ public:
     /// @param frames     frame numbers of the sequence, without the frames that readers leave out
     /// @param store      cached results of former runs; receives those of this run
     /// @param guard      watches the input files
+    /// @param costs      receives what each node's work takes
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
     Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
-         Report& report, Progress& progress, RunProfile* profile, std::function<bool()> cancelled);
+         Report& report, Progress& progress, Costs& costs, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 
     /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a failure; frames in flight end.

@@ -1,6 +1,7 @@
 #include "runtime/run/forecast.h"
 
 #include "graph/text/words.h"
+#include "runtime/run/expected_costs.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,6 +31,14 @@ std::vector<Forecast::Pass> passes_of(const Pipeline& pipeline, const Plan& plan
     return out;
 }
 
+/// The estimated wall time in words.
+std::string time_text(const Forecast& forecast) {
+    if (forecast.unmeasured.empty()) return "about " + duration_text(forecast.seconds);
+    if (!forecast.remembers) return "not known: without the work folder no run is remembered";
+    if (forecast.seconds <= 0) return "not known before the first run";
+    return fmt::format("at least {}, without what never ran to its end: {}", duration_text(forecast.seconds), fmt::join(forecast.unmeasured, ", "));
+}
+
 }  // namespace
 
 Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
@@ -40,33 +49,30 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
     out.frames = FrameSet(prepared.frames());
     out.delivered = FrameSet(prepared.delivered_frames());
     out.passes = passes_of(pipeline, plan, schedule);
-    const auto why = reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) { return prepared.reads(n); });
+    out.remembers = history.on();
+    const auto why = reasons(pipeline, shares, history, prepared.dependencies(), [&](std::size_t n) { return NodeNow{prepared.reads(n), prepared.grown(n)}; });
+    const auto calls = calls_of(schedule);
+    out.expected = expected_costs(pipeline, prepared, calls, shares, history, options);
     const auto input_bytes = prepared.inputs().frame_bytes;
-    double work = 0;
     for (std::size_t n = 0; n < shares.size(); ++n) {
         const auto& share = shares[n];
         const auto& node = pipeline.nodes[n];
         if (share.frames == 0) continue;
-        out.lines.push_back(
-            {node.name, node.type->name, share.frames, share.frames - share.runs, why[n], share.taken_anew + share.taken_kept, share.taken_kept});
-        const bool once = schedule.once[n] == Schedule::Action::run || schedule.gathers[n];
+        out.lines.push_back({node.name, node.type->name, share.frames, share.frames - share.runs, why[n], share.taken_anew + share.taken_kept, share.taken_kept,
+                             node.type->growth ? node.type->growth->item : ""});
+        const auto& cost = out.expected[n];
+        bool known = true;
+        out.seconds += expected_seconds(cost, calls[n], known);
+        if (!known) out.unmeasured.push_back(node.name);
         const std::size_t runs = node.rate == Rate::frame && !share.only_takes ? share.runs : 0;
-        if (!once && runs == 0 && share.taken_anew == 0) continue;
-        const auto cost = history.cost(node.name, input_bytes).value_or(NodeCost{});
-        const auto add = [&](std::size_t times, const std::optional<double>& seconds) {
-            if (times > 0 && seconds) work += static_cast<double>(times) * *seconds;
-            return times == 0 || seconds;
-        };
-        const bool measured = add(runs, cost.frame_s) & add(share.taken_anew, cost.take_s) & add(once ? 1 : 0, cost.once_s);
-        if (!measured) out.unmeasured.push_back(node.name);
+        if (!calls[n].once && runs == 0 && share.taken_anew == 0) continue;
         // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes, for all frames.
         const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
         const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(runs, share.taken_anew));
-        out.bytes += once && node.type->digest != typeid(void) && node.rate != Rate::frame
+        out.bytes += calls[n].once && node.type->digest != typeid(void) && node.rate != Rate::frame
                          ? std::min(options.memory, bytes * (share.taken_anew + share.taken_kept))
                          : bytes * std::max<std::size_t>(1, in_flight);
     }
-    out.seconds = work / std::max(1, options.threads);
     return out;
 }
 
@@ -88,7 +94,7 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
 
 std::string to_text(const Forecast& forecast) {
     const auto total = forecast.frames.frames().size();
-    std::string out = fmt::format("{}: {} nodes, frames {} ({})", forecast.pipeline, forecast.lines.size(), forecast.frames.text(), total);
+    std::string out = fmt::format("{}: {}, frames {} ({})", forecast.pipeline, counted(forecast.lines.size(), "node"), forecast.frames.text(), total);
     if (const auto count = forecast.delivered.frames().size(); count < total)
         out += fmt::format(", of which {} {} delivered", forecast.delivered.text(), count == 1 ? "is" : "are");
     out += "\n\n";
@@ -103,13 +109,11 @@ std::string to_text(const Forecast& forecast) {
         return out + "nothing to do: every result is there\n";
     for (std::size_t n = 0; n < forecast.passes.size(); ++n) {
         const auto& pass = forecast.passes[n];
-        out += fmt::format("pass {} of {}: {} frame{}{}{}{}\n", n + 1, forecast.passes.size(), pass.frames, pass.frames == 1 ? "" : "s",
+        out += fmt::format("pass {} of {}: {}{}{}{}\n", n + 1, forecast.passes.size(), counted(pass.frames, "frame"),
                            pass.nodes.empty() ? "" : fmt::format(" through {}", fmt::join(pass.nodes, ", ")), pass.gatherers.empty() ? "" : "; gathers ",
                            fmt::join(pass.gatherers, ", "));
     }
-    if (forecast.seconds > 0) out += fmt::format("time: about {}", duration_text(forecast.seconds));
-    else out += "time: unknown";
-    if (!forecast.unmeasured.empty()) out += fmt::format("; not measured yet: {}", fmt::join(forecast.unmeasured, ", "));
+    out += "time: " + time_text(forecast);
     out += forecast.bytes > 0 ? fmt::format("\nmemory: about {}\n", size_text(forecast.bytes)) : "\n";
     return out;
 }
@@ -122,6 +126,7 @@ Json to_json(const Forecast& forecast) {
         node = {{"type", line.type}, {"frames", line.frames}, {"cached", line.cached}};
         if (line.taken > 0) node["taken"] = {{"frames", line.taken}, {"cached", line.taken_cached}};
         if (!line.why.empty()) node["why"] = line.why;
+        if (!line.item.empty()) node["item"] = line.item;
     }
     for (const auto& pass : forecast.passes) out["passes"].push_back({{"frames", pass.frames}, {"nodes", pass.nodes}, {"gathers", pass.gatherers}});
     return out;

@@ -19,6 +19,7 @@ struct Forecast {
         std::size_t cached = 0;                   ///< frames whose results are cached
         std::string why;                          ///< why the node runs; empty if it does not
         std::size_t taken = 0, taken_cached = 0;  ///< for a gatherer: frames that it takes; of these, from cached digests
+        std::string item = {};                    ///< what its growing result (Growth) holds; empty: it has none
     };
     struct Pass {
         std::size_t frames = 0;
@@ -28,8 +29,10 @@ struct Forecast {
     FrameSet frames, delivered;
     std::vector<Line> lines;              ///< the nodes that the run needs
     std::vector<Pass> passes;             ///< those in which a node runs
-    double seconds = 0;                   ///< estimated time of the nodes that were measured before
+    double seconds = 0;                   ///< estimated wall time of the nodes that were measured before
     std::vector<std::string> unmeasured;  ///< nodes without a measured time
+    bool remembers = true;                ///< whether there is a work folder to measure for
+    std::vector<NodeCost> expected;       ///< per node of the pipeline: its costs in the setting of this run
     std::uint64_t bytes = 0;              ///< estimated memory; 0: unknown
 };
 
@@ -38,7 +41,7 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
 
 /// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);
-/// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why"?, "taken"?: {"frames", "cached"}}},
+/// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why"?, "taken"?: {"frames", "cached"}, "item"?}},
 /// "passes": [{"frames", "nodes", "gathers"}], "seconds", "unmeasured", "bytes"}
 nlohmann::ordered_json to_json(const Forecast& forecast);
 

@@ -1,5 +1,7 @@
 #include "runtime/run/inputs.h"
 
+#include "runtime/run/foresight.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,21 +10,25 @@
 namespace fluidcarve {
 namespace {
 
-/// Collects what one reader says of its files.
+/// Collects what one node says of its files, or of what it will receive.
 class SurveyOf : public Survey {
 public:
     /// @param needed  frames that the run will read; nothing: all
-    SurveyOf(const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted)
-        : frames_(frames), needed_(needed), wanted_(std::move(wanted)) {}
+    SurveyOf(std::size_t node, const std::vector<int>& frames, const std::optional<FrameSet>& needed, std::set<std::string, std::less<>> wanted,
+             std::vector<Pick> picks, Foresight& foresight)
+        : node_(node), frames_(frames), needed_(needed), wanted_(std::move(wanted)), picks_(std::move(picks)), foresight_(foresight) {}
     const std::vector<int>& frames() const override { return frames_; }
     bool needs(int frame) const override { return !needed_ || needed_->contains(frame); }
     bool wants(std::string_view output) const override { return wanted_.contains(output); }
+    const std::vector<Pick>& picks() const override { return picks_; }
     void stands_in(int frame, int file) override { stand_ins[frame] = file; }
     void expect(int, std::uint64_t bytes) override { most_bytes = std::max(most_bytes, bytes); }
     void leave_out(int frame) override { left_out.insert(frame); }
     void missing(int frame, const std::string& message) override { lost.emplace_back(frame, message); }
     void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
     void warn(const std::string& message) override { warnings.push_back(message); }
+    void delivers(int frame, std::string_view output, Foreseen what) override { foresight_.deliver(node_, frame, output, std::move(what)); }
+    const Foreseen* receives(int frame, std::string_view input) const override { return foresight_.receives(node_, frame, input); }
 
     std::map<int, int> stand_ins;
     std::uint64_t most_bytes = 0;
@@ -32,9 +38,12 @@ public:
     std::vector<std::string> warnings;
 
 private:
+    std::size_t node_;
     const std::vector<int>& frames_;
     const std::optional<FrameSet>& needed_;
     const std::set<std::string, std::less<>> wanted_;
+    const std::vector<Pick> picks_;
+    Foresight& foresight_;
 };
 
 using OutputNames = std::set<std::string, std::less<>>;
@@ -53,27 +62,92 @@ std::vector<OutputNames> wanted_outputs(const Pipeline& pipeline, const std::vec
     return out;
 }
 
+/// Which frames of a node the run needs; nothing: all.
+std::optional<FrameSet> frames_needed(const Pipeline& pipeline, const Plan& plan, std::size_t n, const std::optional<FrameSet>& deliver) {
+    const auto& node = pipeline.nodes[n];
+    return node.rate == Rate::frame && !node.gathers && !plan.in_sequence[n] ? deliver : std::nullopt;
+}
+
+/// Adds what a survey found missing.
+void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) {
+    for (const auto& [frame, message] : of.lost)
+        if (of.needs(frame))
+            out.push_back({node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+}
+
+/// Carries what readers said through the pipeline, and asks the other nodes whether they can work with it.
+void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, Foresight& foresight, Inputs& out) {
+    if (out.frames.empty()) return;
+    const std::vector<int> once{out.frames.front()};
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (!plan.needed[n] || node.type->inputs.empty()) continue;
+        const auto& frames = node.per_frame_input || node.rate == Rate::frame ? out.frames : once;
+        const auto needed = frames_needed(pipeline, plan, n, deliver);
+        for (const int frame : frames) {
+            if (needed && !needed->contains(frame)) continue;
+            const auto clash = foresight.carry(n, frame);
+            if (clash.empty()) continue;
+            out.clashes.push_back({node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), clash, Failure::Kind::input});
+            break;
+        }
+        if (!node.type->survey) continue;
+        SurveyOf of(n, frames, needed, {}, {}, foresight);
+        node.type->survey(node.params.get(), of);
+        add_missing(node, of, out.missing);
+    }
+}
+
+/// The node whose first output has the parts of a link's payload, by name: the way back through nodes whose volumes have the grids of an
+/// input (Declare::names_as). Nothing if it leads to an output that is only a part itself.
+std::optional<std::size_t> source_of(const Pipeline& pipeline, Link link) {
+    while (link.output == 0) {
+        const auto& node = pipeline.nodes[link.node];
+        const auto named = node.outputs.empty() ? node.type->as_named.end() : node.type->as_named.find(node.outputs.front().name);
+        if (named == node.type->as_named.end()) return link.node;
+        const auto input = static_cast<std::size_t>(node.type->input(named->second) - node.type->inputs.data());
+        if (node.inputs[input].empty() || !node.inputs[input].front().part.empty()) break;
+        link = node.inputs[input].front();
+    }
+    return std::nullopt;
+}
+
+/// Per node: the parts of its first output that nodes of the run take, straight or from what other nodes make of it.
+std::vector<std::vector<Pick>> picks_of(const Pipeline& pipeline, const std::vector<bool>& needed) {
+    std::vector<std::vector<Pick>> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        for (std::size_t input = 0; needed[n] && input < node.inputs.size(); ++input)
+            for (const auto& link : node.inputs[input]) {
+                if (link.part.empty()) continue;
+                if (const auto source = source_of(pipeline, link))
+                    out[*source].push_back(
+                        {link.part, node.type->inputs[input].type, fmt::format("'{}' takes {}.{}", node.name, pipeline.nodes[link.node].name, link.part)});
+            }
+    }
+    return out;
+}
+
 }  // namespace
 
 Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, bool cache, Report& report) {
     Inputs out;
     std::set<int> left_out;
+    Foresight foresight(pipeline);
     const auto wanted = wanted_outputs(pipeline, plan.needed, cache);
+    const auto picks = picks_of(pipeline, plan.needed);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
-        if (!plan.needed[n] || !node.type->survey) continue;
+        if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
-        const std::optional<FrameSet> read = node.rate == Rate::fixed || plan.in_sequence[n] ? std::nullopt : deliver;
-        SurveyOf of(node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n]);
+        const auto read = frames_needed(pipeline, plan, n, deliver);
+        SurveyOf of(n, node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n], picks[n], foresight);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
         out.regions[n] = of.regions;
         out.frame_bytes = std::max(out.frame_bytes, of.most_bytes);
-        for (const auto& [frame, message] : of.lost)
-            if (of.needs(frame))
-                out.missing.push_back(
-                    {node.name, node.type->name, node.rate == Rate::fixed ? std::nullopt : std::optional(frame), message, Failure::Kind::input});
+        add_missing(node, of, out.missing);
         std::vector<int> asked;
         for (const auto frame : of.left_out)
             if (deliver && deliver->contains(frame)) asked.push_back(frame);
@@ -86,10 +160,11 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
     for (auto& [n, stand_ins] : out.stand_ins) {
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(out.frames, none, {});
+        SurveyOf again(n, out.frames, none, {}, {}, foresight);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }
+    look_ahead(pipeline, plan, deliver, foresight, out);
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <csignal>
 #include <cstdint>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -29,7 +30,7 @@ sigset_t stop_signals() {
 
 }  // namespace
 
-Interrupt::Interrupt() {
+Interrupt::Interrupt(std::string last_words) : last_words_(last_words.empty() ? std::string() : "\n" + std::move(last_words) + "\n") {
     for (const int number : errors) std::signal(number, SIG_IGN);
     // Signals are blocked in this thread, and so in all threads that it starts later. Only the watcher reads them, through signalfd.
     const auto set = stop_signals();
@@ -58,6 +59,8 @@ void Interrupt::watch() {
         if (fds[0].revents != 0) return;
         if (events == 0 || asked_) {
             OutputFile::remove_unfinished();
+            // Past stdio: another thread may hold its lock for ever.
+            [[maybe_unused]] const auto told = write(STDERR_FILENO, last_words_.data(), last_words_.size());
             _exit(exit_code::interrupted);
         }
         signalfd_siginfo info;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 #include <thread>
 
 namespace fluidcarve {
@@ -10,7 +11,8 @@ namespace fluidcarve {
 /// file size limit fails with an error in place of a signal. Create it before any other thread.
 class Interrupt {
 public:
-    Interrupt();
+    /// @param last_words  told on stderr by a process that exits at once; empty: nothing
+    explicit Interrupt(std::string last_words);
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
@@ -19,6 +21,7 @@ public:
 
 private:
     void watch();
+    const std::string last_words_;
     std::atomic<bool> asked_{false};
     int signals_ = -1;
     int ended_ = -1;

@@ -46,12 +46,16 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       files_(folder_of(options, "/files")),
       dependencies_(pipeline, inputs_.frames, inputs_.stand_ins, files_),
       keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
-      store_(pipeline, dependencies_, keys_, cache_, files_) {
+      store_(pipeline, dependencies_, keys_, cache_, files_),
+      grown_(pipeline.nodes.size()) {
     foresee(pipeline, plan_, inputs_, report);
     if (!cache_.on()) return;
     std::vector<std::string> paths;
     each_file([&](std::size_t, std::size_t, const std::string& path) { paths.push_back(path); });
     files_.prepare(paths);
+    if (!inputs_.frames.empty() && inputs_.missing.empty())
+        for (std::size_t n = 0; n < grown_.size(); ++n)
+            if (plan_.needed[n]) grown_[n] = store_.grown(n);
     if (manifest) compare(*manifest);
 }
 

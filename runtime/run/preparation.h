@@ -5,8 +5,8 @@
 #include "runtime/keep/manifest.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
-#include "runtime/run/flow.h"
 #include "runtime/run/inputs.h"
+#include "runtime/run/options.h"
 #include "runtime/tell/report.h"
 
 #include <functional>
@@ -39,6 +39,9 @@ public:
     Store& store() { return store_; }
     InputGuard& guard() { return guard_; }
 
+    /// How much of a node's growing result is kept, when the run begins.
+    std::optional<GrownResult> grown(std::size_t node) const { return grown_[node]; }
+
     Schedule schedule();
     /// For use after a cached result was missing or damaged: checks every byte of the entries it uses, and does not expect to load
     /// results that this run is yet to compute.
@@ -65,6 +68,7 @@ private:
     const Dependencies dependencies_;
     Keys keys_;
     Store store_;
+    std::vector<std::optional<GrownResult>> grown_;
     std::vector<Fault> unlike_manifest_;
 };
 

@@ -3,10 +3,13 @@
 
 #include "graph/output_file.h"
 #include "graph/text/words.h"
+#include "graph/views/file_places.h"
 #include "runtime/keep/history.h"
 #include "runtime/page/html_report.h"
+#include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/status.h"
+#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/chrono.h>
@@ -46,8 +49,9 @@ int exit_of(const Report& report, bool cancelled, bool stopped) {
     return only_inputs ? exit_code::input : exit_code::node_failed;
 }
 
-/// Prints failures, warnings and times. @param told  warnings that are already printed
-void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told) {
+/// Prints failures, warnings, results and times. @param told  warnings that are already printed @param done  the last words of a run that is done
+void tell_outcome(const Report& report, const RunRequest& request, const nlohmann::ordered_json& summary, const std::vector<std::string>& told,
+                  const std::string& done) {
     constexpr std::size_t most = 20;
     const auto faults = report.faults();
     for (std::size_t n = 0; n < std::min(most, faults.size()); ++n) tell("failed: " + to_text(faults[n]));
@@ -55,11 +59,12 @@ void tell_outcome(const Report& report, const RunRequest& request, const nlohman
     if (request.quiet) return;
     for (const auto& warning : report.warnings())
         if (std::find(told.begin(), told.end(), warning) == told.end()) tell("warning: " + warning);
-    if (faults.empty() && summary["exit"] == exit_code::done)
-        tell(fmt::format("done: {} frames in {:.1f} s", summary["frames"].size(), summary["wall_s"].get<double>()));
+    for (const auto& line : report.lines()) tell(line);
+    if (faults.empty() && summary["exit"] == exit_code::done) tell(done);
+    if (summary["exit"] == exit_code::interrupted) tell(interrupted_text(request.options.cache));
     if (request.verbose)
         for (const auto& [name, node] : summary["nodes"].items())
-            tell(fmt::format("{:>10.3f} s  {:>6} frames  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), node["frames"].get<std::size_t>(),
+            tell(fmt::format("{:>10.3f} s  {:>13}  {:>10.1f} MB  {} ({})", node["wall_s"].get<double>(), counted(node["frames"].get<std::size_t>(), "frame"),
                              node["bytes"].get<double>() / 1e6, name, node["type"].get<std::string>()));
 }
 
@@ -80,7 +85,9 @@ int code_of(const Failure& failure) { return failure.kind == Failure::Kind::inpu
 int save(Manifest& manifest, const RunRequest& request) {
     try {
         const auto [listed, added] = manifest.save();
-        if (!request.quiet) tell(fmt::format("manifest {}: {} files are as it lists them, {} added", request.manifest_path, listed, added));
+        if (!request.quiet)
+            tell(fmt::format("manifest {}: {} as it lists {}, {} added", request.manifest_path, listed == 1 ? "1 file is" : fmt::format("{} files are", listed),
+                             listed == 1 ? "it" : "them", added));
         return exit_code::done;
     } catch (const Failure& failure) {
         tell(fmt::format("failed: manifest: {}", failure.what()));
@@ -107,8 +114,8 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
         const auto& node = pipeline.nodes[n];
         if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
         out.push_back({node.name, node.type->name, std::nullopt,
-                       fmt::format("has no results in the work folder for {} of {} frames, and --only runs no other node; run --to {} first", shares[n].runs,
-                                   shares[n].frames, node.name),
+                       fmt::format("has no results in the work folder for {} of {}, and --only runs no other node; run --to {} first", shares[n].runs,
+                                   counted(shares[n].frames, "frame"), node.name),
                        Failure::Kind::input});
     }
     return out;
@@ -118,24 +125,22 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
 /// @param told  gets the warnings that are printed meanwhile
 /// @return whether the run ended early
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
-             RunProfile* profile, const std::function<bool()>& cancelled, std::vector<std::string>& told) {
+             Costs& costs, RunProfile* profile, const std::function<bool()>& cancelled, std::vector<std::string>& told) {
     constexpr int most_attempts = 4;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
+    Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()), [&](const std::string& warning) {
+        if (!request.quiet) tell("warning: " + warning);
+        told.push_back(warning);
+    });
     for (int attempt = 1;; ++attempt) {
         bool stopped = true, lost = false;
-        {
-            Progress progress(request.progress, std::max<std::size_t>(1, prepared.plan().passes.size()), [&](const std::string& warning) {
-                if (!request.quiet) tell("warning: " + warning);
-                told.push_back(warning);
-            });
-            arena.execute([&] {
-                Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, profile, cancelled);
-                flow.run(prepared.plan(), schedule);
-                stopped = flow.stopped();
-                lost = flow.lost();
-            });
-        }
+        arena.execute([&] {
+            Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, costs, profile, cancelled);
+            flow.run(prepared.plan(), schedule);
+            stopped = flow.stopped();
+            lost = flow.lost();
+        });
         if (!lost || cancelled() || (!request.options.keep_going && !report.faults().empty())) return stopped;
         if (attempt == most_attempts) {
             const auto& node = pipeline.nodes.front();
@@ -158,10 +163,14 @@ void remember(const Pipeline& pipeline, const Preparation& prepared, const std::
     history.save();
 }
 
-void remember_cost(const Pipeline& pipeline, const Preparation& prepared, const Report& report, History& history) {
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (const auto cost = report.cost(n); cost.frame_s || cost.take_s || cost.once_s)
-            history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);
+void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const Costs& costs, const Report& report, History& history) {
+    if (!history.on()) return;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        auto cost = costs.of(n);
+        if (std::ranges::none_of(cost.of, [](const auto& each) { return each.has_value(); })) continue;
+        cost.bytes = report.most_bytes(n);
+        history.set_cost(pipeline.nodes[n].name, cost, prepared.inputs().frame_bytes);
+    }
     history.save();
 }
 
@@ -180,14 +189,16 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
-    for (const auto& fault : prepared.inputs().missing) report.failed(fault);
+    for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
+        for (const auto& fault : *faults) report.failed(fault);
     for (const auto& fault : report.faults()) tell("failed: " + to_text(fault));
-    if (!prepared.inputs().missing.empty() || prepared.frames().empty()) return exit_code::input;
+    if (!report.faults().empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     std::fputs(json ? (to_json(forecast).dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
+    if (request.verbose && !json) std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);
     return exit_code::done;
 }
 
@@ -216,12 +227,16 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         // Results are then not kept, which is told at the end.
     }
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report, manifest ? &*manifest : nullptr);
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (prepared.plan().needed[n])
+            for (const auto& warning : pipeline.nodes[n].warnings) report.warn(n, warning.message);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     auto told = report.warnings();
     // Missing files stop the run before it starts. With --keep-going the reader fails at its frame instead.
     if (!request.options.keep_going)
         for (const auto& fault : prepared.inputs().missing) report.failed(fault);
+    for (const auto& fault : prepared.inputs().clashes) report.failed(fault);
     for (const auto& fault : prepared.unlike_manifest()) report.failed(fault);
     if (prepared.frames().empty()) {
         const auto& targets = prepared.plan().targets;
@@ -232,7 +247,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     }
 
     const auto delivered = prepared.delivered_frames();
-    bool stopped = true;
+    bool stopped = true, idle = false;
+    std::vector<std::string> written;
     if (report.faults().empty()) {
         auto schedule = prepared.schedule();
         prepared.repeat_said(schedule, report);
@@ -243,16 +259,21 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
         const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
-        if (request.verbose) std::fputs(to_text(forecast).c_str(), stderr);
+        if (request.verbose) std::fputs((to_text(forecast) + to_text(file_places(pipeline))).c_str(), stderr);
         if (report.faults().empty() && !request.options.keep_going)
             try_outputs(pipeline, to_do, (delivered.empty() ? prepared.frames() : delivered).front(), report);
         report.expect(to_do);
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
             StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
-            stopped = execute(pipeline, registry, request, prepared, schedule, report, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
+            Costs costs(forecast.expected);
+            idle = nothing_to_do(to_do);
+            written = written_paths(pipeline, to_do);
+            stopped =
+                execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             status.end(exit_of(report, cancelled(), stopped));
-            remember_cost(pipeline, prepared, report, history);
+            remember_costs(pipeline, prepared, costs, report, history);
+            conclude(pipeline, prepared.frames(), to_do, report);
             const auto left = prepared.cache().trim(request.options.cache_size).left;
             const auto fault = WorkFolder(request.options.work_folder).fault();
             if (left > request.options.cache_size && !fault.empty() && !request.quiet)
@@ -264,7 +285,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
     if (!request.quiet) tell_of_cache(prepared.cache());
-    tell_outcome(report, request, summary, told);
+    tell_outcome(report, request, summary, told, done_text({delivered.size(), summary["wall_s"].get<double>(), idle, written}));
     return write_all(pipeline, registry, request, summary, profile, start, code);
 }
 

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -40,6 +39,8 @@ std::string state_of(const Json& run) {
     return now() - run.value("updated", 0.0) < silent_seconds ? "running" : "killed";
 }
 
+bool is_number(const Json& of, const char* name) { return of.contains(name) && of[name].is_number(); }
+
 /// Whether a value read from a file has the form that StatusFile writes.
 bool well_formed(const Json& run) {
     const auto is = [](const Json& of, const char* name, auto type) { return of.contains(name) && (of[name].*type)(); };
@@ -48,7 +49,7 @@ bool well_formed(const Json& run) {
         return false;
     for (const auto& [name, node] : run["nodes"].items())
         if (!node.is_object() || !is(node, "type", &Json::is_string) || !is(node, "frames", &Json::is_number) || !is(node, "cached", &Json::is_number) ||
-            (node.contains("why") && !node["why"].is_string()))
+            (node.contains("why") && !node["why"].is_string()) || (node.contains("item") && !node["item"].is_string()))
             return false;
     return true;
 }
@@ -72,13 +73,33 @@ std::vector<Run> runs_in(const std::string& folder) {
     return out;
 }
 
+/// How far a node is that gathers: "16/16 frames gathered, 7/12 seams, interrupted"; empty if it gathers nothing, or has finished.
+/// @param state  of the run
+std::string text_of_gathering(const Json& node, const std::string& state) {
+    const auto of = node.find("gathering");
+    if (of == node.end() || !of->is_object()) return {};
+    const auto share = [&](const char* done, const char* all) { return fmt::format("{}/{}", of->at(done).dump(), of->at(all).dump()); };
+    std::string out;
+    if (is_number(*of, "frames") && is_number(*of, "of_frames")) out = share("frames", "of_frames") + " frames gathered";
+    if (is_number(*of, "items") && is_number(*of, "of_items") && of->at("of_items") > 0)
+        out += fmt::format(", {} {}s", share("items", "of_items"), node.value("item", "item"));
+    return state == "running" ? out : out + ", " + state;
+}
+
 std::string text_of(const Json& run) {
     std::string out = fmt::format("{}: {}", run.value("pipeline", ""), run.value("state", ""));
     const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
     out += fmt::format(", {:.0f} s, process {} on {}\n\n", seconds, run.value("pid", 0), run.value("host", ""));
-    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "why it runs"}};
-    for (const auto& [name, node] : run["nodes"].items())
-        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(), node.value("why", "")});
+    std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
+    constexpr int column = 5;  ///< of "gathering", which is left out if it is empty
+    bool gathers = false;
+    for (const auto& [name, node] : run["nodes"].items()) {
+        rows.push_back({name, node.value("type", ""), node["frames"].dump(), node["cached"].dump(), node.value("done", Json(0)).dump(),
+                        text_of_gathering(node, run.value("state", "")), node.value("why", "")});
+        gathers = gathers || !rows.back()[column].empty();
+    }
+    if (!gathers)
+        for (auto& row : rows) row.erase(row.begin() + column);
     return out + table(rows);
 }
 
@@ -125,7 +146,11 @@ void StatusFile::write(const int* exit_code) const {
     if (exit_code) out["exit"] = *exit_code;
     const auto done = report_.done();
     for (std::size_t n = 0; n < done.size(); ++n)
-        if (const auto name = report_.name(n); out["nodes"].contains(name)) out["nodes"][name]["done"] = done[n];
+        if (const auto name = report_.name(n); out["nodes"].contains(name)) {
+            out["nodes"][name]["done"] = done[n];
+            if (const auto far = report_.gathering(n))
+                out["nodes"][name]["gathering"] = {{"frames", far->frames}, {"of_frames", far->of_frames}, {"items", far->items}, {"of_items", far->of_items}};
+        }
     try {
         OutputFile file(path_);
         std::ofstream(file.aside()) << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
@@ -135,23 +160,18 @@ void StatusFile::write(const int* exit_code) const {
     }
 }
 
-int show_status(const std::string& folder, bool json) {
+std::string status_text(const std::string& folder, bool json) {
     auto runs = runs_in(folder + "/runs");
+    for (auto& run : runs) run.about["state"] = state_of(run.about);
     if (json) {
         auto out = Json::array();
-        for (auto& run : runs) {
-            run.about["state"] = state_of(run.about);
-            out.push_back(std::move(run.about));
-        }
-        std::fputs((out.dump(2) + "\n").c_str(), stdout);
-        return 0;
+        for (auto& run : runs) out.push_back(std::move(run.about));
+        return out.dump(2) + "\n";
     }
-    if (runs.empty()) std::fputs(fmt::format("no runs are recorded in '{}'\n", folder).c_str(), stdout);
-    for (std::size_t n = 0; n < runs.size(); ++n) {
-        runs[n].about["state"] = state_of(runs[n].about);
-        std::fputs(((n > 0 ? "\n" : "") + text_of(runs[n].about)).c_str(), stdout);
-    }
-    return 0;
+    if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
+    std::string out;
+    for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run.about);
+    return out;
 }
 
 }  // namespace fluidcarve

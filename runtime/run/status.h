@@ -33,8 +33,8 @@ private:
     std::thread thread_;
 };
 
-/// The verb `status`: prints each run in a work folder to stdout, latest first: its nodes, how much of each is done, and whether the
-/// run is running, has ended, or was killed. @return an exit code
-int show_status(const std::string& folder, bool json);
+/// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of each is done, how far those are that gather,
+/// and whether the run is running, has ended, or was killed. @param json  as JSON, for programs
+std::string status_text(const std::string& folder, bool json);
 
 }  // namespace fluidcarve

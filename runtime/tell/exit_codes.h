@@ -9,6 +9,7 @@ namespace fluidcarve {
 namespace exit_code {
 constexpr int done = 0;
 constexpr int node_failed = 1;
+constexpr int differs = 1;  ///< of `diff`, as of diff(1) and cmp(1)
 constexpr int usage = 2;
 constexpr int input = 3;
 constexpr int some_frames_failed = 4;
@@ -17,7 +18,7 @@ constexpr int interrupted = 130;
 /// All of them, with their meanings.
 inline constexpr std::array meanings{
     std::pair{done, "done"},
-    std::pair{node_failed, "a node failed"},
+    std::pair{node_failed, "a node failed; or what `diff` compared differs"},
     std::pair{usage, "wrong usage or pipeline"},
     std::pair{input, "an input is missing, unreadable or too large"},
     std::pair{some_frames_failed, "done, but some frames failed"},

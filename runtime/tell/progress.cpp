@@ -32,6 +32,12 @@ Progress::~Progress() {
     if (drawn_) put("\n");
 }
 
+void Progress::begin_again() {
+    const std::lock_guard lock(mutex_);
+    steps_.clear();
+    thought_ = 0;
+}
+
 std::size_t Progress::add(Step step) {
     const std::lock_guard lock(mutex_);
     steps_.push_back({std::move(step), 0, 0});
@@ -64,14 +70,20 @@ void Progress::part(std::size_t step, double fraction, double seconds) {
 
 std::pair<double, double> Progress::spent_and_left() const {
     double spent = 0;
-    double left = 0;
     double runs = 0;
     for (const auto& state : steps_) {
         spent += state.seconds;
         runs += state.done;
     }
+    // An expectation counts as much as a tenth of a run.
+    constexpr double weight = 0.1;
     const double average = runs > 0 ? spent / runs : 0;
-    for (const auto& state : steps_) left += (static_cast<double>(state.step.runs) - state.done) * (state.done > 0 ? state.seconds / state.done : average);
+    double left = 0;
+    for (const auto& state : steps_) {
+        const auto& expected = state.step.expected_s;
+        const double one_run = expected ? (state.seconds + weight * *expected) / (state.done + weight) : state.done > 0 ? state.seconds / state.done : average;
+        left += (static_cast<double>(state.step.runs) - state.done) * one_run;
+    }
     return {spent, left};
 }
 
@@ -82,17 +94,28 @@ void Progress::say(const std::string& line) {
     say_(line);
 }
 
-double Progress::fraction() const {
-    const std::lock_guard lock(mutex_);
+double Progress::left() const {
     const auto [spent, left] = spent_and_left();
-    return spent + left > 0 ? spent / (spent + left) : 0;
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return spent > 0 ? left * wall / spent : left;
+}
+
+double Progress::advance() {
+    const auto [spent, left] = spent_and_left();
+    const double now = spent + left > 0 ? spent / (spent + left) : 0;
+    if (now > thought_) shown_share_ += (1 - shown_share_) * (now - thought_) / (1 - thought_);
+    thought_ = now;
+    return shown_share_;
+}
+
+double Progress::fraction() {
+    const std::lock_guard lock(mutex_);
+    return advance();
 }
 
 double Progress::seconds_left() const {
     const std::lock_guard lock(mutex_);
-    const auto [spent, left] = spent_and_left();
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    return spent > 0 ? left * wall / spent : 0;
+    return left();
 }
 
 void Progress::show(bool always) {
@@ -100,10 +123,8 @@ void Progress::show(bool always) {
     const auto pause = style_ == ProgressStyle::bar ? std::chrono::milliseconds(100) : std::chrono::milliseconds(1000);
     if (style_ == ProgressStyle::none || (!always && now - shown_ < pause)) return;
     shown_ = now;
-    const auto [spent, left] = spent_and_left();
     const double wall = std::chrono::duration<double>(now - start_).count();
-    const double fraction = spent + left > 0 ? spent / (spent + left) : 0;
-    const double seconds_left = spent > 0 ? left * wall / spent : 0;
+    const double fraction = advance(), seconds_left = left();
     if (style_ == ProgressStyle::json) {
         put(nlohmann::ordered_json{{"event", "progress"},
                                    {"pass", pass_ + 1},

@@ -21,12 +21,17 @@ enum class ProgressStyle {
 /// Prints the progress of a run and the time left to stderr. Thread-safe.
 ///
 /// A step is one kind of work (a node's run per frame, or its finish) with its number of runs. The time left is the sum over all steps
-/// of the mean time of a run so far, times the number of runs left. Steps that have not begun count with the mean of the others.
+/// of the mean time of a run so far, times the number of runs left. Steps that have not begun count with their expected time; without one,
+/// with the mean of the others. All times are shares of the wall time (Costs).
+///
+/// The share that is shown never falls. If the time left turns out longer than was thought, what is left to show stands for what is left to do:
+/// each part of that moves the bar by the same part of the rest.
 class Progress {
 public:
     struct Step {
         std::string label;
         std::size_t runs = 0;
+        std::optional<double> expected_s;  ///< of one run
     };
     /// @param say  tells the user a line of text; null: `say` tells nothing
     Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say = nullptr)
@@ -35,6 +40,8 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
+    /// Forgets all steps, since the run begins again. What was shown stays.
+    void begin_again();
     std::size_t add(Step step);
     void begin_pass(std::size_t pass);
     /// To be called after each run of a step. @param seconds  time of the run @param frame  frame number, shown beside the bar
@@ -45,8 +52,8 @@ public:
     /// Tells a line of text while the run goes on; the bar makes way for it.
     void say(const std::string& line);
 
-    double fraction() const;
-    double seconds_left() const;
+    double fraction();            ///< the share to show, 0..1
+    double seconds_left() const;  ///< wall time
 
 private:
     struct State {
@@ -54,7 +61,9 @@ private:
         double done = 0;  ///< finished runs, with fractions
         double seconds = 0;
     };
-    std::pair<double, double> spent_and_left() const;  ///< seconds of work, summed over all threads
+    std::pair<double, double> spent_and_left() const;  ///< seconds
+    double left() const;                               ///< seconds of wall time
+    double advance();                                  ///< moves the share to show @return it
     void show(bool always);
 
     const ProgressStyle style_;
@@ -63,6 +72,8 @@ private:
     std::size_t pass_ = 0;
     std::string current_;
     std::vector<State> steps_;
+    double thought_ = 0;  ///< share of the work that was last thought to be done
+    double shown_share_ = 0;
     mutable std::mutex mutex_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point shown_{};

@@ -60,10 +60,21 @@ void Report::took(std::size_t node, std::size_t place, double seconds, std::uint
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
 
-void Report::finished(std::size_t node, double seconds, std::uint64_t bytes) {
+void Report::gathered(std::size_t node, std::size_t place) {
+    const std::lock_guard lock(mutex_);
+    stats_[node].gathered.insert(place);
+}
+
+void Report::grew(std::size_t node, std::size_t items, std::size_t of) {
+    const std::lock_guard lock(mutex_);
+    stats_[node].items = items;
+    stats_[node].of_items = of;
+}
+
+void Report::ended(std::size_t node, double seconds, std::uint64_t bytes, bool good) {
     const std::lock_guard lock(mutex_);
     auto& stats = stats_[node];
-    stats.finished = true;
+    stats.finished = good;
     stats.once_s += seconds;
     stats.most_bytes = std::max(stats.most_bytes, bytes);
 }
@@ -80,11 +91,17 @@ std::size_t Report::computed(std::size_t n) const {
     return shares_[n].only_takes ? stats.taken.size() : 0;
 }
 
-NodeCost Report::cost(std::size_t n) const {
+std::uint64_t Report::most_bytes(std::size_t n) const {
     const std::lock_guard lock(mutex_);
-    const auto& stats = stats_[n];
-    const auto mean = [](double sum, std::size_t count) { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
-    return {mean(stats.frame_s, stats.runs), mean(stats.take_s, stats.taken.size()), mean(stats.once_s, stats.finished ? 1 : 0), stats.most_bytes};
+    return stats_[n].most_bytes;
+}
+
+std::optional<Gathering> Report::gathering(std::size_t n) const {
+    const std::lock_guard lock(mutex_);
+    if (n >= shares_.size() || !pipeline_.nodes[n].streams_in() || shares_[n].only_takes || stats_[n].finished) return std::nullopt;
+    const auto needed = shares_[n].taken_anew + shares_[n].taken_kept;
+    if (needed == 0) return std::nullopt;
+    return Gathering{stats_[n].gathered.size(), needed, stats_[n].items, stats_[n].of_items};
 }
 
 std::vector<std::size_t> Report::done() const {
@@ -111,6 +128,19 @@ void Report::entry(std::size_t node, const std::string& section, nlohmann::order
     auto& known = entries_[section][pipeline_.nodes[node].name];
     if (known.is_object()) known.update(entry);
     else known = std::move(entry);
+}
+
+void Report::add_line(std::size_t node, const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    lines_.push_back(fmt::format("{}: {}", pipeline_.nodes[node].name, one_line(line)));
+}
+
+nlohmann::ordered_json Report::entry_of(std::size_t node, const std::string& section) const {
+    const std::lock_guard lock(mutex_);
+    const auto entries = entries_.find(section);
+    if (entries == entries_.end()) return {};
+    const auto found = entries->second.find(pipeline_.nodes[node].name);
+    return found == entries->second.end() ? nlohmann::ordered_json() : found->second;
 }
 
 std::vector<Fault> Report::faults() const {
@@ -153,7 +183,7 @@ nlohmann::ordered_json Report::to_json(const std::vector<int>& delivered, int ex
         const auto& stats = stats_[n];
         const auto& share = shares_[n];
         const auto cached = share.frames - std::max(share.runs, std::min(computed(n), share.frames));
-        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken.empty())) continue;
+        if (share.frames == 0 || (cached == 0 && computed(n) == 0 && stats.taken.empty() && stats.once_s == 0)) continue;
         auto& node = out["nodes"][pipeline_.nodes[n].name];
         node = {{"type", pipeline_.nodes[n].type->name},
                 {"frames", cached + computed(n)},

@@ -27,12 +27,10 @@ struct Fault {
 /// The failure as a line of text: "spin (energy.vorticity), frame 43: message".
 std::string to_text(const Fault& fault);
 
-/// Measured times of a node, in seconds, and the size of its result.
-struct NodeCost {
-    std::optional<double> frame_s;  ///< mean time to compute one frame
-    std::optional<double> take_s;   ///< for a gatherer: mean time to take one frame from its inputs
-    std::optional<double> once_s;   ///< time to finish, or to run once
-    std::uint64_t bytes = 0;        ///< largest result in memory; 0: unknown
+/// How far a node is that gathers frames and has not finished.
+struct Gathering {
+    std::size_t frames = 0, of_frames = 0;  ///< frames that it has taken, and that it needs
+    std::size_t items = 0, of_items = 0;    ///< items of its growing result (Growth) that are kept, and that it is to find; 0 of 0: unknown
 };
 
 /// Collects what happens in a run. Thread-safe.
@@ -46,8 +44,12 @@ public:
     void ran(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
     /// A gatherer took one frame from its inputs.
     void took(std::size_t node, std::size_t place, double seconds, std::uint64_t bytes);
-    /// A node that runs once, or a gatherer, has finished.
-    void finished(std::size_t node, double seconds, std::uint64_t bytes);
+    /// A gatherer has taken one frame, from its inputs or from a cached digest.
+    void gathered(std::size_t node, std::size_t place);
+    /// So many items of a growing result are kept. @param of  how many the node is to find
+    void grew(std::size_t node, std::size_t items, std::size_t of);
+    /// The body of a node that runs once, or of a gatherer, has ended. @param good  whether it has finished, and did not fail or stop early
+    void ended(std::size_t node, double seconds, std::uint64_t bytes, bool good);
     /// A node's result was loaded from the cache.
     void holds(std::size_t node, std::uint64_t bytes);
     void failed(Fault fault);
@@ -55,22 +57,30 @@ public:
     std::string warn(std::size_t node, const std::string& message);
     /// Adds a node's entry to a section. @param entry  a JSON object; entries of the same node are merged
     void entry(std::size_t node, const std::string& section, nlohmann::ordered_json entry);
+    /// Adds a line to show at the end of the run, behind the node's name.
+    void add_line(std::size_t node, const std::string& line);
 
     const std::string& name(std::size_t node) const { return pipeline_.nodes[node].name; }
-    /// The node's cost as measured in this run.
-    NodeCost cost(std::size_t node) const;
+    std::uint64_t most_bytes(std::size_t node) const;  ///< largest result in memory; 0: unknown
     /// Per node: number of frames that are cached or already computed.
     std::vector<std::size_t> done() const;
+    /// How far a node is; nothing if it gathers nothing in this run, or has finished.
+    std::optional<Gathering> gathering(std::size_t node) const;
 
     std::vector<Fault> faults() const;  ///< sorted by frame, then by the pipeline's order of nodes
     std::vector<std::string> warnings() const;
+    const std::vector<std::string>& lines() const { return lines_; }  ///< only for use when no node is at work
+    /// A node's entry in a section; null if there is none.
+    nlohmann::ordered_json entry_of(std::size_t node, const std::string& section) const;
     /// The content of the report file (pipelines/FORMATS.md). @param delivered  numbers of the delivered frames
     nlohmann::ordered_json to_json(const std::vector<int>& delivered, int exit_code) const;
 
 private:
     struct Stats {
-        std::set<std::size_t> places;  ///< places of computed frames
-        std::set<std::size_t> taken;   ///< places of frames taken from its inputs
+        std::set<std::size_t> places;    ///< places of computed frames
+        std::set<std::size_t> taken;     ///< places of frames taken from its inputs
+        std::set<std::size_t> gathered;  ///< places of frames taken from its inputs or from digests
+        std::size_t items = 0, of_items = 0;
         bool finished = false;
         double frame_s = 0, take_s = 0, once_s = 0;  ///< sums of seconds
         std::size_t runs = 0;
@@ -90,6 +100,7 @@ private:
     std::vector<Fault> faults_;
     std::set<std::pair<std::size_t, std::string>> warnings_;
     std::map<std::string, std::map<std::string, nlohmann::ordered_json>> entries_;
+    std::vector<std::string> lines_;
 };
 
 }  // namespace fluidcarve

@@ -1,15 +1,22 @@
 #include "runtime/verbs/commands.h"
 #include "runtime/keep/work_folder.h"
 
+#include "graph/build_pipeline.h"
 #include "graph/confinement.h"
+#include "graph/text/words.h"
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
+#include "graph/views/file_places.h"
 #include "graph/views/origins.h"
+#include "graph/views/provenance.h"
 #include "graph/views/schema.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
+#include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
+#include "runtime/verbs/diff.h"
+#include "runtime/verbs/explain.h"
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
@@ -53,7 +60,11 @@ struct PipelineArguments {
     bool allow_plugins = false;
 
     void declare(CLI::App& verb) {
-        verb.add_option("pipeline", path, "Pipeline file (YAML)")->required()->type_name("PIPELINE");
+        verb.add_option("pipeline", path,
+                        "Pipeline file (YAML). Its relative inputs are looked for in the folder of the file that states them, then in the current folder; "
+                        "those of --set in the current folder. Its outputs go to the current folder")
+            ->required()
+            ->type_name("PIPELINE");
         verb.add_option("--set", settings, "Override a field of a node, a param, or the frames; may be repeated")
             ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
             ->expected(1)
@@ -80,9 +91,12 @@ struct PipelineArguments {
     /// Reads and checks the pipeline. Prints problems and returns nothing if there are any.
     std::optional<Pipeline> read_or_complain(Registry& registry) const {
         Problems problems;
-        auto pipeline = build(read_document(path, settings, problems), registry, problems);
+        const auto document = read_document(path, settings, problems);
+        auto pipeline = build(document, registry, problems);
         complain(to_text(problems));
-        return problems.empty() ? std::optional(std::move(pipeline)) : std::nullopt;
+        if (!problems.empty()) return std::nullopt;
+        state_provenance(pipeline, document, registry);
+        return pipeline;
     }
 };
 
@@ -136,7 +150,7 @@ struct RunArguments {
         verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
         verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
         const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
-        verb.add_flag("-v,--verbose", request.verbose, "Show the plan and the time of each node")->excludes(quiet);
+        verb.add_flag("-v,--verbose", request.verbose, "Show the plan, where the files lie, and the time of each node")->excludes(quiet);
     }
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
@@ -194,15 +208,46 @@ struct RunArguments {
     }
 };
 
+/// Arguments of the verb `diff`.
+struct DiffArguments {
+    std::string frames;
+    DiffRequest request;
+    const CLI::Option* frames_option = nullptr;
+
+    void declare(CLI::App& verb) {
+        request.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+        const auto number = [&](const char* name, double& value, const char* doc) { verb.add_option(name, value, doc)->check(CLI::NonNegativeNumber); };
+        for (const auto& [name, path] : {std::pair("a", &request.a), std::pair("b", &request.b)})
+            verb.add_option(name, *path, "A file, a sequence such as smoke.####.vdb, or a folder")->required()->type_name(name[0] == 'a' ? "A" : "B");
+        frames_option = verb.add_option("-f,--frames", frames, "Compare only these frames (default: all that are there)")->type_name("FRAMES");
+        number("--fail", request.tolerance.absolute, "The difference of two values that still passes (default: 0)");
+        number("--relative", request.tolerance.relative, "The same, as a share of the greater value; the greater of both allowances counts (default: 0)");
+        number("--fail-percent", request.fail_percent, "The percentage of a grid's voxels in a frame that may differ by more (default: 0)");
+        number("--warn", request.tolerance.warn, "Count the values that differ by more than this, at most --fail, and warn of them");
+        verb.add_option("--picture", request.picture, "Draw slices of A, B and their difference through the voxel that differs most")->type_name("FILE.png");
+        verb.add_option("--threads", request.threads, "Threads, and frames compared at once (default: all cores)")
+            ->check(CLI::Range(1, 4096))
+            ->envname("FLUIDCARVE_THREADS");
+    }
+
+    DiffRequest read(bool json) {
+        if (frames_option->count() > 0) request.frames = frames;
+        request.json = json;
+        request.memory = half_of_memory();
+        return request;
+    }
+};
+
 int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registry& registry) {
     Problems problems;
     const auto document = read_document(arguments.path, arguments.settings, problems);
-    const auto pipeline = arguments.build(document, registry, problems);
+    auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    state_provenance(pipeline, document, registry);
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
     request->origins = origins_of(document, registry);
-    const Interrupt interrupt;
+    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 
@@ -211,9 +256,16 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto document = read_document(arguments.path, arguments.settings, problems);
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
-    if (json) return print(verbose ? to_json(origins_of(document, registry)) : to_json(problems)), exit_code::done;
-    print(fmt::format("{}: good; {} nodes, {} frames\n", arguments.path, pipeline.nodes.size(), pipeline.frames.frames().size()));
-    if (verbose) print("\n" + to_text(origins_of(document, registry)));
+    const auto values = [&] {
+        auto out = origins_of(document, registry);
+        out.files = file_places(pipeline);
+        return out;
+    };
+    const auto warnings = warnings_of(pipeline);
+    if (json) return print(verbose ? to_json(values()) : to_json(warnings)), exit_code::done;
+    complain(to_text(warnings));
+    print(fmt::format("{}: good; {}, {}\n", arguments.path, counted(pipeline.nodes.size(), "node"), counted(pipeline.frames.frames().size(), "frame")));
+    if (verbose) print("\n" + to_text(values()));
     return exit_code::done;
 }
 
@@ -249,10 +301,24 @@ bool load_or_complain(const std::vector<std::string>& plugins, Registry& registr
     return true;
 }
 
+/// The message about a name that is neither a node type nor a family, with those near to it.
+std::string no_node_type(const std::string& name, const Registry& registry) {
+    const auto names = registry.node_names();
+    if (name.find('.') != std::string::npos) return fmt::format("there is no node type '{}'{}\n", name, did_you_mean(name, names));
+    std::vector<std::string> quoted;
+    for (const auto& each : names)
+        if (each.ends_with("." + name)) quoted.push_back("'" + each + "'");
+    return fmt::format("there is no node type or family '{}'{}\n", name,
+                       quoted.empty() ? did_you_mean(name, registry.families()) : fmt::format("; did you mean {}?", either(quoted)));
+}
+
 int nodes(const std::string& type, bool json, bool markdown, const Registry& registry) {
-    if (!type.empty()) {
+    const auto families = registry.families();
+    if (std::find(families.begin(), families.end(), type) != families.end()) {
+        print(json ? family_to_json(registry, type) : markdown ? family_to_markdown(registry, type) : listing(registry, type));
+    } else if (!type.empty()) {
         const auto* const found = registry.node(type);
-        if (!found) return complain(fmt::format("there is no node type '{}'{}\n", type, did_you_mean(type, registry.node_names()))), exit_code::usage;
+        if (!found) return complain(no_node_type(type, registry)), exit_code::usage;
         print(json ? to_json(registry, *found) : markdown ? to_markdown(registry, *found) : describe(registry, *found));
     } else {
         print(json ? to_json(registry) : markdown ? to_markdown(registry) : listing(registry));
@@ -279,17 +345,26 @@ void add_examples(CLI::App& app) {
          "  fluidcarve run shot.yaml --only seams                           the solver alone, from cached results"},
         {"check",
          "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
-         "from"},
+         "from, and where the files lie"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
-        {"nodes", "  fluidcarve nodes\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
+        {"nodes",
+         "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
         {"new-node", "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight"},
         {"schema",
          "  fluidcarve schema > schema.json      named in a pipeline's first line:\n"
          "  # yaml-language-server: $schema=schema.json"},
         {"graph", "  fluidcarve graph shot.yaml --format svg > shot.svg"},
-        {"inspect", "  fluidcarve inspect /shots/sh010/*.vdb"},
+        {"inspect",
+         "  fluidcarve inspect /shots/sh010/*.vdb\n"
+         "  fluidcarve inspect /shots/sh010/smoke.####.vdb      the sequence as one\n"
+         "  fluidcarve inspect /shots/sh010                     all files of a folder"},
+        {"diff",
+         "  fluidcarve diff before.####.vdb after.####.vdb\n"
+         "  fluidcarve diff before.####.vdb after.####.vdb -f 51-56 --fail 1e-4 --fail-percent 0.1 --picture worst.png\n"
+         "  fluidcarve diff out/monday out/tuesday --json"},
+        {"explain", "  fluidcarve explain out/plume.0051.vdb\n  fluidcarve explain --json out/sheet.png"},
         {"man", "  fluidcarve man | man -l -"},
         {"completion",
          "  source <(fluidcarve completion bash)      in ~/.bashrc\n"
@@ -330,19 +405,20 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin");
-    auto* const plan_verb = app.add_subcommand("plan", "Show what a run will do, node by node, and why; takes the options of `run`");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin, and where the files lie");
+    auto* const plan_verb =
+        app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
-    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come");
+    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
     clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
-    auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or describe one");
-    nodes_verb->add_option("type", type, "The node type to describe")->type_name("TYPE");
+    auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or those of a family, or describe one");
+    nodes_verb->add_option("type", type, "The node type to describe, or the family to list")->type_name("TYPE");
     auto* const json_flag = nodes_verb->add_flag("--json", json, "Print as JSON");
     nodes_verb->add_flag("--markdown", markdown, "Print as Markdown")->excludes(json_flag);
     auto* const schema_verb = app.add_subcommand("schema", "Print the JSON schema (draft 7) of pipeline files, for editors");
@@ -364,9 +440,19 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     graph_verb->add_option("--format", format, "Format of the picture")->check(CLI::IsMember({"dot", "svg"}))->capture_default_str();
 
     std::vector<std::string> files;
-    auto* const inspect_verb = app.add_subcommand("inspect", "Show the content of data files: grids, types, transforms, ranges, oddities");
-    inspect_verb->add_option("files", files, "Data files (.vdb)")->required()->type_name("FILE");
+    auto* const inspect_verb = app.add_subcommand("inspect", "Show the content of volumes, images, meshes, points and curves; sequences as one");
+    inspect_verb->add_option("files", files, "Data files, sequences such as smoke.####.vdb, and folders")->required()->type_name("FILE");
     inspect_verb->add_flag("--json", json, "Print as JSON");
+
+    std::string made;
+    auto* const explain_verb = app.add_subcommand("explain", "Show what made a file: program, pipeline, values, seams, and the command that makes it again");
+    explain_verb->add_option("file", made, "A file that a run wrote (.vdb, .png, .exr, .jpg, .ply, .obj)")->required()->type_name("FILE");
+    explain_verb->add_flag("--json", json, "Print as JSON");
+
+    DiffArguments diff_arguments;
+    auto* const diff_verb = app.add_subcommand("diff", "Compare two sequences, files or folders, grid by grid");
+    diff_arguments.declare(*diff_verb);
+    diff_verb->add_flag("--json", json, "Print as JSON");
 
     std::string shell;
     auto* const man_verb = app.add_subcommand("man", "Print the manual page");
@@ -388,7 +474,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
-    if (*status_verb) return show_status(status_folder, json);
+    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*new_node_verb) return write_new_node(new_node, registry);
     if (!load_or_complain(plugins, registry)) return exit_code::usage;
@@ -396,7 +482,9 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*man_verb) return print(man_page(app, FLUIDCARVE_VERSION)), exit_code::done;
     if (*completion_verb) return print(completion(app, shell)), exit_code::done;
     if (*schema_verb) return print(schema(registry)), exit_code::done;
+    if (*diff_verb) return diff_files(diff_arguments.read(json), registry);
     if (*inspect_verb) return inspect_files(files, json, half_of_memory(), registry);
+    if (*explain_verb) return explain_file(made, json, half_of_memory(), registry);
     return graph(pipeline, format, registry);
 }
 

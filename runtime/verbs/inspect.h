@@ -8,8 +8,9 @@
 
 namespace fluidcarve {
 
-/// The verb `inspect`: reads each file in a child process, prints its content to stdout, and errors to stderr.
-/// @param memory  limit of the memory for reading one file, bytes
+/// The verb `inspect`: reads files in child processes, prints their content to stdout, a sequence as one, and errors to stderr.
+/// @param paths   files, paths with frame tokens, and folders, of which the files right in them are looked at
+/// @param memory  limit of the memory for reading files, bytes
 /// @return an exit code
 int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory, const Registry& registry);
 

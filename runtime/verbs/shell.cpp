@@ -112,7 +112,7 @@ std::string completion(const CLI::App& app, const std::string& shell) {
     case "$verb:$before" in
 {}    esac
     if [ -z "$words" ] && [ "$verb" = nodes ] && [[ "$word" != -* ]]; then
-        words=$(fluidcarve nodes | awk '/^  /{{print $1}}')
+        words=$(fluidcarve nodes | awk 'NF{{print $1}}')
     fi
     if [ -z "$words" ] && [[ "$word" == -* ]]; then
         case "$verb" in

@@ -5,6 +5,7 @@
 // --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --only: pipeline, memory, cache, energy,
 // remap, vortex, cut, lqr or greedy; the folder: another sequence like tests/data/vortex
 
+#include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/gradient.h"

@@ -1,4 +1,5 @@
 #include "tests/bench/cache.h"
+#include "graph/build_pipeline.h"
 
 #include "nodes/catalogue.h"
 #include "runtime/keep/file_hashes.h"

@@ -1,5 +1,6 @@
 #include "tests/bench/carved.h"
 
+#include "graph/build_pipeline.h"
 #include "graph/document.h"
 #include "graph/pipeline.h"
 #include "graph/types/file_fields.h"

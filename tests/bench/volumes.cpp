@@ -1,5 +1,6 @@
 #include "tests/bench/volumes.h"
 
+#include "graph/build_pipeline.h"
 #include "graph/document.h"
 #include "graph/pipeline.h"
 #include "nodes/catalogue.h"

@@ -128,6 +128,7 @@ TEST_CASE("an extended file that is no pipeline is named, and nothing of it is s
     CHECK(told("user: hunter2\nhunter2: x\n") == "secret.yml: " + no_pipeline);
     CHECK(told("hunter2\n") == "secret.yml: " + no_pipeline);
     CHECK(told("- hunter2\n") == "secret.yml: " + no_pipeline);
+    CHECK(told("extends: hunter2\nrules: hunter2\n") == "secret.yml: " + no_pipeline);
     CHECK(told("fluidcarve: hunter2\n") == "secret.yml: " + no_pipeline);
     CHECK(told("") == "secret.yml: " + no_pipeline);
     CHECK(told("hunter2: 1\nhunter2: 2\n") == "secret.yml: " + no_pipeline);
@@ -135,6 +136,21 @@ TEST_CASE("an extended file that is no pipeline is named, and nothing of it is s
     CHECK(told("a: *hunter2\n") == "secret.yml:1:4: no pipeline: it does not parse here\n" + here);
     CHECK(told(std::string("hunter2\0", 8)) == "secret.yml: no pipeline: binary data: a pipeline is a text in UTF-8\n" + here);
     CHECK(told("fluidcarve: 1\nnoodles: 1\n") == "secret.yml:2:1: a pipeline has no field 'noodles'; did you mean 'nodes'?\nnoodles: 1\n^\n");
+}
+
+TEST_CASE("a file that extends another may leave the format's version to that") {
+    const Scratch scratch;
+    scratch.write("base.yaml", "fluidcarve: 1\nnodes:\n  a: {type: x, one: base, two: base}\n");
+    scratch.write("middle.yaml", "extends: base.yaml\nnodes:\n  a: {two: middle}\n");
+    const auto out = read(scratch, "extends: middle.yaml\nnodes:\n  a: {one: file}\n");
+    CHECK(out.text == "");
+    CHECK(out.field("a", "one") == "file");
+    CHECK(out.field("a", "two") == "middle");
+    CHECK(read(scratch, "fluidcarve: 2\nextends: base.yaml\n").text ==
+          "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
+    scratch.write("base.yaml", "nodes:\n  a: {type: x}\n");
+    CHECK(read(scratch, "extends: base.yaml\n").text ==
+          "base.yaml: no pipeline: it does not state 'fluidcarve: 1'\np.yaml:1:10: it is extended here\nextends: base.yaml\n         ^\n");
 }
 
 TEST_CASE("a file that is no pipeline is refused in words") {

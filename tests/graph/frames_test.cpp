@@ -188,3 +188,14 @@ TEST_CASE("a pattern exists where a file fits it") {
     CHECK_FALSE(exists("d.######.vdb"));
     CHECK_FALSE(PathPattern("x.####.vdb", "/nowhere").exists());
 }
+
+TEST_CASE("the last number of a file's name becomes a frame token") {
+    CHECK(with_frame_token("in/smoke.0051.vdb") == "in/smoke.####.vdb");
+    CHECK(with_frame_token("smoke_v2.7.vdb") == "smoke_v2.#.vdb");
+    CHECK(with_frame_token("0051.vdb") == "####.vdb");
+    CHECK(with_frame_token("sh010/v2/smoke.vdb") == "");
+    CHECK(with_frame_token("smoke.mp4") == "");
+    CHECK(with_frame_token("smoke7") == "");
+    CHECK(with_frame_token("smoke.123456789012.vdb") == "");
+    CHECK(with_frame_token(".7") == "");
+}

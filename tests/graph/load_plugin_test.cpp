@@ -102,6 +102,8 @@ TEST_CASE("a plugin's types are of a family of its own") {
           "the plugin foreign_payload.so adds the payload type 'hair', which is not of its own family 'acme'; call it 'acme.hair'");
     CHECK(fault_of("foreign_conversion") ==
           "the plugin foreign_conversion.so converts 'number' to 'text' for all nodes; it may only convert from and to types of its own family 'acme'");
+    CHECK(fault_of("foreign_selection") ==
+          "the plugin foreign_selection.so picks 'text' from 'number' for all nodes; it may only pick from and to types of its own family 'acme'");
 }
 
 TEST_CASE("types of one name in two plugins are told") {

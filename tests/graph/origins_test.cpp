@@ -1,4 +1,5 @@
 #include "graph/views/origins.h"
+#include "graph/build_pipeline.h"
 
 #include "graph/pipeline.h"
 #include "tests/support/scratch.h"

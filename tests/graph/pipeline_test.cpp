@@ -1,4 +1,5 @@
 #include "graph/pipeline.h"
+#include "graph/build_pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -49,6 +50,33 @@ TEST_CASE("a good pipeline is ordered, connected and has its rates") {
     CHECK(pipeline.find("more")->inputs[0].size() == 2);
     CHECK(static_cast<const toy::Add::Params*>(pipeline.find("more")->params.get())->offset == 2.5);
     CHECK(pipeline.leaves() == std::vector<std::size_t>{3});
+}
+
+TEST_CASE("an input takes a part of a node's first output by its name, if the output's type has parts") {
+    Registry registry = toy::registry();
+    registry.add(
+        selection<toy::Number, toy::Number>([](const toy::Number& number, const std::string&) { return std::make_shared<toy::Number>(number.value / 2); }));
+    const Scratch scratch;
+    Problems found;
+    const auto file = scratch.write("p.yaml", R"(fluidcarve: 1
+nodes:
+  count: {type: toy.count, path: in.txt}
+  more: {type: toy.add, numbers: [count, count.number, count.half.way]}
+)");
+    const auto pipeline = build_pipeline(read_document(file, {}, found), registry, found);
+    REQUIRE(to_text(found) == "");
+    std::vector<std::string> taken, parts;
+    for (const auto& link : pipeline.find("more")->inputs[0]) {
+        taken.push_back(taken_by(pipeline, link));
+        parts.push_back(link.part);
+    }
+    CHECK(taken == std::vector<std::string>{"number", "number", "half.way"});
+    CHECK(parts == std::vector<std::string>{"", "", "half.way"});
+
+    auto type = *registry.node("toy.add");
+    type.name = "toy.passing";
+    type.as_named = {{"sum", "numbre"}};
+    CHECK_THROWS_WITH(registry.add(type), "node type 'toy.passing': it has no input 'numbre' whose grids 'sum' could have");
 }
 
 TEST_CASE("without a frame token a reader, and what hangs on it, is static") {
@@ -219,6 +247,31 @@ TEST_CASE("writers need a frame token exactly where they run per frame, and neve
           "p.yaml:4:41: 'p' would overwrite a file of the same pipeline\n  p: {type: toy.print, number: n, path: /a/./b.%02d}\n                                "
           "        ^\n"
           "p.yaml:3:30: 'n' reads it here\n  n: {type: toy.count, path: /a/b.##}\n                             ^\n");
+}
+
+TEST_CASE("where a sequence is read as one file, the reader is at fault and not what is written per frame") {
+    const auto told = [](const std::string& in) {
+        return problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  n: {type: toy.count, path: " + in + "}\n  p: {type: toy.print, number: n, path: out.##}\n");
+    };
+    const auto fault = [](const std::string& in, const std::string& remedy) {
+        return "p.yaml:4:30: toy.count reads one file for all 6 frames, but 'p' writes one for each: 'path' needs a frame token, " + remedy +
+               "; or take the token from 'p'\n  n: {type: toy.count, path: " + in +
+               "}\n                             ^\n"
+               "p.yaml:5:41: 'p' writes a file per frame here\n  p: {type: toy.print, number: n, path: out.##}\n"
+               "                                        ^\n";
+    };
+    CHECK(told("in.0001.txt") == fault("in.0001.txt", "as in 'in.####.txt'"));
+    CHECK(told("in.txt") == fault("in.txt", "such as ####"));
+    // Of several readers, the one whose file's name has a number.
+    CHECK_THAT(problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  a: {type: toy.count, path: rig.txt}\n  b: {type: toy.count, path: in.07.txt}\n"
+                        "  c: {type: toy.add, numbers: [a, b]}\n  p: {type: toy.print, number: c, path: out.##}\n"),
+               Catch::StartsWith("p.yaml:5:30: toy.count reads one file for all 6 frames, but 'p' writes one for each: 'path' needs a frame token, as in "
+                                 "'in.##.txt'; or take the token from 'p'\n"));
+    // What is gathered from all frames is written once, and rightly read.
+    CHECK(problems("fluidcarve: 1\nframes: 1-6\nnodes:\n  n: {type: toy.count, path: in.##}\n  t: {type: toy.total, number: n}\n"
+                   "  p: {type: toy.print, number: t, path: out.##}\n") ==
+          "p.yaml:6:41: toy.print writes one file here, not one per frame: 'path' can't have a frame token\n"
+          "  p: {type: toy.print, number: t, path: out.##}\n                                        ^\n");
 }
 
 TEST_CASE("a later frame of a pattern is not written over either") {

@@ -35,7 +35,7 @@ public:
     }
     Called plain(Called called) const {
         for (std::size_t at; (at = called.err.find(scratch.path() + "/")) != std::string::npos;) called.err.erase(at, scratch.path().size() + 1);
-        called.err = std::regex_replace(called.err, std::regex(" in [0-9.]+ s\n"), " in N s\n");
+        called.err = std::regex_replace(called.err, std::regex(" in [0-9.]+ s( ->|\n)"), " in N s$1");
         return called;
     }
 
@@ -139,10 +139,10 @@ TEST_CASE("a missing frame is an error before anything runs, is left out, or is 
     const std::string both = "failed: sim (vdb.read), frame 2: in.0002.vdb does not exist\nfailed: sim (vdb.read), frame 5: in.0005.vdb does not exist\n";
     require(bench.run(), 3, both);
     CHECK(bench.files().empty());
-    require(bench.run("-f 1,3"), 0, "done: 2 frames in N s\n");
+    require(bench.run("-f 1,3"), 0, "done: 2 frames in N s -> out/o.####.vdb\n");
     CHECK(bench.files() == Files{"o.0001.vdb", "o.0003.vdb"});
 
-    require(bench.run("--set sim.missing=skip"), 0, "done: 4 frames in N s\n");
+    require(bench.run("--set sim.missing=skip"), 0, "done: 4 frames in N s -> out/o.####.vdb\n");
     CHECK(bench.files() == Files{"o.0001.vdb", "o.0003.vdb", "o.0004.vdb", "o.0006.vdb"});
     fs::remove_all(bench.scratch / "out");
     require(bench.run("--set sim.missing=skip -f 2,5"), 0,
@@ -151,8 +151,19 @@ TEST_CASE("a missing frame is an error before anything runs, is left out, or is 
 
     require(bench.run("--keep-going"), 4, both);
     CHECK(bench.files() == Files{"o.0001.vdb", "o.0003.vdb", "o.0004.vdb", "o.0006.vdb"});
-    require(bench.run("--set sim.missing=hold"), 0, "done: 6 frames in N s\n");
+    require(bench.run("--set sim.missing=hold"), 0, "done: 6 frames in N s -> out/o.####.vdb\n");
     CHECK(bench.files().size() == 6);
+}
+
+TEST_CASE("a run that has nothing to do says so, and where the files are") {
+    const Bench bench;
+    bench.put({1, 2, 3, 4, 5, 6});
+    const auto with = "--work " + (bench.scratch / "kept");
+    require(bench.run(with), 0, "done: 6 frames in N s -> out/o.####.vdb\n");
+    require(bench.run(with), 0, "done: nothing had to be done, all is there already: 6 frames -> out/o.####.vdb\n");
+    require(bench.run(with + " -f 2"), 0, "done: nothing had to be done, all is there already: 1 frame -> out/o.####.vdb\n");
+    fs::remove(bench.scratch / "out/o.0002.vdb");
+    require(bench.run(with + " -f 2"), 0, "done: 1 frame in N s -> out/o.####.vdb\n");
 }
 
 TEST_CASE("where every frame is missing there is nothing to skip or hold") {
@@ -204,6 +215,21 @@ TEST_CASE("a grid that is missing, or of another type, is told with what the fil
     CHECK(bench.files().empty());
 }
 
+TEST_CASE("a grid that a later node lacks is told before anything runs") {
+    const Scratch scratch;
+    const auto call = [&](const std::string& verb, const std::string& more) {
+        return fluidcarve_program(verb + " pipelines/plume.yaml --set out=" + (scratch / "out/o.####.vdb") + " --set seams=" + (scratch / "out/seams.vdb") +
+                                  " --set sheet=" + (scratch / "out/sheet.png") + " " + more);
+    };
+    const std::string unknown = "failed: sheet (preview.sheet), frame 51: 'before' has no grid 'smoke'; known: velocity, density, shadow, temperature, flame\n";
+    require(call("run -q", "--set sheet.grid=smoke"), 3, unknown);
+    require(call("plan", "--set sheet.grid=smoke"), 3, unknown);
+    // A carve keeps the names of the grids.
+    require(call("run -q", "--set sheet.grid=densty --set sheet.before=carved"), 3,
+            "failed: sheet (preview.sheet), frame 51: 'before' has no grid 'densty'; did you mean 'density'?\n");
+    CHECK_FALSE(fs::exists(scratch / "out"));
+}
+
 TEST_CASE("an output over an input is refused, whatever the path, and the input stays") {
     const Bench bench;
     bench.put({1});
@@ -248,7 +274,7 @@ TEST_CASE("a report that a full disk cuts off fails the run, and is not there") 
     bench.put({1});
     bench.scratch.write("p.yaml", "fluidcarve: 1\nnodes:\n  " + std::string(600, 'n') + ": {type: vdb.read, path: in.0001.vdb}\n");
     require(bench.run("--report " + (bench.scratch / "r.json"), disk_of(1)), 1,
-            "done: 1 frames in N s\nfailed: report: cannot write r.json: is the disk full?\n");
+            "done: 1 frame in N s\nfailed: report: cannot write r.json: is the disk full?\n");
     CHECK(bench.files(".") == Files{"in.0001.vdb", "p.yaml"});
 }
 
@@ -324,8 +350,8 @@ TEST_CASE("with a manifest, a byte that rotted in a volume is told, and nothing 
     const Bench bench;
     bench.put({1, 2, 3, 4, 5, 6});
     const auto with = " --manifest " + (bench.scratch / "shot.manifest");
-    require(bench.run("-f 1-4" + with), 0, "manifest shot.manifest: 0 files are as it lists them, 4 added\ndone: 4 frames in N s\n");
-    require(bench.run("--no-cache" + with), 0, "manifest shot.manifest: 4 files are as it lists them, 2 added\ndone: 6 frames in N s\n");
+    require(bench.run("-f 1-4" + with), 0, "manifest shot.manifest: 0 files are as it lists them, 4 added\ndone: 4 frames in N s -> out/o.####.vdb\n");
+    require(bench.run("--no-cache" + with), 0, "manifest shot.manifest: 4 files are as it lists them, 2 added\ndone: 6 frames in N s -> out/o.####.vdb\n");
     const auto manifest = Scratch::read(bench.scratch / "shot.manifest");
     fs::remove_all(bench.scratch / "out");
     const auto whole = Scratch::read(small_vdb);
@@ -342,7 +368,7 @@ TEST_CASE("with a manifest, a byte that rotted in a volume is told, and nothing 
     require(bench.run("--no-cache --keep-going" + with), 4, told);
     CHECK(bench.files() == Files{"o.0001.vdb", "o.0002.vdb", "o.0004.vdb", "o.0005.vdb", "o.0006.vdb"});
     bench.scratch.write("in.0003.vdb", whole);
-    require(bench.run(with), 0, "manifest shot.manifest: 6 files are as it lists them, 0 added\ndone: 6 frames in N s\n");
+    require(bench.run(with), 0, "manifest shot.manifest: 6 files are as it lists them, 0 added\ndone: 6 frames in N s -> out/o.####.vdb\n");
     CHECK(Scratch::read(bench.scratch / "shot.manifest") == manifest);
 }
 

@@ -1,6 +1,7 @@
 #include "tests/support/program.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 
@@ -35,12 +36,6 @@ TEST_CASE("check points to what is wrong in a program, inside the pipeline file"
           "      @energy = speed + 2 * @d +;\n"
           "                                ^\n");
     CHECK(checked(inputs + "    params: {gain: 2, gap: 1}\n    code: \"@energy = $gian * @d * $gap + length(v@vle);\"\n") ==
-          "p.yaml:7:13: energy.ax 'inputs' has 'vel', which the program never reads\n"
-          "    inputs: {d: sim.density, vel: sim.velocity}\n"
-          "            ^\n"
-          "p.yaml:8:13: energy.ax 'params' has 'gain', which the program never reads\n"
-          "    params: {gain: 2, gap: 1}\n"
-          "            ^\n"
           "p.yaml:9:22: energy.ax 'code': '$gian' is not among the params; did you mean 'gain'?\n"
           "    code: \"@energy = $gian * @d * $gap + length(v@vle);\"\n"
           "                     ^\n"
@@ -56,6 +51,34 @@ TEST_CASE("check points to what is wrong in a program, inside the pipeline file"
           "    inputs: {}\n"
           "            ^\n");
     CHECK(checked(inputs + "    code: \"@energy = @d + length(v@vel);\"\n").empty());
+}
+
+TEST_CASE("an input that the program does not read, as while a line is left out for a try, is warned of by check and run") {
+    const Scratch scratch;
+    const auto file = scratch.write("p.yaml", pipeline("    inputs: {d: sim.density, vel: sim.velocity}\n    params: {gain: 2}\n"
+                                                       "    code: |\n      @energy = @d;\n      // @energy += $gain * length(v@vel);\n"));
+    const auto check = fluidcarve_program("check " + file);
+    CHECK(check.code == 0);
+    CHECK(check.err == file +
+                           ":7:13: warning: energy.ax 'inputs' has 'vel', which the program never reads\n"
+                           "    inputs: {d: sim.density, vel: sim.velocity}\n"
+                           "            ^\n" +
+                           file +
+                           ":8:13: warning: energy.ax 'params' has 'gain', which the program never reads\n"
+                           "    params: {gain: 2}\n"
+                           "            ^\n");
+    const auto json = nlohmann::json::parse(fluidcarve_program("check --json " + file).out);
+    REQUIRE(json.size() == 2);
+    CHECK(json[0] ==
+          nlohmann::json{{"file", file}, {"line", 7}, {"column", 13}, {"message", "warning: energy.ax 'inputs' has 'vel', which the program never reads"}});
+    const auto ran = fluidcarve_program("run --progress none " + file + " --to mine --report " + (scratch / "r.json"));
+    CHECK(ran.code == 0);
+    CHECK_THAT(ran.err, Catch::Contains("warning: mine (energy.ax): 'inputs' has 'vel', which the program never reads\n"
+                                        "warning: mine (energy.ax): 'params' has 'gain', which the program never reads\n"));
+    const auto report = nlohmann::json::parse(Scratch::read(scratch / "r.json"));
+    REQUIRE(report["warnings"].size() == 2);
+    CHECK(report["warnings"][1] == nlohmann::json{{"node", "mine"}, {"message", "'params' has 'gain', which the program never reads"}});
+    CHECK_THAT(fluidcarve_program("run --progress none " + file + " --to sim").err, !Catch::Contains("warning"));
 }
 
 TEST_CASE("a program from the command line is checked there") {

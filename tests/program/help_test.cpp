@@ -47,6 +47,19 @@ TEST_CASE("a verb that is none is answered with the nearest one") {
     CHECK_THAT(fluidcarve_program("carve").err, Catch::StartsWith("there is no verb 'carve'; known: run, check, "));
 }
 
+TEST_CASE("nodes lists a family, and answers a name that is none with near ones") {
+    const auto mask = fluidcarve_program("nodes mask");
+    CHECK(mask.code == 0);
+    CHECK_THAT(mask.out, Catch::StartsWith("mask\n  mask.below_surface  ") && Catch::Contains("\n  mask.threshold      ") && !Catch::Contains("seam."));
+    CHECK(fluidcarve_program("nodes mask --markdown").out.starts_with("## mask\n\n### mask.below_surface\n"));
+    CHECK(fluidcarve_program("nodes mask --json").out.starts_with("{\n  \"nodes\": [\n    {\n      \"name\": \"mask.below_surface\","));
+    CHECK(fluidcarve_program("nodes energi").err == "there is no node type or family 'energi'; did you mean 'energy'?\n");
+    CHECK_THAT(fluidcarve_program("nodes gradient").err,
+               Catch::StartsWith("there is no node type or family 'gradient'; did you mean 'energy.gradient' or 'field.gradient'"));
+    CHECK(fluidcarve_program("nodes mask.spere").err == "there is no node type 'mask.spere'; did you mean 'mask.sphere'?\n");
+    CHECK(fluidcarve_program("nodes mask.spere").code == 2);
+}
+
 TEST_CASE("bash completes verbs, options, choices and node types") {
     const auto complete = [](const std::string& words, int at) {
         return call_shell("PATH=$(dirname " FLUIDCARVE_PROGRAM "):$PATH bash -c 'source <(fluidcarve completion bash); COMP_WORDS=(" + words +
@@ -57,6 +70,8 @@ TEST_CASE("bash completes verbs, options, choices and node types") {
     CHECK(complete("fluidcarve run --to", 2) == "--to\n");
     CHECK(complete("fluidcarve graph --format s", 3) == "svg\n");
     CHECK(complete("fluidcarve nodes seam.p", 2) == "seam.pyramid\n");
+    CHECK(complete("fluidcarve nodes rig", 2) == "rig rig.advect rig.circle rig.curve rig.points rig.transform\n");
+    CHECK(complete("fluidcarve diff --pi", 2) == "--picture\n");
     CHECK(complete("fluidcarve run pipelines/plume_w", 2) == "pipelines/plume_wide.yaml\n");
     CHECK(fluidcarve_program("completion zsh").out.starts_with("#compdef fluidcarve\n"));
     CHECK(fluidcarve_program("completion fish").code == 2);

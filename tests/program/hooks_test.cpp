@@ -30,5 +30,7 @@ TEST_CASE("a hook of the wrong signature does not compile, and the compiler says
     CHECK_THAT(compiled("static bool wants(int) { return true; }"), Catch::Contains("`wants` must be `static bool wants(const Params&, const Context&)`"));
     CHECK_THAT(compiled("static void survey() {}"), Catch::Contains("`survey` must be `static void survey(const Params&, Survey&)`"));
     CHECK_THAT(compiled("static void foresee() {}"), Catch::Contains("`foresee` must be `static void foresee(const Params&, Outlook&)`"));
+    CHECK_THAT(compiled("static void conclude(int) {}"),
+               Catch::Contains("`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`"));
     CHECK_THAT(compiled("static int digest(int) { return 0; }"), Catch::Contains("`digest` must be `static std::shared_ptr<T> digest("));
 }

@@ -71,6 +71,24 @@ TEST_CASE("a painted image is a mask: what is bright in it no seam passes") {
     CHECK(kept["energy"][0] > free["energy"][0]);
 }
 
+TEST_CASE("a painted mask of another size than the image is refused before anything runs, with both sizes") {
+    const Scratch scratch;
+    const auto file = scratch.write("p.yaml", "fluidcarve: 1\nextends: " SOURCE_ROOT
+                                              "/pipelines/image.yaml\nnodes:\n"
+                                              "  paint: {type: image.read, path: " TEST_DATA
+                                              "/images/rocket.jpg, channels: {red: R}}\n"
+                                              "  bright: {type: mask.threshold, field: paint.red, above: 0.75}\n"
+                                              "  wide: {type: mask.dilate, mask: bright, voxels: 1}\n  seams: {protect: wide}\n");
+    for (const std::string options : {"run -q ", "run -q --keep-going ", "plan "}) {
+        const auto called = fluidcarve_program(options + file + " --to seams --set photo=" TEST_DATA "/images/chelsea.png");
+        CHECK(called.code == 3);
+        CHECK(called.out == "");
+        CHECK(called.err ==
+              "failed: seams (seam.pyramid): it lays pictures of two sizes over each other: 'photo' reads 451 x 300 pixels, but 'paint' 640 x 427; scale one "
+              "of them to the size of the other\n");
+    }
+}
+
 TEST_CASE("a damaged image is an input that can't be read: exit code 3, its name, and no output") {
     const Scratch scratch;
     const auto whole = Scratch::read(TEST_DATA "/images/rocket.jpg");

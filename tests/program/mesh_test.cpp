@@ -6,9 +6,9 @@
 
 namespace {
 
-/// A plume's seams, found in one file, and a mesh carved by them.
+/// A plume's seams, found in one file, and a mesh carved by them. The file holds the mesh and nothing else.
 std::string pipeline(const std::string& frames, const std::string& count, const std::string& mesh, const std::string& out, const std::string& more = {}) {
-    return "fluidcarve: 1\n" + frames +
+    return "fluidcarve: 1\nprovenance: false\n" + frames +
            "nodes:\n  sim: {type: vdb.read, path: " TEST_DATA
            "/plume/plume.0051.vdb, grids: {density: float}}\n"
            "  energy: {type: energy.gradient, field: sim.density}\n  box: {type: lattice.box, fit: sim.density}\n"

@@ -159,6 +159,8 @@ TEST_CASE("exit codes and channels are the contract's") {
     CHECK(fluidcarve_program("run " + path + " --keep-going --progress none").code == 4);
     CHECK(fluidcarve_program("run " + path + " -f 9").err == "-f: 9 is not in the sequence 1-3\n");
     CHECK(fluidcarve_program("run " + path + " --to otu").err == "--to: there is no node 'otu'; did you mean 'out'?\n");
+    CHECK(fluidcarve_program("run " + path + " --only otu").err == "--only: there is no node 'otu'; did you mean 'out'?\n");
+    CHECK(fluidcarve_program("run " + path + " --from otu").err == "--from: there is no node 'otu'; did you mean 'out'?\n");
     CHECK(fluidcarve_program("run " + path + " --memory lots").err == "--memory wants a size such as 8G, not 'lots'\n");
 
     scratch.write("bad.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.raed, path: a}\n");
@@ -183,6 +185,7 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
                                 " ]; do sleep 0.02; done; kill -INT $pid; begin=$(date +%s%N); wait $pid; code=$?; " +
                                 "echo $(( ($(date +%s%N) - begin) / 1000000 )); exit $code)");
     CHECK(ran.code == 130);
+    CHECK_THAT(ran.err, Catch::EndsWith("interrupted; run it again to go on\n"));
     CHECK(std::stoi(ran.out) < 1000);
     const auto files = files_in(scratch);
     CHECK(files.size() > 2);
@@ -338,7 +341,8 @@ TEST_CASE("inspect looks into files one by one: what can't be read is told, the 
     CHECK(json["files"][1]["grids"][0]["name"] == "density");
     const auto text = fluidcarve_program("inspect README.md");
     CHECK(text.code == 2);
-    CHECK(text.err == "inspect reads files that end in .vdb, not README.md\n");
+    CHECK(text.err ==
+          "inspect reads files that end in .vdb, .png, .exr, .jpg, .jpeg, .tif, .tiff, .obj, .ply, .off, .stl, .csv, and folders of them, not README.md\n");
 }
 
 TEST_CASE("a file that makes its reader loop or crash is damaged, and that is all") {

@@ -1,4 +1,5 @@
 #include "runtime/keep/dependencies.h"
+#include "graph/build_pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

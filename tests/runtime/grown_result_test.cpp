@@ -9,13 +9,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A node that wants so many of the numbers.
+/// A node that wants so many of the numbers. @param fewer  whether fewer are enough, if there are no more
 struct Wanting {
-    explicit Wanting(int count) {
+    explicit Wanting(int count, bool fewer = false) {
         const auto params = std::make_shared<toy::Top::Params>();
         params->count = count;
         node.params = params;
         type.growth = toy::Top::growth();
+        type.growth->best_effort = "fewer";
+        ParamSpec spec;
+        spec.name = "fewer";
+        spec.text = [fewer](const void*) { return ParamTraits<bool>::text(fewer); };
+        type.params.push_back(spec);
         type.growth->warnings = [](const Json& entry) {
             const auto steps = entry.at("steps").size();
             return steps > 1 ? std::vector{fmt::format("{} numbers", steps)} : std::vector<std::string>();
@@ -27,6 +32,9 @@ struct Wanting {
 };
 
 GrownResult result_of(std::size_t count, std::uint64_t bytes = 0, bool part = false) { return {{count, 0}, bytes, part}; }
+
+/// A result with all items that there are.
+GrownResult exhausted(std::size_t count, std::uint64_t bytes = 0) { return {{count, 0}, bytes, false, true}; }
 
 }  // namespace
 
@@ -41,6 +49,26 @@ TEST_CASE("a header says how much of a growing result there is") {
     CHECK(read->extent.of == 7);
     CHECK(read->bytes == 50);
     CHECK(read->part);
+    CHECK(!read->exhausted);
+    auto last = Json::object();
+    exhausted(3, 50).describe(last);
+    CHECK(last.dump() == R"({"size":50,"extent":{"count":3,"of":0},"exhausted":true})");
+    CHECK(GrownResult::in(last)->exhausted);
+}
+
+TEST_CASE("a result that can't grow is enough for those who take fewer than they want, and for them alone") {
+    CHECK(exhausted(2).enough_for(Wanting(5, true).node));
+    CHECK(!exhausted(2).enough_for(Wanting(5).node));
+    CHECK(!result_of(2).enough_for(Wanting(5, true).node));
+    CHECK(exhausted(2).enough_for(Wanting(2).node));
+    // What is reported with it speaks of more.
+    CHECK(!exhausted(2).fits(Wanting(2).node));
+    CHECK(takes_fewer(Wanting(5, true).node));
+    CHECK(!takes_fewer(Wanting(5).node));
+    // It takes the place of one that might grow, never the reverse.
+    CHECK(!result_of(2, 10).holds(exhausted(2, 10)));
+    CHECK(exhausted(2, 10).holds(result_of(2, 20)));
+    CHECK(!exhausted(2, 10).holds(result_of(3, 20)));
 }
 
 TEST_CASE("a result serves smaller wishes, but fits only if it is complete and as large as the wish") {

@@ -1,4 +1,5 @@
 #include "runtime/page/html_report.h"
+#include "graph/build_pipeline.h"
 
 #include "runtime/page/plot.h"
 #include "tests/support/scratch.h"
@@ -113,6 +114,24 @@ TEST_CASE("a page says how the run ended, what failed and what it warned of") {
     CHECK_THAT(section(page, "Failures"), Catch::Contains("Failed frames: 1,3<") && Catch::Contains("square (toy.square), frame 3</small>too large") &&
                                               Catch::Contains("best (toy.top)</small>needs every frame"));
     CHECK_THAT(section(page, "Warnings"), Catch::Contains("count (toy.count)</small>odd"));
+}
+
+TEST_CASE("a page shows what a carve did to each grid, before and after, and not frame by frame") {
+    Bench bench;
+    CHECK_THAT(bench.page(), !Catch::Contains("<h2>Carved grids"));
+    bench.report["grids"] = Json::parse(R"({"carved": {"a<b": {"frames": 3,
+        "before": {"box": [[-0.5, 0, 1], [9.5, 4, 3]], "mass": 160.0, "highest": 1.5, "centre": [4.5, 1.5, 2.25], "flicker": 0.125}, "after": {"mass": 0.0}}}})");
+    bench.report["grids_by_frame"] = Json::parse(R"({"carved": {"1": {"a<b": {}}}})");
+    const auto page = bench.page();
+    CHECK(well_formed(page));
+    CHECK_THAT(section(page, "Carved grids"),
+               Catch::Contains("<tr><th>carved.a&lt;b before</th><td class=\"number\">10 × 4 × 2</td><td class=\"number\">160</td><td class=\"number\">1.5</td>"
+                               "<td class=\"number\">4.5, 1.5, 2.25</td><td class=\"number\">0.125</td></tr>") &&
+                   Catch::Contains("<tr><th>carved.a&lt;b after</th><td class=\"number\">empty</td><td class=\"number\">0</td><td class=\"number\"></td>"));
+    CHECK_THAT(page, !Catch::Contains("<h2>Grids"));
+    // A plugin may give the section another form.
+    bench.report["grids"] = Json::parse(R"({"carved": 3, "other": {"a": [1], "b": {"before": {"box": [1, [2], "x"]}}}})");
+    CHECK(well_formed(bench.page()));
 }
 
 TEST_CASE("a run that never began has a page: what failed, and the pipeline") {

@@ -1,4 +1,5 @@
 #include "runtime/plan/plan.h"
+#include "graph/build_pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -62,6 +63,8 @@ pass: count, share, print; delivers print
     CHECK(text(make_plan(pipeline, {"early", "count", false}), pipeline) == "pass: count, early; delivers early\n");
     CHECK(fault_of({"shar", "", false}, pipeline) == "--to: there is no node 'shar'; did you mean 'share'?");
     CHECK(fault_of({"share.number", "", false}, pipeline) == "--to: 'share' (toy.share) has no output 'number', and no input that it takes frame by frame");
+    CHECK(fault_of({"shar", "", true}, pipeline) == "--only: there is no node 'shar'; did you mean 'share'?");
+    CHECK(fault_of({"share.number", "", true}, pipeline) == "--only: 'share' (toy.share) has no output 'number', and no input that it takes frame by frame");
     CHECK(fault_of({"share.share", "", false}, pipeline) == "");
     CHECK(fault_of({"", "prin", false}, pipeline) == "--from: there is no node 'prin'; did you mean 'print'?");
     CHECK(fault_of({"early", "share", false}, pipeline) == "--from share --to early: 'early' does not depend on 'share'");

@@ -1,4 +1,5 @@
 #include "runtime/tell/profile.h"
+#include "graph/build_pipeline.h"
 
 #include "runtime/run/run.h"
 #include "tests/support/scratch.h"

@@ -1,4 +1,5 @@
 #include "runtime/tell/report.h"
+#include "graph/build_pipeline.h"
 #include "runtime/tell/progress.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"

@@ -1,4 +1,5 @@
 #include "runtime/plan/schedule.h"
+#include "graph/build_pipeline.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -97,4 +98,21 @@ TEST_CASE("a gatherer takes a cached digest without the frame") {
     const auto some = make_schedule(pipeline, digests, {false, true}, {no, no, yes, no});
     CHECK(text(some, pipeline) == "0.1: run load, into top\n");
     CHECK(some.gathers == std::vector<char>{0, 0});
+}
+
+TEST_CASE("a writer has what its files state the checksum of, also where all that it reads is cached") {
+    const Registry registry = toy::registry();
+    auto pipeline = pipeline_of(
+        "  load: {type: toy.load, path: in.##}\n  square: {type: toy.square, number: load}\n"
+        "  top: {type: toy.top, number: load, count: 1}\n  save: {type: toy.save, number: square, path: out.##}\n",
+        registry);
+    const auto plan = make_plan(pipeline, {});
+    const auto top = static_cast<std::size_t>(pipeline.find("top") - pipeline.nodes.data());
+    const auto save = static_cast<std::size_t>(pipeline.find("save") - pipeline.nodes.data());
+    const auto known = [&](std::size_t node, std::size_t) { return node != save; };
+    const auto once = [&](const auto& cached) { return make_schedule(pipeline, plan, {true, true}, {cached, yes, yes, no}).once[top]; };
+    CHECK(once(known) == Schedule::Action::none);
+    pipeline.nodes[save].checksummed = {{top, 0}};
+    CHECK(once(known) == Schedule::Action::load);
+    CHECK(once(yes) == Schedule::Action::none);
 }

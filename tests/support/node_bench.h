@@ -84,6 +84,7 @@ public:
         std::map<int, std::string> absent;
         std::map<std::string, Region> regions;  ///< by output
         std::vector<std::string> warnings;
+        std::vector<Pick> picked;
         const std::vector<int>& frames() const override { return all; }
         void stands_in(int frame, int file) override { stood_in[frame] = file; }
         void leave_out(int frame) override { left_out.insert(frame); }
@@ -92,11 +93,23 @@ public:
         bool needs(int) const override { return true; }
         bool wants(std::string_view) const override { return true; }
         void lies(std::string_view output, const Region& region) override { regions.emplace(output, region); }
+        const std::vector<Pick>& picks() const override { return picked; }
         void warn(const std::string& message) override { warnings.push_back(message); }
+        void delivers(int frame, std::string_view output, Foreseen what) override { delivered[{frame, std::string(output)}] = std::move(what); }
+        const Foreseen* receives(int, std::string_view input) const override {
+            const auto found = received.find(std::string(input));
+            return found == received.end() ? nullptr : &found->second;
+        }
+        std::map<std::pair<int, std::string>, Foreseen> delivered;
+        std::map<std::string, Foreseen> received;  ///< by input, in all frames
     };
-    Surveyed survey(std::vector<int> frames) const {
+    /// @param received  what readers say of the inputs
+    /// @param picks     parts that other nodes take of its first output
+    Surveyed survey(std::vector<int> frames, std::map<std::string, Foreseen> received = {}, std::vector<Pick> picks = {}) const {
         Surveyed out;
         out.all = std::move(frames);
+        out.received = std::move(received);
+        out.picked = std::move(picks);
         type_.survey(params_.get(), out);
         return out;
     }
@@ -136,6 +149,7 @@ private:
         std::vector<std::string> names(std::string_view) const override { return {}; }
         void fault(std::string_view field, const std::string& message) override { faults += std::string(field) + ": " + message + "\n"; }
         void fault(const Mark& at, const std::string& message) override { faults += std::to_string(at.line) + ": " + message + "\n"; }
+        void warn(std::string_view, const std::string&) override {}
     };
 
     std::map<std::string, Payload> outputs(const void* made) const {

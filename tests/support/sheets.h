@@ -2,7 +2,9 @@
 
 #include "nodes/preview/sheet_rows.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve::test {
@@ -29,11 +31,11 @@ inline SheetFrame frame_of(int number, FloatGrid::ConstPtr before, FloatGrid::Co
     return out;
 }
 
-inline SheetWish wish_for(View view = View::y, SheetWish::Show show = SheetWish::Show::maximum) {
+inline SheetWish wish_for(View view = View::y, std::vector<SheetWish::Show> shows = {SheetWish::Show::maximum}) {
     SheetWish out;
     out.grid = "density";
     out.view = view;
-    out.show = show;
+    out.shows = std::move(shows);
     out.difference = false;
     return out;
 }
@@ -50,18 +52,18 @@ inline std::vector<std::string> names_of(const SheetPage& page) {
     return out;
 }
 
-/// Pixels of a colour in the panels of a sheet, and the rectangle that they span.
 inline constexpr int panels_left = 246;
 
+/// Pixels of a colour, and the rectangle that they span.
 struct Found {
     int count = 0;
     int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
 };
 
-inline Found find(const Canvas& canvas, Colour colour) {
+inline Found find_within(const Canvas& canvas, Colour colour, int left, int top, int bottom) {
     Found out;
-    for (int y = 92; y < canvas.height() - 32; ++y)
-        for (int x = panels_left; x < canvas.width(); ++x)
+    for (int y = top; y < bottom; ++y)
+        for (int x = left; x < canvas.width(); ++x)
             if (canvas.at(x, y) == colour) {
                 ++out.count;
                 out.left = std::min(out.left, x), out.right = std::max(out.right, x);
@@ -69,5 +71,11 @@ inline Found find(const Canvas& canvas, Colour colour) {
             }
     return out;
 }
+
+/// In the panels of a sheet.
+inline Found find(const Canvas& canvas, Colour colour) { return find_within(canvas, colour, panels_left, 92, canvas.height() - 32); }
+
+/// In the head of a sheet.
+inline Found find_in_head(const Canvas& canvas, Colour colour) { return find_within(canvas, colour, 0, 0, 68); }
 
 }  // namespace fluidcarve::test

@@ -96,17 +96,24 @@ void ExpressionChecker::fault(const Node& node, const std::string& message) {
     faults_.push_back({"code", line, column, message});
 }
 
-/// Reports faults of names: an output that is never written, inputs and constants that are never read.
+void ExpressionChecker::name_fault(const Node& node, const std::string& name, const std::string& message) {
+    if (faulty_names_.insert(name).second) fault(node, message);
+}
+
 void ExpressionChecker::check_names() {
-    const auto whole = [&](const char* field, const std::string& message) { faults_.push_back({field, 0, 0, message}); };
-    if (!writes_) whole("code", fmt::format("never writes @{}", expression_.output));
-    for (const auto& input : expression_.inputs) {
-        if (input == expression_.output) whole("inputs", fmt::format("can't have the name '{}': it is the output's name", input));
-        else if (std::none_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == input; }))
-            whole("inputs", fmt::format("has '{}', which the program never reads", input));
-    }
+    if (!writes_) faults_.push_back({"code", 0, 0, fmt::format("never writes @{}", expression_.output)});
+    if (std::find(expression_.inputs.begin(), expression_.inputs.end(), expression_.output) != expression_.inputs.end())
+        faults_.push_back({"inputs", 0, 0, fmt::format("can't have the name '{}': it is the output's name", expression_.output)});
+}
+
+void ExpressionChecker::warn_of_unread() {
+    const auto warn = [&](const char* field, const std::string& name) {
+        faults_.push_back({field, 0, 0, fmt::format("has '{}', which the program never reads", name), true});
+    };
+    for (const auto& input : expression_.inputs)
+        if (std::none_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == input; })) warn("inputs", input);
     for (const auto& [name, value] : expression_.constants)
-        if (!constants_read_.contains(name)) whole("params", fmt::format("has '{}', which the program never reads", name));
+        if (!constants_read_.contains(name)) warn("params", name);
 }
 
 ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
@@ -135,7 +142,8 @@ void ExpressionChecker::require_writable(const Node& target) {
     if (node->nodetype() == Node::ArrayUnpackNode) node = as<ast::ArrayUnpack>(*node).expression();
     if (node->nodetype() == Node::AttributeNode) {
         const auto& attribute = as<ast::Attribute>(*node);
-        if (attribute.name() != expression_.output) fault(target, fmt::format("'@{}' can't be written to; write to @{}", attribute.name(), expression_.output));
+        if (attribute.name() != expression_.output)
+            name_fault(target, "@" + attribute.name(), fmt::format("'@{}' can't be written to; write to @{}", attribute.name(), expression_.output));
         writes_ = true;
     } else if (node->nodetype() == Node::LocalNode && counters_.contains(as<ast::Local>(*node).name())) {
         fault(target, fmt::format("'{}' counts a loop and can't be changed inside it", as<ast::Local>(*node).name()));
@@ -193,23 +201,24 @@ ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node
     const auto type = node.type();
     const auto written = node.tokenname();
     if (node.name() == expression_.output) {
-        if (type != tokens::FLOAT) fault(node, fmt::format("@{} is a number, not '{}'", node.name(), written));
+        if (type != tokens::FLOAT) name_fault(node, "@" + node.name(), fmt::format("@{} is a number, not '{}'", node.name(), written));
         return known(tokens::FLOAT);
     }
     const auto& inputs = expression_.inputs;
     if (std::find(inputs.begin(), inputs.end(), node.name()) == inputs.end()) {
-        fault(node, fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
+        name_fault(node, "@" + node.name(), fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
         return {type, true};
     }
     if (type != tokens::FLOAT && type != tokens::VEC3F)
-        fault(node, fmt::format("an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
+        name_fault(node, "@" + node.name(),
+                   fmt::format("an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
     const bool vector = type == tokens::VEC3F;
     const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == node.name(); });
     if (found == reads_.end()) {
         const auto [line, column] = source_.place(node);
         reads_.push_back({node.name(), vector, line, column});
     } else if (found->vector != vector) {
-        fault(node, fmt::format("'{}' is read as @{} and as v@{}; it can't be both", node.name(), node.name(), node.name()));
+        name_fault(node, "@" + node.name(), fmt::format("'{}' is read as @{} and as v@{}; it can't be both", node.name(), node.name(), node.name()));
     }
     return known(type);
 }
@@ -219,20 +228,30 @@ ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable
     if (found == expression_.constants.end()) {
         std::vector<std::string> names;
         for (const auto& [name, value] : expression_.constants) names.push_back(name);
-        fault(node, fmt::format("'${}' is not among the params{}", node.name(), did_you_mean(node.name(), names)));
+        name_fault(node, "$" + node.name(), fmt::format("'${}' is not among the params{}", node.name(), did_you_mean(node.name(), names)));
         return {node.type(), true};
     }
     constants_read_.insert(node.name());
     const bool vector = std::holds_alternative<Vec3>(found->second);
     if (node.type() != (vector ? tokens::VEC3F : tokens::FLOAT))
-        fault(node, fmt::format("'{0}' is a {1}: write {2}${0}", node.name(), vector ? "vector" : "number", vector ? "v" : ""));
+        name_fault(node, "$" + node.name(), fmt::format("'{0}' is a {1}: write {2}${0}", node.name(), vector ? "vector" : "number", vector ? "v" : ""));
     return known(node.type());
 }
 
-ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) const {
-    for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+ExpressionChecker::Known ExpressionChecker::local(const ast::Local& node) {
+    std::vector<std::string> declared;
+    for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
         if (const auto found = scope->find(node.name()); found != scope->end()) return known(found->second);
-    return {Type::UNKNOWN, true};  // the compiler reports an unknown variable
+        for (const auto& [name, type] : *scope) declared.push_back(name);
+    }
+    const auto& name = node.name();
+    const auto& inputs = expression_.inputs;
+    std::string remedy = did_you_mean(name, declared);
+    if (name == expression_.output) remedy = fmt::format("; write @{} for the output", name);
+    else if (std::find(inputs.begin(), inputs.end(), name) != inputs.end()) remedy = fmt::format("; write @{0} or v@{0} for the input", name);
+    else if (expression_.constants.contains(name)) remedy = fmt::format("; write ${0} or v${0} for the param", name);
+    name_fault(node, name, fmt::format("there is no variable '{}'{}", name, remedy));
+    return {Type::UNKNOWN, true};
 }
 
 ExpressionChecker::Known ExpressionChecker::cast(const ast::Cast& node) {
@@ -269,7 +288,7 @@ ExpressionChecker::Known ExpressionChecker::assign(const ast::AssignExpression& 
                           ? known(tokens::FLOAT)
                           : visit(target);
     if (target->nodetype() == Node::AttributeNode && as<ast::Attribute>(*target).name() == expression_.output && left.type != tokens::FLOAT)
-        fault(node, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
+        name_fault(node, "@" + expression_.output, fmt::format("@{} is a number, not '{}'", expression_.output, as<ast::Attribute>(*target).tokenname()));
     // The parser keeps `a /= b` as an assignment with a division.
     const auto operation = node.operation();
     if (operation == tokens::SHIFTLEFT || operation == tokens::SHIFTRIGHT) fault(node, "bit shifts are not supported");
@@ -315,7 +334,7 @@ ExpressionChecker::Known ExpressionChecker::call(const ast::FunctionCall& node) 
     if (found == functions().end()) {
         std::vector<std::string> names;
         for (const auto& [each, gives] : functions()) names.push_back(each);
-        fault(node, fmt::format("there is no function '{}'{}", name, did_you_mean(name, names)));
+        name_fault(node, name + "()", fmt::format("there is no function '{}'{}", name, did_you_mean(name, names)));
         return {Type::UNKNOWN, true};
     }
     if (name.starts_with("rand") && arguments.empty())
@@ -381,14 +400,17 @@ std::optional<double> ExpressionChecker::rounds(const ast::Loop& node) const {
 
 ExpressionChecker::Known ExpressionChecker::loop(const ast::Loop& node) {
     const auto count = rounds(node);
-    if (!count) {
+    if (!count)
         fault(node, fmt::format("'{}' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break",
                                 tokens::loopNameFromToken(node.loopType())));
-        return {};
-    }
     scopes_.emplace_back();
     visit(node.initial());
     visit(node.condition());
+    if (!count) {
+        visit(node.body());
+        scopes_.pop_back();
+        return {};
+    }
     const auto& counter = as<ast::DeclareLocal>(*node.initial()).local()->name();
     if (!counters_.insert(counter).second)
         fault(node, fmt::format("'{}' already counts a loop around this one; give this loop's counter another name", counter));

@@ -19,7 +19,10 @@ public:
     ExpressionChecker(const Expression& expression, const ExpressionSource& source, std::vector<ExpressionFault>& faults)
         : expression_(expression), source_(source), faults_(faults) {}
 
+    /// Finds all faults, but none that follows from another: a name that is wrong in many places is told once.
     void check();
+    /// Adds a warning for each input and constant that the program never reads. Call it if there are no faults.
+    void warn_of_unread();
 
     /// As CompiledExpression::reads. Valid if there are no faults.
     const std::vector<CompiledExpression::Read>& reads() const { return reads_; }
@@ -35,13 +38,16 @@ private:
     };
 
     void fault(const Node& node, const std::string& message);
+    /// Reports a fault of a name, unless one of that name is reported. @param name  with its sign: "@d", "$gain", "speed", "length()"
+    void name_fault(const Node& node, const std::string& name, const std::string& message);
+    /// Reports an output that is never written, and an input of its name.
     void check_names();
 
     Known visit(const Node* node);
     Known visit_children(const Node& node);
     Known attribute(const openvdb::ax::ast::Attribute& node);
     Known external(const openvdb::ax::ast::ExternalVariable& node);
-    Known local(const openvdb::ax::ast::Local& node) const;
+    Known local(const openvdb::ax::ast::Local& node);
     Known cast(const openvdb::ax::ast::Cast& node);
     Known unary(const openvdb::ax::ast::UnaryOperator& node);
     Known binary(const openvdb::ax::ast::BinaryOperator& node);
@@ -76,6 +82,7 @@ private:
     double rounds_ = 0;               ///< rounds of all loops so far
     int depth_ = 0;
     bool writes_ = false;
+    std::set<std::string> faulty_names_;  ///< names whose fault is told
     bool asks_where_ = false;
 };
 

@@ -42,7 +42,10 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression, 
     checker.check();
     if (faults.size() > before) return nullptr;
 
-    ax::Logger logger([&](const std::string& message) { faults.push_back(fault_of(message)); });
+    // The first message only: the others mostly follow from it.
+    ax::Logger logger([&](const std::string& message) {
+        if (faults.size() == before) faults.push_back(fault_of(message));
+    });
     logger.setNumberedOutput(false);
     logger.setErrorPrefix("");
     const auto out = std::make_shared<Executable>();
@@ -50,9 +53,10 @@ std::shared_ptr<const CompiledExpression> compile(const Expression& expression, 
         const auto tree = rewritten(expression, source, checker.reads(), logger);
         out->program = ax::Compiler().compile<ax::VolumeExecutable>(*tree, logger);
     } catch (const openvdb::Exception& error) {
-        faults.push_back({"code", 0, 0, error.what()});
+        if (faults.size() == before) faults.push_back({"code", 0, 0, error.what()});
     }
     if (faults.size() > before || !out->program) return nullptr;
+    checker.warn_of_unread();
     out->reads = checker.reads();
     out->asks_where = checker.asks_where();
     // By default AX creates a grid of zeros for an unknown name.

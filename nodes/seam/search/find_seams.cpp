@@ -60,8 +60,10 @@ private:
     SlabStore store_;
 };
 
-void require_seam(const EnergyVolume& energy, Window window, int found) {
-    if (!energy.protects()) return;
+/// Where the way of the next seam is blocked, if it is. @param found  number of seams found before
+std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, int found) {
+    std::optional<NoSeam> out;
+    if (!energy.protects()) return out;
     const Columns columns(energy);
     with_costs(energy, [&](const auto& cost_at) {
         std::vector<std::uint16_t> lowest;
@@ -75,9 +77,13 @@ void require_seam(const EnergyVolume& energy, Window window, int found) {
         std::size_t blocked = 0;
         while (blocked < columns.count() && free(blocked) > 0) ++blocked;
         const auto column = blocked < columns.count() ? blocked : *emptied;
-        throw NoSeam(found, {column, window.size(), free(column)});
+        out.emplace(found, NoSeam::Bottleneck{column, window.size(), free(column)});
     });
+    return out;
 }
+
+/// Whether insertions in a window would have to follow the lattice's last vertex.
+bool ends_lattice(Seams::Kind kind, Window window, int width) { return kind == Seams::Kind::insert && window.last == width - 1; }
 
 SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
     std::vector<std::uint16_t> out;
@@ -88,13 +94,15 @@ SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
 
 }  // namespace
 
+int room_in(Seams::Kind kind, Window window, int width) { return window.size() - (ends_lattice(kind, window, width) ? 1 : 0); }
+
 void require_room(Seams::Kind kind, int count, Window window, int width) {
-    const bool at_end = kind == Seams::Kind::insert && window.last == width - 1;
-    const int room = window.size() - (at_end ? 1 : 0);
+    const int room = room_in(kind, window, width);
     if (count <= room) return;
-    throw Failure(fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count),
-                              window.first, window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
-                              at_end ? "; a new vertex goes between two old ones, so none can follow the lattice's last vertex" : ""));
+    throw Failure(
+        fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count), window.first,
+                    window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
+                    ends_lattice(kind, window, width) ? "; a new vertex goes between two old ones, so none can follow the lattice's last vertex" : ""));
 }
 
 NoSeam::NoSeam(int found, const Bottleneck& at)
@@ -127,7 +135,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
     };
     std::vector<std::uint16_t> last;
     for (const auto& seam : continued.before) {
-        tick(static_cast<double>(out.seams.size()) / count);
+        tick(0);
         last.assign(seam.at.begin(), seam.at.begin() + static_cast<std::ptrdiff_t>(columns));
         if (deleted) deleted->from_original(last);
         meet(last);
@@ -135,11 +143,16 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         out.wall_s.push_back(0);
     }
     if (!last.empty() && continued.start_from) continued.start_from(last);
-    for (int n = static_cast<int>(out.seams.size()); n < count; ++n) {
+    const int known = static_cast<int>(out.seams.size());
+    for (int n = known; n < count; ++n) {
         const auto start = std::chrono::steady_clock::now();
         const Window left{window.first, window.last - n};
-        require_seam(energy, left, n);
-        auto seam = find(energy, left, n, [&](double fraction) { tick((n + fraction) / count); });
+        if (auto blocked = blocked_seam(energy, left, n)) {
+            if (!continued.best_effort) throw NoSeam(*blocked);
+            out.no_more = std::move(blocked);
+            break;
+        }
+        auto seam = find(energy, left, n, [&](double fraction) { tick((n - known + fraction) / (count - known)); });
         meet(seam.at);
         if (deleted) deleted->to_original(seam.at.all());
         if (static_) seam.at = repeated(seam.at, volume.frames());

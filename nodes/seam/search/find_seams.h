@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,27 +30,6 @@ using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 /// @param last  its entries in the space in which it was found; those of one frame for static seams
 using StartFrom = std::function<void(std::span<const std::uint16_t> last)>;
 
-/// Seams and what each of them meets.
-struct FoundSeams {
-    std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;               ///< per seam, seconds; 0 for seams that were found before
-    std::vector<double> zero_share;           ///< per seam, share of its columns without energy, 0 to 1
-    std::vector<std::size_t> attracted;       ///< per seam, number of attracted vertices that it takes
-    std::vector<std::size_t> blocked;         ///< per seam, number of protected vertices that it passes
-    std::vector<std::size_t> attracted_left;  ///< per seam, number of attracted vertices that are left after it
-};
-
-/// Continues an earlier search, and tells how far it has come.
-struct Continued {
-    std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
-    StartFrom start_from;             ///< called with the last of them; null: the solver needs none
-    /// Called with all seams found so far, after each new one.
-    std::function<void(const FoundSeams& found)> found;
-    /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.
-    std::uint64_t memory_budget = ~std::uint64_t{0};
-    std::string folder;
-};
-
 /// Thrown if protected vertices leave no way for the next seam.
 struct NoSeam : Failure {
     /// The column that blocks the way: the first one without a free vertex, else the first that can't be reached.
@@ -63,8 +43,34 @@ struct NoSeam : Failure {
     Bottleneck at;
 };
 
-/// Requires that the window has room for `count` seams, at least 0. An insertion stands between an entry and the next, so it cannot take
-/// the lattice's last entry.
+/// Seams and what each of them meets.
+struct FoundSeams {
+    std::vector<Seams::Seam> seams;
+    std::vector<double> wall_s;               ///< per seam, seconds; 0 for seams that were found before
+    std::vector<double> zero_share;           ///< per seam, share of its columns without energy, 0 to 1
+    std::vector<std::size_t> attracted;       ///< per seam, number of attracted vertices that it takes
+    std::vector<std::size_t> blocked;         ///< per seam, number of protected vertices that it passes
+    std::vector<std::size_t> attracted_left;  ///< per seam, number of attracted vertices that are left after it
+    std::optional<NoSeam> no_more = {};       ///< why there are fewer than asked for (Continued::best_effort)
+};
+
+/// Continues an earlier search, and tells how far it has come.
+struct Continued {
+    std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
+    StartFrom start_from;             ///< called with the last of them; null: the solver needs none
+    /// Called with all seams found so far, after each new one.
+    std::function<void(const FoundSeams& found)> found;
+    /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.
+    std::uint64_t memory_budget = ~std::uint64_t{0};
+    std::string folder;
+    bool best_effort = false;  ///< if protected vertices leave no way for the next seam, those found are the result, and nothing is thrown
+};
+
+/// Number of seams that a window has room for. An insertion stands between an entry and the next, so it cannot take the lattice's last entry.
+/// @param width  entries per column
+int room_in(Seams::Kind kind, Window window, int width);
+
+/// Requires that the window has room for `count` seams, at least 0.
 /// @param width  entries per column
 /// @throws Failure that says how many are possible
 void require_room(Seams::Kind kind, int count, Window window, int width);

@@ -20,7 +20,7 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
 
 }  // namespace
 
-std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part, const CarvedSpace& space) {
+std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part, const CarvedSpace& space) {
     const int laterals = task.shape[lateral_dimension(task.axis)];
     const auto per_frame = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(task.shape[2]);
     const auto t = none.at.column / per_frame;
@@ -37,12 +37,17 @@ std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask
     const auto span = fmt::format("{} to {}", window.first, last);
     const auto column = fmt::format("column ({}, {}, {}), from {} to {},", task.axis == Axis::u ? span : std::to_string(lateral),
                                     task.axis == Axis::u ? std::to_string(lateral) : span, k, world(window.first), world(last));
-    return fmt::format("{} possible in {}window [{}, {}]: {} {}; ask for fewer, widen the window or protect less",
-                       none.found == 0 ? "no seam is" : fmt::format("{} of {} seams {}", none.found, task.count, none.found == 1 ? "is" : "are"), part.prefix(),
-                       window.first, window.last, part.static_ ? "over all frames" : fmt::format("in frame {}", space.frames()[t]),
+    return fmt::format("{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last,
+                       part.static_ ? "over all frames" : fmt::format("in frame {}", space.frames()[t]),
                        none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)
                                          : fmt::format("of the {} vertices left in {} {} {} unprotected, but out of reach from the columns beside",
                                                        none.at.vertices, column, none.at.free, none.at.free == 1 ? "is" : "are"));
+}
+
+std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part, const CarvedSpace& space) {
+    return fmt::format("{} possible in {}; ask for fewer, widen the window or protect less{}",
+                       none.found == 0 ? "no seam is" : fmt::format("{} of {} seams {}", none.found, task.count, none.found == 1 ? "is" : "are"),
+                       where_no_more(none, task, part, space), none.found == 0 ? "" : "; `best_effort: true` takes as many as there are");
 }
 
 }  // namespace fluidcarve

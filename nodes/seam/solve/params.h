@@ -51,6 +51,7 @@ struct SolverParams {
     Auto<Interval> pair_window;
     bool static_ = false;
     bool pair_static = false;
+    bool best_effort = false;
     Measure measure = Measure::vertex;
     Auto<Cost> cost;
     float field_weight = 1;

@@ -46,13 +46,31 @@ std::vector<double> wall_seconds(const nlohmann::ordered_json& before, const Fou
     return out;
 }
 
+void set_shortfall(nlohmann::ordered_json& report, std::size_t asked, const std::string& no_more) {
+    report["asked"] = asked;
+    report["no_more"] = no_more;
+}
+
+bool falls_short(const nlohmann::ordered_json& report) { return report.contains("no_more"); }
+
+void end_shortfall(nlohmann::ordered_json& report) {
+    report.erase("asked");
+    report.erase("no_more");
+}
+
 void cut_report(nlohmann::ordered_json& report, std::size_t count) {
     for (auto& [name, list] : report.items())
         if (name != "shape" && list.is_array() && list.size() > count) list.erase(list.begin() + static_cast<std::ptrdiff_t>(count), list.end());
+    if (!falls_short(report)) return;
+    if (report.at("energy").size() >= count) end_shortfall(report);
+    else report["asked"] = count;
 }
 
 std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
     std::vector<std::string> out;
+    if (falls_short(report))
+        out.push_back(fmt::format("finds {} of {} seams, as many as there is room for in {}", report.at("energy").size(), report.at("asked").get<std::size_t>(),
+                                  report.at("no_more").get<std::string>()));
     const auto& zero_share = report.at("zero_share");
     if (const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0); idle > 0)
         out.push_back(

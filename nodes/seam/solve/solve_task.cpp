@@ -5,6 +5,7 @@
 #include "nodes/seam/solve/no_more.h"
 #include "nodes/seam/solve/report.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -27,7 +28,16 @@ public:
     ReportedSeams run() {
         // The pair window comes first: seams there do not move the window below.
         if (task_.pairs) pairs_ = find(*task_.pairs);
-        return whole(find(task_.seams));
+        if (pairs_.no_more) count_ = pairs_.no_more->found;
+        const auto found = find(task_.seams);
+        auto out = whole(found);
+        if (static_cast<int>(found.seams.size()) == task_.count) return out;
+        // A pair without its seam is none.
+        out = out.first(found.seams.size());
+        const auto& part = found.no_more ? task_.seams : *task_.pairs;
+        set_shortfall(out.report, static_cast<std::size_t>(task_.asked),
+                      where_no_more(found.no_more ? *found.no_more : *pairs_.no_more, task_, part, setup_.space));
+        return out;
     }
 
 private:
@@ -39,8 +49,19 @@ private:
         return energies + seams;
     }
 
+    /// Share of this search's work that a part is: by the seams that are yet to be found.
+    double share_of(const SeamTask::Part& part) const {
+        if (!task_.pairs) return 1;
+        const auto left = [&](bool pair) {
+            const auto& before = setup_.before.seams;
+            return std::max(0, task_.count - static_cast<int>(!before ? 0 : pair ? before->pairs.size() : before->seams.size()));
+        };
+        const int all = left(true) + left(false);
+        return all > 0 ? static_cast<double>(left(part.pair)) / all : 0;
+    }
+
     FoundSeams find(const SeamTask::Part& part) {
-        const double share = task_.pairs ? 0.5 : 1;
+        const double share = share_of(part);
         const auto tick = [&](double fraction) {
             context_.check_cancelled();
             context_.progress(done_ + share * fraction);
@@ -54,13 +75,14 @@ private:
         continued.start_from = setup_.start_from;
         continued.found = [&](const FoundSeams& now) {
             // After the last seam, the whole set is delivered anyway.
-            if (part.pair || now.seams.size() < static_cast<std::size_t>(task_.count)) hold(now, part);
+            if (part.pair || now.seams.size() < static_cast<std::size_t>(count_)) hold(now, part);
         };
         continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
         continued.folder = context_.work_folder();
+        continued.best_effort = setup_.best_effort;
         const auto find_bounded = [&](const EnergyVolume& energy, Window now, int number, const Tick& tell) { return bounded(energy, now, number, tell); };
         try {
-            auto out = find_seams(energy_, part.kind, task_.count, part.window, find_bounded, tick, keep, part.static_, continued);
+            auto out = find_seams(energy_, part.kind, count_, part.window, find_bounded, tick, keep, part.static_, continued);
             done_ += share;
             return out;
         } catch (const NoSeam& none) {
@@ -116,6 +138,7 @@ private:
     const SearchSetup& setup_;
     const Context& context_;
     const std::uint64_t taken_;
+    int count_ = task_.count;  ///< of seams to find; after the pairs, as many as there are pairs
     FoundSeams pairs_;
     double done_ = 0;  ///< share of the work, 0 to 1
     Clock::time_point held_ = Clock::now();

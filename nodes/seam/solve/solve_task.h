@@ -24,9 +24,10 @@ struct SearchSetup {
     const StartFrom& start_from;
     std::optional<int> bound_passes;       ///< of lower_bound(); nothing: no passes, and no bound for large energies
     std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
+    bool best_effort = false;              ///< fewer seams than the task wants are a result, too, if no more are possible
 };
 
-/// Finds all seams of a task. Meanwhile hands over those found so far, with their report.
+/// Finds all seams of a task; with `best_effort` perhaps fewer, and the report says why. Meanwhile hands over those found so far, with their report.
 /// @param energy  used up
 /// @throws Failure saying why no more seams are possible; as find_seams()
 ReportedSeams solve_task(EnergyVolume& energy, const SearchSetup& setup, const Context& context);

@@ -11,9 +11,11 @@ namespace fluidcarve {
 
 namespace {
 
+std::string name_of(const CarvedSpace& space) { return space.carved() ? " once the seams of `after` are carved" : ""; }
+
 /// How many vertices the axis has, and which: the end of a message.
 std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
-    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), space.carved() ? " once the seams of `after` are carved" : "", size - 1);
+    return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(space), size - 1);
 }
 
 Window window_of(const std::string& name, const Auto<Interval>& window, Axis axis, int size, const CarvedSpace& space) {
@@ -32,10 +34,17 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
     if (*std::min_element(out.shape.begin(), out.shape.end()) < 1)
         throw Failure(fmt::format("the seams of `after` leave nothing to carve: {} vertices", fmt::join(out.shape, " x ")));
     const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
-    out.count = std::abs(count);
+    require_vertex_left(params, size, name_of(space));
+    out.asked = out.count = std::abs(count);
     const auto part = [&](bool pair, Seams::Kind kind, const Auto<Interval>& window, bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
         part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
+        // One vertex stays.
+        const int room = std::min(room_in(kind, part.window, size), kind == Seams::Kind::remove ? size - 1 : size);
+        if (params.best_effort && room < out.count) {
+            out.count = room;
+            out.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(), part.window.first, part.window.last, to_text(kind), room);
+        }
         require_room(kind, out.count, part.window, size);
         return part;
     };
@@ -44,6 +53,18 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices_along(params.axis, size, space)));
     if (params.pair_window) out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
     return out;
+}
+
+void require_vertex_left(const SolverParams& params, int size, const std::string& space) {
+    const int removed = -params.count.of(size);
+    // A window that leaves out vertices keeps them.
+    const bool all = !params.window || (params.window->low == 0 && params.window->high == size - 1);
+    if (params.best_effort || removed < size || !all) return;
+    const auto count = ParamTraits<Count>::text(params.count);
+    const auto axis = to_text(params.axis) + space;
+    if (size == 1) throw Failure(fmt::format("count {} removes the only vertex along {}; none can go", count, axis));
+    throw Failure(
+        fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count, removed == size ? "all" : "more than the", size, axis, size - 1));
 }
 
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space) {

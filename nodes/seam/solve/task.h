@@ -22,14 +22,22 @@ struct SeamTask {
     };
     Axis axis = Axis::u;
     std::array<int, 3> shape{};  ///< I, J, K of the space
-    int count = 0;               ///< of seams in each part
+    int asked = 0;               ///< number of seams in each part that the parameters want
+    int count = 0;               ///< of seams to find in each part; with `best_effort` no more than there is room for
+    std::string limit;           ///< of fewer than asked for: which window is too small
     Part seams;
     std::optional<Part> pairs;
 };
 
 /// The task that parameters set in a space.
-/// @throws Failure if the space is empty, if a window or the anchor leaves it, or if a window has too little room
+/// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too little room, or as require_vertex_left()
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space);
+
+/// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
+/// @param size   vertices along the axis
+/// @param space  what these are vertices of, for the message: empty, or " once the seams of `after` are carved"
+/// @throws Failure that says how many can go
+void require_vertex_left(const SolverParams& params, int size, const std::string& space);
 
 /// The set of a task that has no seams yet.
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space);

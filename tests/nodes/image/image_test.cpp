@@ -431,31 +431,6 @@ TEST_CASE("channels are outputs of their own, and frames that are missing are he
           "channels: image.read already has an output 'volume'; give this one another name\n");
 }
 
-TEST_CASE("files that are no images are told before a run, with the reason") {
-    const Scratch scratch;
-    const auto told = [&](const std::string& path) {
-        const auto absent = NodeBench(image_read(), "{path: \"" + path + "\"}").survey({1}).absent;
-        return absent.empty() ? std::string() : absent.at(1);
-    };
-    CHECK(told(scratch / "a.png") == scratch / "a.png" + " does not exist");
-    CHECK(told(scratch.path()) == scratch.path() + " is not a file");
-    REQUIRE(mkfifo((scratch / "pipe.png").c_str(), 0600) == 0);
-    CHECK(told(scratch / "pipe.png") == scratch / "pipe.png" + " is a pipe or a device; an image is read from a regular file");
-    CHECK(told(scratch.write("a.png", "")) == scratch / "a.png" + " is empty");
-    CHECK(told(scratch.write("a.png", "PNG it is not")) == scratch / "a.png" + " is not an image in a supported format: PNG, EXR, JPEG, TIFF");
-    // By its bytes, whatever its name.
-    std::filesystem::copy_file(TEST_DATA "/images/chelsea.png", scratch / "b.jpg");
-    CHECK(told(scratch / "b.jpg") == "");
-    for (const auto* start : {"\x89PNG\r\n\x1a\n", "\xff\xd8\xff", "\x76\x2f\x31\x01"})
-        CHECK_THAT(told(scratch.write("c.png", start)), Catch::StartsWith("cannot read " + scratch / "c.png" + ": "));
-
-    // 100000 x 100000 pixels in a header are no reason to ask for forty gigabytes.
-    auto bytes = Scratch::read(TEST_DATA "/images/chelsea.png");
-    const std::string huge("\0\1\x86\xa0\0\1\x86\xa0", 8);
-    bytes.replace(16, 8, huge);
-    CHECK(told(scratch.write("huge.png", bytes)) != "");
-}
-
 TEST_CASE("windows so far off that their pixels can't be counted are refused") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R"}, "half"), 4, 4);

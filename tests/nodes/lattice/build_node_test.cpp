@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <set>
 #include <sstream>
 
 using namespace fluidcarve;
@@ -260,9 +261,14 @@ TEST_CASE("lattice.write draws the lines of a lattice, closed where it is") {
     REQUIRE(all.vertices.size() == 12);
     CHECK(all.vertices[0] == Vec3d(1, 2, 3));
     CHECK(all.vertices[11] == Vec3d(2.5, 3, 3));
-    CHECK(all.lines.size() == 3 + 4);
-    CHECK(all.lines[0] == std::vector<std::size_t>{0, 1, 2, 3});
-    CHECK(all.lines[3] == std::vector<std::size_t>{0, 4, 8});
+    // Each line has two vertices: Blender would read no more of a longer one.
+    CHECK(all.lines.size() == 3 * 3 + 2 * 4);
+    for (const auto& line : all.lines) REQUIRE(line.size() == 2);
+    CHECK(all.lines[0] == std::vector<std::size_t>{0, 1});
+    CHECK(all.lines[2] == std::vector<std::size_t>{2, 3});
+    CHECK(all.lines[3] == std::vector<std::size_t>{4, 5});
+    CHECK(std::set(all.lines.begin() + 9, all.lines.end()) ==
+          std::set<std::vector<std::size_t>>{{0, 4}, {4, 8}, {1, 5}, {5, 9}, {2, 6}, {6, 10}, {3, 7}, {7, 11}});
     const auto some = write("some.obj", box, ", every: 2");
     CHECK(some.vertices == std::vector<Vec3d>{{1, 2, 3}, {2, 2, 3}, {2.5, 2, 3}, {1, 3, 3}, {2, 3, 3}, {2.5, 3, 3}});
 
@@ -270,7 +276,9 @@ TEST_CASE("lattice.write draws the lines of a lattice, closed where it is") {
     const auto drawn = write("ring.obj", ring, "");
     CHECK(drawn.vertices.size() == 11 * 11 * 17);
     for (const auto& vertex : drawn.vertices) REQUIRE(std::abs(std::hypot(vertex.x(), vertex.y()) - 5) < 0.5 + 1e-6);
-    std::size_t closed = 0;
-    for (const auto& line : drawn.lines) closed += line.front() == line.back() ? 1 : 0;
-    CHECK(closed == 11 * 11);
+    // 10 edges along u and along v, 17 around: the last plane is joined to the first.
+    REQUIRE(drawn.lines.size() == 10 * 11 * 17 + 10 * 11 * 17 + 17 * 11 * 11);
+    std::size_t closing = 0;
+    for (const auto& line : drawn.lines) closing += line[0] == line[1] + 11 * 11 * 16 ? 1 : 0;
+    CHECK(closing == 11 * 11);
 }

@@ -405,6 +405,6 @@ TEST_CASE("mesh.read warns of what is unusual, places, and holds or misses frame
     CHECK(mesh->points[1] == Vec3d(3, 0, 0));
     CHECK(heard.warnings == std::vector<std::string>{"1 face with a vertex twice: they are kept as they are"});
     CHECK(test::NodeBench(mesh_read(), "{path: a.abc}").faults() == "path: a.abc: a mesh is a .obj, .ply, .off or .stl file, not '.abc'\n");
-    CHECK(test::NodeBench(mesh_write(), "{path: a}").faults() == "path: a: a mesh is a .obj, .ply, .off or .stl file, not ''\n");
+    CHECK(test::NodeBench(mesh_write(), "{path: a}").faults() == "path: a: a mesh is a .obj, .ply, .off or .stl file, not ''; for USD, write a .usda file\n");
     CHECK(test::NodeBench(mesh_read(), "{path: a.obj, missing: hold}").faults() != "");
 }

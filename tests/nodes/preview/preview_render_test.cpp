@@ -97,7 +97,7 @@ SheetWish render_wish(View view = View::y) {
     SheetWish out;
     out.grid = "density";
     out.view = view;
-    out.show = SheetWish::Show::render;
+    out.shows = {SheetWish::Show::render};
     return out;
 }
 
@@ -186,6 +186,26 @@ TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and 
     const auto burning = render({smoke, flame, {}}, View::y, box, with_fire);
     CHECK(redness(burning, within) > 0.3);
     CHECK(redness(burning, {{17, 6}, {18, 9}}) > redness(burning, {{5, 6}, {8, 9}}) + 0.02);
+}
+
+TEST_CASE("preview render: each stop of exposure makes smoke and fire brighter, and leaves the background") {
+    const Area middle{{-3, -3}, {3, 3}};
+    const auto fire = cube(Coord(-4, -2, -4), Coord(4, 1, 4), 0.2f, "flame");
+    for (const auto& scene : {Scene{ball(), nullptr, {}}, Scene{nullptr, fire, {}}}) {
+        const auto of = [&](double gain) { return render(scene, View::y, around_ball, {1, 1, gain}); };
+        const auto plain_one = of(1), brighter = of(4), darker = of(0.25);
+        CHECK(brightness(brighter, middle) > brightness(plain_one, middle) + 0.05);
+        CHECK(brightness(darker, middle) < brightness(plain_one, middle) - 0.05);
+        for (const auto* shown : {&plain_one, &brighter, &darker}) CHECK(shown->picture.pixels.front() == render_background);
+    }
+    auto wish = render_wish();
+    const auto page = [&] { return page_of(wish, {lit_frame(1, ball(), nullptr)}); };
+    const auto before = page();
+    CHECK(names_of(before) == std::vector<std::string>{"before: lit, seen along y"});
+    wish.exposure = 1.5;
+    const auto after = page();
+    CHECK(names_of(after) == std::vector<std::string>{"before: lit, seen along y, exposure +1.5"});
+    CHECK(brightness(after.rows[0].panels[0].render, middle) > brightness(before.rows[0].panels[0].render, middle) + 0.05);
 }
 
 TEST_CASE("preview render: nothing to see is the plain background") {

@@ -81,7 +81,7 @@ TEST_CASE("the range of values starts at 0, that of differences is the same on b
 }
 
 TEST_CASE("frames go across, kinds of picture down") {
-    auto wish = wish_for(View::y, SheetWish::Show::both);
+    auto wish = wish_for(View::y, {SheetWish::Show::maximum, SheetWish::Show::slice});
     wish.difference = true;
     const auto page =
         page_of(wish, {frame_of(1, cube(Coord(0), 8, 1.0f), cube(Coord(0), 8, 2.0f)), frame_of(2, cube(Coord(0), 8, 3.0f), cube(Coord(0), 8, 4.0f))});
@@ -101,7 +101,7 @@ TEST_CASE("frames go across, kinds of picture down") {
 TEST_CASE("rows whose inputs are missing or that are not wanted are left out") {
     const auto cube_of_one = cube(Coord(0), 8, 1.0f);
     CHECK(names_of(page_of(wish_for(), {frame_of(1, cube_of_one, nullptr)})) == Names{"before: maximum along y"});
-    CHECK(names_of(page_of(wish_for(View::x, SheetWish::Show::slice), {frame_of(1, cube_of_one, cube_of_one)})) ==
+    CHECK(names_of(page_of(wish_for(View::x, {SheetWish::Show::slice}), {frame_of(1, cube_of_one, cube_of_one)})) ==
           Names{"before: slice at x = 3", "after: slice at x = 3"});
     auto frame = frame_of(1, cube_of_one, nullptr);
     frame.energy = cube(Coord(0), 4, 1.0f);
@@ -113,7 +113,7 @@ TEST_CASE("rows whose inputs are missing or that are not wanted are left out") {
 TEST_CASE("slices are in the middle of what is shown, or where they are wanted") {
     const auto before = cube(Coord(0), 4, 1.0f);
     before->tree().setValueOn(Coord(0, 2, 0), 9.0f);
-    auto wish = wish_for(View::y, SheetWish::Show::slice);
+    auto wish = wish_for(View::y, {SheetWish::Show::slice});
     auto page = page_of(wish, {frame_of(1, before, before), frame_of(2, cube(Coord(0, -6, 0), 4, 2.0f), before)});
     CHECK(page.rows[0].what == "slice at y = -2");
     CHECK(page.rows[0].panels[0].projection.empty());
@@ -205,11 +205,112 @@ TEST_CASE("inputs and parameters of a sheet that need each other say so") {
     CHECK(faults("{}", {{"before", 1}, {"seams", 1}}) ==
           "seams: 'seams' are drawn over 'energy'; connect it too\n"
           "seams: 'seams' needs 'lattice', in which they were found\n");
-    CHECK(faults("{}", {{"before", 1}, {"lattice", 1}}) == "lattice: 'lattice' is for 'seams'; connect them too\n");
+    CHECK(faults("{}", {{"before", 1}, {"lattice", 1}}) ==
+          "lattice: 'lattice' is for 'seams', or to be drawn: connect 'seams', or state 'overlay: [lattice]'\n");
     CHECK(faults("{difference: true}", {{"before", 1}}) == "difference: 'difference' compares 'before' with 'after', but 'after' is not connected\n");
     CHECK(faults("{slice: 3}", {{"before", 1}}) == "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'\n");
     CHECK(faults("{slice: -3, show: both}", {{"before", 1}}) == "");
     CHECK(faults("{slice: auto, show: maximum}", {{"before", 1}, {"energy", 1}, {"lattice", 1}, {"seams", 1}}) == "");
+
+    CHECK(faults("{exposure: 1}", {{"before", 1}}) == "exposure: 'exposure' is for renders; choose 'show: render', or leave it out\n");
+    CHECK(faults("{exposure: 1, show: render}", {{"before", 1}}) == "");
+    CHECK(faults("{overlay: [lattice, rig]}", {{"before", 1}, {"lattice", 1}}) ==
+          "overlay: 'overlay' names 'rig', but the input 'rig' is not connected; connect it\n");
+    CHECK(faults("{overlay: lattice}", {{"before", 1}, {"lattice", 1}}) == "");
+    CHECK(faults("{overlay: []}", {{"before", 1}, {"energy", 1}, {"lattice", 1}, {"seams", 1}}) == "");
+    CHECK(faults("{}", {{"before", 1}, {"rig", 1}}) == "rig: 'rig' is to be drawn: state 'overlay: [rig]', or leave 'rig' out\n");
+    CHECK(faults("{path: s.jpg}", {{"before", 1}}) == "path: 'path' must end in .png; a sheet is a PNG file\n");
+    CHECK(faults("{path: S.PNG}", {{"before", 1}}) == "");
+}
+
+TEST_CASE("ways to show a grid are stated as one or as a list, each once") {
+    const auto faults = [](const std::string& yaml) { return NodeBench(preview_sheet(), yaml, {{"before", 1}, {"after", 1}}).faults(); };
+    CHECK(faults("{show: [render, maximum], difference: true, slice: auto}") ==
+          "slice: nothing is sliced: 'slice' needs a connected 'energy', 'show: slice' or 'show: both'\n");
+    CHECK(faults("{show: [render, both], difference: true, slice: 3}") == "");
+    CHECK(faults("{show: []}") == "show: 'show' names nothing; name 'render', 'maximum' or 'slice'\n");
+    CHECK(faults("{show: [both, slice]}") == "show: 'show' names 'slice' twice; 'both' is 'maximum' and 'slice'\n");
+    CHECK(faults("{show: rendr}") == "show wants one of maximum, slice, both, render, not 'rendr'\n");
+    CHECK(faults("{show: {a: 1}}") == "show wants one of maximum, slice, both, render, or a list, each one of maximum, slice, both, render, not a map\n");
+    CHECK(preview_sheet().param("show")->fallback == "maximum");
+    const NodeBench several(preview_sheet(), "{show: [render, slice]}");
+    CHECK(several.type().param("show")->text(several.params()) == "[render, slice]");
+}
+
+TEST_CASE("rows follow each other as the ways to show a grid do") {
+    auto frame = frame_of(1, cube(Coord(0), 8, 1.0f), cube(Coord(0), 8, 0.5f));
+    frame.before_scene.smoke = cube(Coord(0), 8, 1.0f);
+    frame.after_scene.smoke = cube(Coord(0), 8, 0.5f);
+    auto wish = wish_for(View::y, {SheetWish::Show::render, SheetWish::Show::maximum});
+    wish.difference = true;
+    const auto page = page_of(wish, {frame});
+    CHECK(names_of(page) == Names{"before: lit, seen along y", "after: lit, seen along y", "before: maximum along y", "after: maximum along y",
+                                  "difference: after - before, largest along y"});
+    CHECK_FALSE(page.rows[0].panels[0].render.empty());
+    CHECK_FALSE(page.rows[2].panels[0].projection.empty());
+    wish.shows = {SheetWish::Show::slice, SheetWish::Show::render};
+    wish.difference = false;
+    const auto sliced = page_of(wish, {frame});
+    CHECK(names_of(sliced) == Names{"before: slice at y = 3", "after: slice at y = 3", "before: lit, seen along y", "after: lit, seen along y"});
+    CHECK_FALSE(sliced.rows[1].panels[0].projection.empty());
+    // The size stands in one of the rows.
+    CHECK(sliced.rows[0].panels[0].caption.empty());
+    CHECK(sliced.rows[2].panels[0].caption == "8 x 8 x 8 voxels");
+}
+
+TEST_CASE("the world's axes are drawn as they are seen") {
+    const auto axes = [](View view, const openvdb::math::Transform::Ptr& space) {
+        const auto grid = cube(Coord(0), 4, 1.0f);
+        grid->setTransform(space);
+        return page_of(wish_for(view), {frame_of(1, grid, nullptr)}).axes;
+    };
+    const auto is = [](const SeenDirection& seen, double right, double up, double towards) {
+        return seen.right == Approx(right).margin(1e-9) && seen.up == Approx(up).margin(1e-9) && seen.towards == Approx(towards).margin(1e-9);
+    };
+    const auto plain = openvdb::math::Transform::createLinearTransform(0.1);
+    auto seen = axes(View::x, plain);
+    CHECK((is(seen[0], 0, 0, 1) && is(seen[1], 1, 0, 0) && is(seen[2], 0, 1, 0)));
+    seen = axes(View::y, plain);
+    CHECK((is(seen[0], 1, 0, 0) && is(seen[1], 0, 0, -1) && is(seen[2], 0, 1, 0)));
+    seen = axes(View::z, plain);
+    CHECK((is(seen[0], 1, 0, 0) && is(seen[1], 0, 1, 0) && is(seen[2], 0, 0, 1)));
+    // Of a grid that is mirrored and stretched, and of one that is turned by 45 degrees.
+    const auto mirrored = openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(-1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1));
+    seen = axes(View::y, mirrored);
+    CHECK((is(seen[0], -1, 0, 0) && is(seen[2], 0, 1, 0)));
+    const double half = std::sqrt(0.5);
+    const auto turned =
+        openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(half, half, 0., 0., -half, half, 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.));
+    seen = axes(View::z, turned);
+    CHECK(seen[0].right == Approx(half));
+    CHECK(std::abs(seen[0].up) == Approx(half));
+    CHECK(is(seen[2], 0, 0, 1));
+
+    const auto sheet = draw_sheet(page_of(wish_for(View::y), {frame_of(1, cube(Coord(0), 4, 1.0f), nullptr)}));
+    const auto x = find_in_head(sheet, axis_colours[0]), y = find_in_head(sheet, axis_colours[1]), z = find_in_head(sheet, axis_colours[2]);
+    REQUIRE(x.count > 20);
+    REQUIRE(y.count > 5);
+    REQUIRE(z.count > 20);
+    CHECK(x.right - x.left > x.bottom - x.top);
+    CHECK(z.bottom - z.top > z.right - z.left);
+    CHECK(x.right > z.right);
+    CHECK(z.top < x.top);
+    // `y` points away: a circle where the arrows begin.
+    CHECK(y.right < x.right);
+    CHECK(y.top > z.top);
+}
+
+TEST_CASE("a grid that no reader has is told before the run, for frames that are shown") {
+    const auto told = [](const std::string& yaml, const std::map<std::string, Foreseen>& received) {
+        return NodeBench(preview_sheet(), "{path: x.png, " + yaml + "}").survey({5, 6, 7}, received).absent;
+    };
+    using Told = std::map<int, std::string>;
+    const Foreseen one{Names{"density"}, std::nullopt}, two{Names{"density", "velocity"}, std::nullopt}, unknown{};
+    CHECK(told("grid: smoke", {{"before", two}, {"after", two}}) == Told{{5, "'before' has no grid 'smoke'; known: density, velocity"}});
+    CHECK(told("grid: smoke, frames: 1", {{"before", two}}) == Told{{6, "'before' has no grid 'smoke'; known: density, velocity"}});
+    CHECK(told("grid: velocity", {{"before", two}, {"after", one}}) == Told{{5, "'after' has no grid 'velocity'; known: density"}});
+    CHECK(told("grid: velocity", {{"before", two}, {"after", unknown}}).empty());
+    CHECK(told("grid: smoke", {}).empty());
 }
 
 TEST_CASE("a grid that is not there or can't be shown is a failure that names what is") {
@@ -235,21 +336,21 @@ TEST_CASE("a sheet refuses grids that reach to the ends of index space, and tile
     const auto far = named("density");
     far->tree().setValue(Coord(std::numeric_limits<int>::min(), 0, 0), 1.0f);
     far->tree().setValue(Coord(std::numeric_limits<int>::max(), 0, 0), 1.0f);
-    for (const auto show : {SheetWish::Show::maximum, SheetWish::Show::both, SheetWish::Show::render}) {
+    for (const auto show : {SheetWish::Show::maximum, SheetWish::Show::slice, SheetWish::Show::render}) {
         auto frame = frame_of(1, far, nullptr);
         if (show == SheetWish::Show::render) frame.before_scene.smoke = far;
-        CHECK_THAT(failure_of([&] { page_of(wish_for(View::y, show), {frame}); }),
+        CHECK_THAT(failure_of([&] { page_of(wish_for(View::y, {show}), {frame}); }),
                    Catch::StartsWith("the active voxels of grid 'density' span [-2147483648, 0"));
     }
 
     const auto tile = named("density");
     tile->tree().root().addTile(Coord(0), 1.0f, true);
-    auto wish = wish_for(View::y, SheetWish::Show::render);
+    auto wish = wish_for(View::y, {SheetWish::Show::render});
     wish.budget = 1'000'000'000;
     auto lit = frame_of(1, tile, nullptr);
     lit.before_scene.smoke = tile;
     CHECK_THAT(failure_of([&] { page_of(wish, {lit}); }), Catch::Contains("as voxels these would take 275 GB"));
-    wish.show = SheetWish::Show::maximum;
+    wish.shows = {SheetWish::Show::maximum};
     wish.difference = true;
     CHECK_THAT(failure_of([&] { page_of(wish, {frame_of(1, tile, named("density"))}); }), Catch::Contains("as voxels these would take 17.2 GB"));
 }

@@ -177,7 +177,7 @@ TEST_CASE("seams after others count the vertices that those leave") {
     CHECK(solve("{count: 0}", energy, lattice, {six}).seams->shape == std::array{4, 4, 4});
     CHECK(failure("{count: -1, window: [2, 5]}", {six}) ==
           "window [2, 5] leaves the lattice, which has 4 vertices along u once the seams of `after` are carved: 0 to 3");
-    CHECK(failure("{count: -5}", {six}) == "5 seams do not fit: window [0, 3] has room to remove 4");
+    CHECK(failure("{count: -5}", {six}) == "count -5 removes more than the 4 vertices along u once the seams of `after` are carved; at most 3 can go");
     CHECK(failure("{count: -1}", {six, six}) ==
           "seam set 2 of 2 carves 10 x 4 x 4 vertices, but set 1 leaves 4 x 4 x 4; list the sets in the order in which they were found");
     auto all = *six;

@@ -4,7 +4,7 @@
 
 namespace fluidcarve {
 
-/// Inspector for `fluidcarve inspect FILE.vdb...`: grids, types, transforms, ranges and oddities. Reads the whole file.
+/// Inspector for .vdb files: grids, types, transforms, boxes, ranges and oddities. Reads the whole file.
 FileInspector vdb_inspector();
 
 }  // namespace fluidcarve

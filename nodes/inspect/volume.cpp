@@ -1,9 +1,10 @@
-#include "nodes/io/inspect.h"
+#include "nodes/inspect/volume.h"
 
 #include "graph/text/one_line.h"
 #include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/grid_types.h"
+#include "nodes/inspect/facts.h"
 #include "nodes/io/profile.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"
@@ -73,7 +74,6 @@ Json points_of(const PointDataGrid& grid) {
 }
 
 Json list(const openvdb::Coord& at) { return {at.x(), at.y(), at.z()}; }
-Json list(const openvdb::Vec3d& at) { return {at.x(), at.y(), at.z()}; }
 
 Json metadata_of(const openvdb::MetaMap& map) {
     auto out = Json::object();
@@ -83,16 +83,20 @@ Json metadata_of(const openvdb::MetaMap& map) {
 
 Json grid_json(const GridBase& grid, const std::string& unique_name) {
     const auto& transform = grid.transform();
-    Json out{{"name", one_line(unique_name)},
-             {"type", grid.valueType()},
-             {"tree", one_line(grid.type())},
-             {"class", GridBase::gridClassToString(grid.getGridClass())},
-             {"half", grid.saveFloatAsHalf()},
-             {"active_voxels", grid.activeVoxelCount()},
-             {"memory_bytes", grid.memUsage()},
-             {"transform",
-              {{"map", transform.mapType()}, {"voxel_size", list(transform.voxelSize())}, {"origin", list(transform.indexToWorld(openvdb::Vec3d(0)))}}}};
-    if (const auto box = grid.evalActiveVoxelBoundingBox(); !box.empty()) out["box"] = {list(box.min()), list(box.max())};
+    Json out{
+        {"name", one_line(unique_name)},
+        {"type", grid.valueType()},
+        {"tree", one_line(grid.type())},
+        {"class", GridBase::gridClassToString(grid.getGridClass())},
+        {"half", grid.saveFloatAsHalf()},
+        {"active_voxels", grid.activeVoxelCount()},
+        {"memory_bytes", grid.memUsage()},
+        {"transform",
+         {{"map", transform.mapType()}, {"voxel_size", facts_of(transform.voxelSize())}, {"origin", facts_of(transform.indexToWorld(openvdb::Vec3d(0)))}}}};
+    if (const auto box = grid.evalActiveVoxelBoundingBox(); !box.empty()) {
+        out["box"] = {list(box.min()), list(box.max())};
+        out["world_box"] = facts_of(transform.indexToWorld(openvdb::BBoxd(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5)));
+    }
     const auto range = range_of(grid);
     if (range.low <= range.high) out["range"] = {range.low, range.high};
     if (range.not_finite > 0) {
@@ -187,7 +191,7 @@ Json look(const std::string& path) {
     const auto& header = from.header();
     const auto volume = from.read();
     const auto* const profile = detected_profile(header);
-    Json out{{"file", path}, {"bytes", std::filesystem::file_size(path)}, {"version", header.version}, {"compression", volume.codec}};
+    Json out{{"file", path}, {"kind", "volume"}, {"bytes", std::filesystem::file_size(path)}, {"version", header.version}, {"compression", volume.codec}};
     out["profile"] = profile ? Json(profile->name) : Json(nullptr);
     out["metadata"] = metadata_of(volume.metadata);
     out["grids"] = Json::array();
@@ -237,21 +241,19 @@ std::string transform_text(const Json& transform) {
 
 std::string text(const Json& file) {
     const auto* const known = file["profile"].is_null() ? nullptr : profile(file["profile"].get<std::string>());
-    auto out =
-        fmt::format("{}: {} bytes, version {}, compression {}{}\n", file["file"].get<std::string>(), file["bytes"].get<std::uint64_t>(),
-                    file["version"].get<unsigned>(), file["compression"].get<std::string>(), known ? fmt::format(", as {} writes", known->application) : "");
+    auto out = fmt::format("{}: {} bytes, version {}, compression {}{}\n", file["file"].get<std::string>(), count_text(file["bytes"]),
+                           count_text(file["version"]), file["compression"].get<std::string>(), known ? fmt::format(", as {} writes", known->application) : "");
     for (const auto& [name, value] : file["metadata"].items()) out += fmt::format("  {}: {}\n", name, value.get<std::string>());
     std::size_t widest = 4;
     for (const auto& grid : file["grids"]) widest = std::max(widest, grid["name"].get<std::string>().size());
     for (const auto& grid : file["grids"]) {
         out += fmt::format("  {:<{}}  {:<8} {:<10} {:<5}{:>10} voxels", grid["name"].get<std::string>(), widest, grid["type"].get<std::string>(),
-                           grid["class"].get<std::string>(), grid["half"].get<bool>() ? "half" : "", grid["active_voxels"].get<std::uint64_t>());
-        if (grid.contains("box")) out += fmt::format(" in {} to {}", grid["box"][0].dump(), grid["box"][1].dump());
+                           grid["class"].get<std::string>(), grid["half"].get<bool>() ? "half" : "", count_text(grid["active_voxels"]));
+        if (grid.contains("box")) out += fmt::format(" in {} to {}, world {}", grid["box"][0].dump(), grid["box"][1].dump(), world_text(grid["world_box"]));
         if (grid.contains("range"))
-            out += fmt::format(", {}{:g} to {:g}", grid["type"].get<std::string>().starts_with("vec") ? "lengths " : "", grid["range"][0].get<double>(),
-                               grid["range"][1].get<double>());
+            out += fmt::format(", {}{}", grid["type"].get<std::string>().starts_with("vec") ? "lengths " : "", range_text(grid["range"]));
         if (grid.contains("points")) {
-            out += fmt::format(", {} points with", grid["points"]["count"].get<std::uint64_t>());
+            out += fmt::format(", {} points with", count_text(grid["points"]["count"]));
             for (const auto& [name, type] : grid["points"]["attributes"].items()) out += " " + name + " (" + type.get<std::string>() + ")";
         }
         out += "\n";
@@ -271,6 +273,6 @@ std::string text(const Json& file) {
 
 }  // namespace
 
-FileInspector vdb_inspector() { return {".vdb", &look, &compare, &text}; }
+FileInspector vdb_inspector() { return {{".vdb"}, "grids", &look, &compare, &text}; }
 
 }  // namespace fluidcarve

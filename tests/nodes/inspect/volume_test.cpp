@@ -1,4 +1,4 @@
-#include "nodes/io/inspect.h"
+#include "nodes/inspect/volume.h"
 
 #include "nodes/io/vdb_file.h"
 #include "tests/support/node_bench.h"
@@ -42,6 +42,11 @@ TEST_CASE("inspect says what is in a file of Blender's, and what surprises in it
     CHECK(density["half"] == true);
     CHECK(density["active_voxels"] == 84824);
     CHECK(density["box"] == Json{{1, 1, 1}, {42, 42, 86}});
+    const double voxel = density["transform"]["voxel_size"][0];
+    for (int axis = 0; axis < 3; ++axis) {
+        CHECK(density["world_box"][0][axis].get<double>() == Approx(0.5 * voxel));
+        CHECK(density["world_box"][1][axis].get<double>() == Approx((axis == 2 ? 86.5 : 42.5) * voxel));
+    }
     CHECK(density["range"][1].get<double>() == Approx(0.996582).epsilon(1e-6));
     CHECK(density["metadata"]["file_base_resolution"] == "[44, 44, 88]");
     CHECK(oddities(facts) ==
@@ -61,7 +66,7 @@ TEST_CASE("inspect's text names file, grids, spaces and notes") {
           data +
               "/vdb/gaffer_arnold_sphere.vdb: 78110 bytes, version 223, compression blosc, as Houdini writes\n"
               "  creator: Houdini 15.0.244.16/GEO_VDBTranslator\n"
-              "  density  float    fog volume             465 voxels in [-5,-4,-5] to [5,4,5], 1.11658e-07 to 1\n"
+              "  density  float    fog volume             465 voxels in [-5,-4,-5] to [5,4,5], world [-1.1, 1.1, -1.1] to [1.1, 2.9, 1.1], 1.11658e-07 to 1\n"
               "  voxels of [0.2, 0.2, 0.2], the first at [0, 2, 0], UniformScaleTranslateMap (density)\n"
               "  note: the file's version is 223; it would be written as 224\n");
     CHECK_THAT(vdb_inspector().text(vdb_inspector().look(data + "/vdb/cortex_points.vdb")), Catch::Contains(", 8 points with P (vec3s fxpt16)\n"));

@@ -1,0 +1,68 @@
+#include "graph/views/file_places.h"
+
+#include "graph/text/one_line.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace fluidcarve {
+namespace {
+
+std::string absolute(const std::string& path) {
+    std::error_code error;
+    return std::filesystem::absolute(path, error).lexically_normal().string();
+}
+
+}  // namespace
+
+FilePlaces file_places(const Pipeline& pipeline) {
+    FilePlaces out;
+    for (const auto& node : pipeline.nodes)
+        for (const auto& spec : node.type->params) {
+            const bool writes = spec.shape.kind == Shape::Kind::output_path;
+            if (!writes && spec.shape.kind != Shape::Kind::input_path) continue;
+            const auto& pattern = spec.path(node.params.get());
+            if (pattern.text().empty()) continue;
+            FilePlace place{node.name, spec.name, absolute(pattern.in_its_folder()), writes, !writes && pattern.exists(), {}};
+            if (const auto here = absolute(pattern.text()); !writes && !place.found && here != place.path) place.tried_at = here;
+            out.push_back(std::move(place));
+        }
+    return out;
+}
+
+std::string to_text(const FilePlaces& places) {
+    std::string out = "files:\n";
+    for (const auto& [node, field, path, writes, found, tried_at] : places) {
+        const auto how = writes ? "is written to" : found ? "is read at" : "is not found at";
+        const auto other = tried_at.empty() ? std::string() : ", nor at " + tried_at;
+        out += one_line(fmt::format("  {}.{} {} {}{}", node, field, how, path, other)) + "\n";
+    }
+    return out;
+}
+
+std::string user_of(const Pipeline& pipeline, const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const auto wanted = fs::weakly_canonical(fs::absolute(path, error), error);
+    const auto name = wanted.filename().string();
+    const auto is = [&](const std::string& other) {
+        return fs::path(other).filename() == name && fs::weakly_canonical(fs::absolute(other, error), error) == wanted;
+    };
+    for (const auto& file : pipeline.files)
+        if (is(file)) return "it is the pipeline";
+    for (const auto& node : pipeline.nodes)
+        for (const auto& spec : node.type->params) {
+            const bool reads = spec.shape.kind == Shape::Kind::input_path;
+            if (!reads && spec.shape.kind != Shape::Kind::output_path) continue;
+            const auto& pattern = spec.path(node.params.get());
+            if (const auto ends = pattern.name_ends(); ends && !ends->fits({name, name})) continue;
+            for (const auto frame : pipeline.frames.frames()) {
+                if (is(pattern.at(frame))) return fmt::format("'{}' {} it", node.name, reads ? "reads" : "writes");
+                if (!pattern.per_frame()) break;
+            }
+        }
+    return {};
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "runtime/tell/report.h"
+
+#include <vector>
+
+namespace fluidcarve {
+
+/// Lets each node whose frames are all known conclude from what it reported of them (NodeType::conclude). Called once, after the last
+/// node has run.
+/// @param frames  frame numbers of the sequence
+/// @param shares  one per node
+void conclude(const Pipeline& pipeline, const std::vector<int>& frames, const std::vector<Share>& shares, Report& report);
+
+}  // namespace fluidcarve

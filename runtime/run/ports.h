@@ -1,0 +1,29 @@
+#pragma once
+
+#include "graph/pipeline.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Moves payloads into and out of the ports of a pipeline's nodes.
+struct PortsOf {
+    using Outputs = std::vector<std::vector<Payload>>;  ///< `[node][output]`
+
+    const Pipeline& pipeline;
+    const Registry& registry;
+
+    /// Sets a node's input ports. @param held  outputs of nodes that run once @param frame  outputs of a frame; null: inputs that arrive per
+    /// frame stay empty
+    void connect(std::size_t node, void* ports, const Outputs& held, const Outputs* frame) const;
+    std::vector<Payload> collect(std::size_t node, const void* ports) const;
+    std::uint64_t bytes(const std::vector<Payload>& payloads) const;  ///< in memory
+
+private:
+    /// What an input gets of a payload: it as a whole, converted, or a part of it.
+    Payload taken(const Link& link, const Payload& payload, const InputSpec& spec) const;
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,40 @@
+#include "runtime/tell/outcome.h"
+
+#include "graph/text/words.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+std::string done_text(const Outcome& outcome) {
+    const auto frames = counted(outcome.frames, "frame");
+    const auto out = outcome.idle ? fmt::format("done: nothing had to be done, all is there already: {}", frames)
+                                  : fmt::format("done: {} in {:.1f} s", frames, outcome.seconds);
+    return outcome.paths.empty() ? out : fmt::format("{} -> {}", out, fmt::join(outcome.paths, ", "));
+}
+
+std::string interrupted_text(bool kept) { return kept ? "interrupted; run it again to go on" : "interrupted; with --no-cache the next run begins anew"; }
+
+bool nothing_to_do(const std::vector<Share>& shares) {
+    return std::ranges::any_of(shares, [](const Share& share) { return share.frames > 0; }) &&
+           std::ranges::all_of(shares, [](const Share& share) { return share.runs == 0 && share.taken_anew == 0; });
+}
+
+std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares) {
+    std::vector<std::string> out;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        if (shares[n].frames == 0) continue;
+        for (const auto& spec : node.type->params) {
+            if (spec.shape.kind != Shape::Kind::output_path) continue;
+            const auto& path = spec.path(node.params.get()).text();
+            if (!path.empty() && std::ranges::find(out, path) == out.end()) out.push_back(path);
+        }
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "graph/pipeline.h"
+#include "runtime/plan/schedule.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// A run that has done what was asked for.
+struct Outcome {
+    std::size_t frames = 0;  ///< delivered
+    double seconds = 0;
+    bool idle = false;               ///< nothing had to be done
+    std::vector<std::string> paths;  ///< of the files that it wrote, or found up to date, with frame tokens
+};
+/// "done: 6 frames in 12.3 s -> out/plume.####.vdb, out/plume.png"; "done: nothing had to be done, all is there already: 6 frames -> ...".
+std::string done_text(const Outcome& outcome);
+
+/// What an interrupted run tells. @param kept  whether the work folder keeps what was computed
+std::string interrupted_text(bool kept);
+
+/// Whether all that a run is to make is there before it begins. @param shares  one per node
+bool nothing_to_do(const std::vector<Share>& shares);
+/// The paths of the writers that take part in a run, as the pipeline states them, each once.
+std::vector<std::string> written_paths(const Pipeline& pipeline, const std::vector<Share>& shares);
+
+}  // namespace fluidcarve

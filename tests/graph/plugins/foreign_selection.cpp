@@ -1,0 +1,8 @@
+#include "graph/types/plugin.h"
+#include "tests/support/toy_nodes.h"
+
+const fluidcarve::PluginHeader fluidcarve_plugin{.family = "acme"};
+
+void fluidcarve_register(fluidcarve::Registry& out) {
+    out.add(fluidcarve::selection<toy::Number, toy::Text>([](const toy::Number&, const std::string&) { return std::make_shared<toy::Text>(); }));
+}
