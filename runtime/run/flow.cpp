@@ -96,23 +96,19 @@ struct Flow::Self {
     const std::function<bool()> cancelled;
     const PortsOf io{pipeline, registry};
     std::vector<Behaviour> behaviours{};
-    std::vector<Steps> steps{};
-    std::vector<Calls> all_calls{};            ///< per node
-    std::vector<std::size_t> gathered{};       ///< per node: frames that it has taken
-    std::vector<std::vector<Payload>> held{};  ///< `[node][output]`: outputs of nodes that run once
-    std::atomic<bool> failed{false};           ///< a body failed
-    std::atomic<bool> fatal{false};            ///< the failure ends the run even with `keep_going`
-    std::atomic<bool> lost{false};             ///< a cached result is missing
-    std::atomic<std::size_t> in_flight{0};     ///< frames
+    std::vector<Steps> steps = std::vector<Steps>(pipeline.nodes.size());
+    std::vector<Calls> all_calls{};                                                                     ///< per node
+    std::vector<std::size_t> gathered = std::vector<std::size_t>(pipeline.nodes.size());                ///< per node: frames that it has taken
+    std::vector<std::vector<Payload>> held = std::vector<std::vector<Payload>>(pipeline.nodes.size());  ///< `[node][output]`: outputs of nodes that run once
+    std::atomic<bool> failed{false};                                                                    ///< a body failed
+    std::atomic<bool> fatal{false};                                                                     ///< the failure ends the run even with `keep_going`
+    std::atomic<bool> lost{false};                                                                      ///< a cached result is missing
+    std::atomic<std::size_t> in_flight{0};                                                              ///< frames
     FileProvenance provenance{pipeline, registry, held};
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
-    Context context(Line& line) {
-        Context out(line, frames);
-        out.limits(options.memory, options.work_folder);
-        return out;
-    }
+    Context context(Line& line) { return Context(line, frames).limits(options.memory, options.work_folder); }
 
     /// Calls a body and turns exceptions into Faults. An exception that escaped would cancel the whole flow graph.
     /// @param what  category in the profile
@@ -370,10 +366,6 @@ struct Flow::Self {
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
            Report& report, Progress& progress, Costs& costs, RunProfile* profile, std::function<bool()> cancelled)
     : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, costs, profile, std::move(cancelled)}) {
-    const auto count = pipeline.nodes.size();
-    self_->steps.resize(count);
-    self_->gathered.resize(count);
-    self_->held.resize(count);
     for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
 }
 
