@@ -133,12 +133,12 @@ std::string goes_on(const Node& node, const std::optional<GrownResult>& grown) {
 const std::array<std::pair<Work, const char*>, work_kinds> names_of_work{
     std::pair{Work::frame, "frame"}, {Work::take, "take"}, {Work::load, "load"}, {Work::once, "once"}};
 
-json json_of(const Cost& cost) {
+json json_of(const WorkTime& cost) {
     return {{"seconds", cost.seconds},      {"abreast", cost.at.abreast}, {"cores", cost.at.cores}, {"input_bytes", cost.at.input_bytes},
             {"gathered", cost.at.gathered}, {"items", cost.at.items},     {"of", cost.at.of}};
 }
 
-Cost cost_in(const json& from) {
+WorkTime cost_in(const json& from) {
     const auto count = [&](const char* name) { return static_cast<std::size_t>(std::max(0.0, from.value(name, 0.0))); };
     return {from.value("seconds", 0.0),
             {from.value("abreast", 1.0), from.value("cores", 1.0), count("input_bytes"), count("gathered"), count("items"), count("of")}};
@@ -189,7 +189,7 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
     const auto& growth = pipeline.nodes[n].type->growth;
     for (const auto& param : of.params) {
         out["params"][param.name] = param.text;
-        if (growth && growth->param == param.name) out["rest"] = param.rest;
+        if (growth && growth->param == param.name && param.rest) out["rest"] = *param.rest;
     }
     std::map<std::string, std::vector<std::string>> sources;
     for (const auto& input : of.inputs) sources[input.name].push_back(pipeline.nodes[input.source].name + "." + input.output);

@@ -7,7 +7,7 @@ namespace fluidcarve {
 namespace {
 
 /// Items that a growing result lacks. @param measured  at an earlier time; says of how many a count is a part, if nothing is kept
-std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept, const std::optional<Cost>& measured) {
+std::size_t items_to_find(const Node& node, const std::optional<GrownResult>& kept, const std::optional<WorkTime>& measured) {
     if (!node.type->growth) return 0;
     const auto wanted = node.type->growth->wanted(node.params.get(), kept ? kept->extent.of : measured ? measured->at.of : 0);
     const auto found = kept ? kept->extent.count : 0;
@@ -32,7 +32,7 @@ std::vector<NodeCost> expected_costs(const Pipeline& pipeline, const Preparation
                 if (calls[n].once) now.gathered = shares[n].taken_anew + shares[n].taken_kept;
                 now.items = items_to_find(node, prepared.grown(n), cost);
             }
-            cost = Cost{seconds_in(*cost, now), now};
+            cost = WorkTime{seconds_in(*cost, now), now};
         };
         adapt(Work::frame, calls[n].runs);
         adapt(Work::take, calls[n].takes);

@@ -33,7 +33,7 @@ struct Flow::Self {
         Self& run;
         const std::size_t node;
         const Clock::time_point start = Clock::now();
-        Costs::Span span;
+        WorkTimes::Span span;
         std::atomic<double> fraction{0};  ///< of the work of `finish`
         Extent found{}, before{};         ///< of a growing result: what is kept, and what an earlier run had found
         std::mutex mutex;
@@ -91,7 +91,7 @@ struct Flow::Self {
     InputGuard& guard;
     Report& report;
     Progress& progress;
-    Costs& costs;
+    WorkTimes& costs;
     RunProfile* const profile;
     const std::function<bool()> cancelled;
     const PortsOf io{pipeline, registry};
@@ -174,7 +174,7 @@ struct Flow::Self {
     }
 
     /// Adds what a call for one frame took, if it was good. @return its share of the run's wall time
-    double add_cost(Costs::Span& span, std::size_t n, Work work, bool good = true) {
+    double add_cost(WorkTimes::Span& span, std::size_t n, Work work, bool good = true) {
         const auto share = span.end();
         const auto& calls = all_calls[n];
         const double abreast = options.abreast(work == Work::frame ? calls.runs : work == Work::take ? calls.takes : calls.loads);
@@ -200,7 +200,7 @@ struct Flow::Self {
     /// Loads a node's cached outputs into `into`. @return false if they are missing
     bool load(std::size_t n, std::size_t place, std::vector<Payload>& into) {
         const RunProfile::Span span(profile, "load", n, frame_at(n, place));
-        Costs::Span cost(costs);
+        WorkTimes::Span cost(costs);
         if (auto outputs = store.result(n, place)) return into = std::move(*outputs), add_cost(cost, n, Work::load), true;
         lost = true;
         return false;
@@ -294,7 +294,7 @@ struct Flow::Self {
         const auto how = frame.scheduled.takes[n];
         if (how == Take::kept) {
             const RunProfile::Span span(profile, "load", n, frames[frame.place]);
-            Costs::Span cost(costs);
+            WorkTimes::Span cost(costs);
             if (auto kept = store.digest(n, frame.place)) frame.outputs[n] = {std::move(*kept)};
             else lost = true;
             add_cost(cost, n, Work::load);
@@ -364,7 +364,7 @@ struct Flow::Self {
 };
 
 Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
-           Report& report, Progress& progress, Costs& costs, RunProfile* profile, std::function<bool()> cancelled)
+           Report& report, Progress& progress, WorkTimes& costs, RunProfile* profile, std::function<bool()> cancelled)
     : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, costs, profile, std::move(cancelled)}) {
     for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
 }

@@ -26,7 +26,7 @@ public:
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
     Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
-         Report& report, Progress& progress, Costs& costs, RunProfile* profile, std::function<bool()> cancelled);
+         Report& report, Progress& progress, WorkTimes& costs, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 
     /// Executes the schedule, pass after pass. Unless `keep_going`, no new frames start after a failure; frames in flight end.

@@ -125,7 +125,7 @@ std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const s
 /// @param told  gets the warnings that are printed meanwhile
 /// @return whether the run ended early
 bool execute(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, Preparation& prepared, Schedule schedule, Report& report,
-             Costs& costs, RunProfile* profile, const std::function<bool()>& cancelled, std::vector<std::string>& told) {
+             WorkTimes& costs, RunProfile* profile, const std::function<bool()>& cancelled, std::vector<std::string>& told) {
     constexpr int most_attempts = 4;
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.options.threads));
     tbb::task_arena arena(request.options.threads);
@@ -163,7 +163,7 @@ void remember(const Pipeline& pipeline, const Preparation& prepared, const std::
     history.save();
 }
 
-void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const Costs& costs, const Report& report, History& history) {
+void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const WorkTimes& costs, const Report& report, History& history) {
     if (!history.on()) return;
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         auto cost = costs.of(n);
@@ -266,7 +266,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
             StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
-            Costs costs(forecast.expected);
+            WorkTimes costs(forecast.expected);
             idle = nothing_to_do(to_do);
             written = written_paths(pipeline, to_do);
             stopped =

@@ -29,7 +29,7 @@ double ratio(double now, double then) { return now > 0 && then > 0 ? now / then 
 
 }  // namespace
 
-double seconds_in(const Cost& cost, const CostSetting& now) {
+double seconds_in(const WorkTime& cost, const CostSetting& now) {
     const auto& then = cost.at;
     const double serial = serial_part(then);
     const auto slowness = [&](double abreast) { return serial + (1 - serial) / std::max(1.0, abreast); };
@@ -38,9 +38,9 @@ double seconds_in(const Cost& cost, const CostSetting& now) {
            ratio(static_cast<double>(now.items), static_cast<double>(then.items)) * slowness(now.abreast) / slowness(then.abreast);
 }
 
-Costs::Span::Span(Costs& costs) : costs_(costs), start_(costs.enter()), cpu_start_(processor_seconds()) {}
+WorkTimes::Span::Span(WorkTimes& costs) : costs_(costs), start_(costs.enter()), cpu_start_(processor_seconds()) {}
 
-double Costs::Span::end() {
+double WorkTimes::Span::end() {
     if (!open_) return share_;
     open_ = false;
     share_ = costs_.leave() - start_;
@@ -49,27 +49,27 @@ double Costs::Span::end() {
     return share_;
 }
 
-void Costs::advance() {
+void WorkTimes::advance() {
     const auto now = std::chrono::steady_clock::now();
     if (at_work_ > 0) shared_ += seconds_between(last_, now) / static_cast<double>(at_work_);
     last_ = now;
 }
 
-double Costs::enter() {
+double WorkTimes::enter() {
     const std::lock_guard lock(mutex_);
     advance();
     ++at_work_;
     return shared_;
 }
 
-double Costs::leave() {
+double WorkTimes::leave() {
     const std::lock_guard lock(mutex_);
     advance();
     --at_work_;
     return shared_;
 }
 
-void Costs::add(std::size_t node, Work work, double seconds, const CostSetting& at) {
+void WorkTimes::add(std::size_t node, Work work, double seconds, const CostSetting& at) {
     const std::lock_guard lock(mutex_);
     auto& sum = sums_[node][static_cast<std::size_t>(work)];
     sum.seconds += seconds;
@@ -77,16 +77,16 @@ void Costs::add(std::size_t node, Work work, double seconds, const CostSetting& 
     sum.at = at;
 }
 
-std::optional<double> Costs::expected(std::size_t node, Work work) const {
+std::optional<double> WorkTimes::expected(std::size_t node, Work work) const {
     const auto& cost = expected_[node][work];
     return cost ? std::optional(cost->seconds) : std::nullopt;
 }
 
-NodeCost Costs::of(std::size_t node) const {
+NodeCost WorkTimes::of(std::size_t node) const {
     const std::lock_guard lock(mutex_);
     NodeCost out;
     for (std::size_t work = 0; work < work_kinds; ++work)
-        if (const auto& sum = sums_[node][work]; sum.calls > 0) out.of[work] = Cost{sum.seconds / static_cast<double>(sum.calls), sum.at};
+        if (const auto& sum = sums_[node][work]; sum.calls > 0) out.of[work] = WorkTime{sum.seconds / static_cast<double>(sum.calls), sum.at};
     return out;
 }
 

@@ -22,14 +22,14 @@ struct CostSetting {
 };
 
 /// A measured time, with its setting.
-struct Cost {
-    double seconds = 0;  ///< share of the run's wall time (Costs)
+struct WorkTime {
+    double seconds = 0;  ///< share of the run's wall time (WorkTimes)
     CostSetting at;
 };
 
 /// The time that it takes in another setting. It is proportional to bytes, frames and items, and inverse to what can work at once; of a body
 /// that is called once only so far as it kept several cores busy (Amdahl's law).
-double seconds_in(const Cost& cost, const CostSetting& now);
+double seconds_in(const WorkTime& cost, const CostSetting& now);
 
 /// The kinds of work of a node.
 enum class Work : std::size_t {
@@ -42,20 +42,20 @@ constexpr std::size_t work_kinds = 4;
 
 /// The costs of one call of each kind; nothing: unknown.
 struct NodeCost {
-    std::array<std::optional<Cost>, work_kinds> of;
+    std::array<std::optional<WorkTime>, work_kinds> of;
     std::uint64_t bytes = 0;           ///< largest result in memory; 0: unknown
     std::uint64_t bytes_of_input = 0;  ///< CostSetting::input_bytes of `bytes`
 
-    std::optional<Cost>& operator[](Work work) { return of[static_cast<std::size_t>(work)]; }
-    const std::optional<Cost>& operator[](Work work) const { return of[static_cast<std::size_t>(work)]; }
+    std::optional<WorkTime>& operator[](Work work) { return of[static_cast<std::size_t>(work)]; }
+    const std::optional<WorkTime>& operator[](Work work) const { return of[static_cast<std::size_t>(work)]; }
 };
 
 /// Measures what each kind of work takes. While k bodies work at once, each counts for a k-th of the time: so all that is measured adds up
 /// to the wall time in which anything worked. Thread-safe.
-class Costs {
+class WorkTimes {
 public:
     /// @param expected  one per node, in the setting of this run
-    explicit Costs(std::vector<NodeCost> expected) : expected_(std::move(expected)), sums_(expected_.size()) {}
+    explicit WorkTimes(std::vector<NodeCost> expected) : expected_(std::move(expected)), sums_(expected_.size()) {}
 
     /// Seconds that a call of this kind is expected to take; nothing: unknown.
     std::optional<double> expected(std::size_t node, Work work) const;
@@ -63,7 +63,7 @@ public:
     /// A body at work, from the construction to `end` or the destruction.
     class Span {
     public:
-        explicit Span(Costs& costs);
+        explicit Span(WorkTimes& costs);
         ~Span() { end(); }
         Span(const Span&) = delete;
         Span& operator=(const Span&) = delete;
@@ -73,7 +73,7 @@ public:
         double cores() const { return cores_; }  ///< cores that the process kept busy, once the span has ended
 
     private:
-        Costs& costs_;
+        WorkTimes& costs_;
         const double start_;
         const std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
         const double cpu_start_;

@@ -22,7 +22,7 @@ enum class ProgressStyle {
 ///
 /// A step is one kind of work (a node's run per frame, or its finish) with its number of runs. The time left is the sum over all steps
 /// of the mean time of a run so far, times the number of runs left. Steps that have not begun count with their expected time; without one,
-/// with the mean of the others. All times are shares of the wall time (Costs).
+/// with the mean of the others. All times are shares of the wall time (WorkTimes).
 ///
 /// The share that is shown never falls. If the time left turns out longer than was thought, what is left to show stands for what is left to do:
 /// each part of that moves the bar by the same part of the rest.

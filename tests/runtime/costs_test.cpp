@@ -13,13 +13,13 @@ void wait(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseco
 }  // namespace
 
 TEST_CASE("while two bodies work at once, each counts for half of the time") {
-    Costs costs(std::vector<NodeCost>(2));
+    WorkTimes costs(std::vector<NodeCost>(2));
     const auto start = std::chrono::steady_clock::now();
     double first = 0, second = 0;
     {
-        Costs::Span one(costs);
+        WorkTimes::Span one(costs);
         wait(20);
-        Costs::Span two(costs);
+        WorkTimes::Span two(costs);
         wait(40);
         second = two.end();
         wait(20);
@@ -34,8 +34,8 @@ TEST_CASE("while two bodies work at once, each counts for half of the time") {
 
 TEST_CASE("of several calls the mean counts, and the latest setting") {
     std::vector<NodeCost> expected(1);
-    expected[0][Work::take] = Cost{3, {}};
-    Costs costs(expected);
+    expected[0][Work::take] = WorkTime{3, {}};
+    WorkTimes costs(expected);
     CHECK(costs.expected(0, Work::take) == 3);
     CHECK(!costs.expected(0, Work::frame));
     CHECK(!costs.of(0)[Work::frame]);
@@ -49,7 +49,7 @@ TEST_CASE("of several calls the mean counts, and the latest setting") {
 }
 
 TEST_CASE("a time is carried over to other bytes, frames, items and threads") {
-    const Cost twelve_seams{6, {4, 1, 1000, 10, 12, 100}};
+    const WorkTime twelve_seams{6, {4, 1, 1000, 10, 12, 100}};
     const auto in = [&](const CostSetting& now) { return seconds_in(twelve_seams, now); };
     CHECK(in({4, 1, 1000, 10, 12, 100}) == Approx(6));
     CHECK(in({4, 1, 1000, 10, 24, 100}) == Approx(12));
@@ -59,7 +59,7 @@ TEST_CASE("a time is carried over to other bytes, frames, items and threads") {
     CHECK(in({8, 1, 1000, 10, 12, 100}) == Approx(6));
     CHECK(in({4, 1, 0, 0, 0, 0}) == Approx(6));
     // All were.
-    const Cost frames{6, {4, 4, 0, 0, 0, 0}};
+    const WorkTime frames{6, {4, 4, 0, 0, 0, 0}};
     CHECK(seconds_in(frames, {2, 1, 0, 0, 0, 0}) == Approx(12));
     CHECK(seconds_in(frames, {8, 1, 0, 0, 0, 0}) == Approx(3));
     // One thread does not tell: half of the work is taken to gain.

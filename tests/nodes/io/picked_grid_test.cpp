@@ -66,7 +66,7 @@ TEST_CASE("a reader finds in its headers what other nodes take of its volume") {
     const auto path = scratch / "a.1.vdb";
     const NodeBench reader(vdb_read(), "{path: " + path + "}");
     const auto told = [&](const std::string& name, std::type_index type) {
-        const auto absent = reader.survey({1}, {{name, type, "'slope' takes carved." + name}}).absent;
+        const auto absent = reader.survey({1}, {}, {{name, type, "'slope' takes carved." + name}}).absent;
         return absent.empty() ? std::string() : absent.at(1);
     };
     for (const auto* const name : {"density", "vel.x"}) CHECK(told(name, typeid(FloatGrid)) == "");
@@ -77,5 +77,5 @@ TEST_CASE("a reader finds in its headers what other nodes take of its volume") {
     CHECK(told("velocity", typeid(FloatGrid)) == path + " has the grid 'velocity' as vec3s, but 'slope' takes carved.velocity as float");
     CHECK(told("vel", typeid(FloatGrid)) == path + " has the grid 'vel' as vec3s, but 'slope' takes carved.vel as float");
     CHECK(told("density", typeid(VectorGrid)) == path + " has the grid 'density' as float, but 'slope' takes carved.density as vec3s");
-    CHECK(remap_grids().passes == "source");
+    CHECK(remap_grids().as_named.at("volume") == "source");
 }
