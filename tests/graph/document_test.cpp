@@ -211,7 +211,8 @@ TEST_CASE("a file of any size is refused by its limit, and not read to its end")
 
 TEST_CASE("what a user wrote can't command a terminal or break a message's lines") {
     CHECK(problems("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:2:1: a pipeline has no field 'no [31mde x'; known: fluidcarve, plugins, params, env, extends, frames, nodes\n\"no\\e[31mde\\nx\": 1\n^\n");
+          "p.yaml:2:1: a pipeline has no field 'no [31mde x'; known: fluidcarve, plugins, params, env, extends, provenance, frames, "
+          "nodes\n\"no\\e[31mde\\nx\": 1\n^\n");
 }
 
 TEST_CASE("a frame set that was left empty is not taken for one frame") {

@@ -87,7 +87,7 @@ TEST_CASE("what a writer states changes with the values upstream of it and with 
     CHECK(other.values() == replaced(stated.values(), "offset: 2.5", "offset: 3"));
     CHECK(other.command() == "fluidcarve run p.yaml --set by=3");
     CHECK(state(base, {"frames=1-2"}).command("beside") == "fluidcarve run p.yaml --set frames=1-2");
-    CHECK(state(base, {"frames=1-2"}).values("beside") == replaced(stated.values("beside"), "1-4", "1-2"));
+    CHECK(state(base, {"frames=1-2"}).values("beside") == replaced(stated.values("beside"), "1-4", "\"1,2\""));
 }
 
 TEST_CASE("the command sets what the command line and the environment set, and names no variable") {

@@ -96,7 +96,7 @@ TEST_CASE("of the vortex, only what changed is computed, and the plan says so be
     CHECK(shot.run("--set count=-4") == Ran{{"carved", 4}, {"kept", 1}, {"out", 4}, {"sheet", 3}, {"sim", 4}});
     CHECK(shot.report["seams"]["seams"]["energy"].size() == 4);
     CHECK(shot.run("--set count=-7").count("seams") == 1);
-    CHECK(shot.plan["nodes"]["seams"]["why"] == "count changed from -4 to -7");
+    CHECK(shot.plan["nodes"]["seams"]["why"] == "count changed from -4 to -7; goes on from 6 of 7 seams");
     CHECK(shot.plan["nodes"]["seams"]["taken"] == json({{"frames", 4}, {"cached", 4}}));
 
     // Another exponent: what is bent, smoothed, solved, carved and written; not the edges that are bent.

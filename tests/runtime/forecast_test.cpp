@@ -76,6 +76,11 @@ class Dug {
 public:
     Scratch scratch;
 
+    Dug() {
+        // What follows from files that are not there is not kept.
+        for (const std::string frame : {"01", "02", "03", "04", "05"}) scratch.write("in." + frame, frame);
+    }
+
     Pipeline pipeline(const std::string& energy, const std::string& dig) const {
         Problems problems;
         const auto path =

@@ -159,7 +159,9 @@ TEST_CASE("files that state nothing, are damaged or of another kind are told fro
     const Scratch scratch;
     const auto told = [&](const std::string& name, const std::string& bytes) {
         const auto path = scratch.write(name, bytes);
-        auto out = failure_of([&] { CHECK(read_provenance(path).empty()); });
+        auto out = failure_of([&] {
+            if (!read_provenance(path).empty()) throw Failure("it states something");
+        });
         for (std::size_t at; (at = out.find(scratch.path() + "/")) != std::string::npos;) out.erase(at, scratch.path().size() + 1);
         return out;
     };

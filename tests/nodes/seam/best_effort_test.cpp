@@ -95,7 +95,9 @@ TEST_CASE("with best_effort a window that is too small is no failure either") {
     const auto warned = [](const std::string& yaml, std::size_t count, const std::string& warning) {
         const auto solved = run(yaml);
         CHECK(solved.seams->seams.size() == count);
-        CHECK(solved.listener.warnings == std::vector<std::string>{warning});
+        // Before the search it warns of the energy, which is the same everywhere.
+        REQUIRE(solved.listener.warnings.size() == 2);
+        CHECK(solved.listener.warnings.back() == warning);
     };
     warned("{count: -9, window: [2, 5], best_effort: true}", 4, "finds 4 of 9 seams, as many as there is room for in window [2, 5]: it has room to remove 4");
     warned("{count: 9, window: [2, 7], best_effort: true}", 5, "finds 5 of 9 seams, as many as there is room for in window [2, 7]: it has room to insert 5");
