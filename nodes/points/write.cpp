@@ -48,8 +48,7 @@ struct PointsWrite {
             if (unsaid.width) context.warn("the .usda file does not tell how wide the points are, and they have no voxels: say 'width'");
             return;
         }
-        const auto unsaid =
-            write_points(path, *io.source, io.beside.get(), params.encoding ? &*params.encoding : nullptr, stated, context.provenance());
+        const auto unsaid = write_points(path, *io.source, io.beside.get(), params.encoding ? &*params.encoding : nullptr, stated, context.provenance());
         for (const auto& name : unsaid.attributes)
             context.warn(fmt::format("attribute '{}' is of a type that PLY can't hold and is left out; write a .vdb to keep it", name));
         if (!unsaid.offset.empty())
