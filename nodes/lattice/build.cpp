@@ -50,6 +50,7 @@ public:
 
     BuiltLattice build() {
         auto line = resampled(rig_, spec_.spacing, planes_);
+        require_room(line.points.size());
         auto w = plane_directions(line, rig_.closed, spec_.closed_form);
         assemble(line, w);
         if (out_.folds.cells > 0 && !reaches_across(rig_, spec_)) {
@@ -62,6 +63,17 @@ public:
     }
 
 private:
+    /// Refuses a lattice so fine that no solver could hold it: folds and overlaps would be looked for a long time.
+    void require_room(std::size_t planes) const {
+        constexpr double most = 8e9;  // vertices; a solver takes 2 bytes for each, in every frame
+        const double i = vertices_along(spec_.u, spec_.spacing), j = vertices_along(spec_.v, spec_.spacing), all = i * j * static_cast<double>(planes);
+        if (all <= most) return;
+        throw Failure(
+            fmt::format("a spacing of {:g} makes {:.0f} x {:.0f} x {} vertices, which take {:.0f} GB in each frame; take about the size of a voxel, and "
+                        "{:.2g} at least",
+                        spec_.spacing, i, j, planes, 2e-9 * all, spec_.spacing * std::cbrt(all / most)));
+    }
+
     void smooth_points(const Resampled& start) {
         Rig rig = rig_;
         rig.oval.reset();

@@ -251,6 +251,9 @@ TEST_CASE("a rig that can't carry a lattice is refused") {
           "the closed rig is 3.41421 around; at a spacing of 2 that makes fewer than three planes");
     CHECK(fault(through({{0, 0, 0}, {0, 0, 5}}), 1) == "the rig starts along its 'up', (0, 0, 1), which leaves the direction of v open; state another 'up'");
     CHECK(fault(through({{0, 0, 0}, {70000, 0, 0}}), 1) == "the rig, 70000 long, needs more than 65534 planes at a spacing of 1; 65534 is the most");
+    CHECK(failure_of([&] {
+              build_lattice(through({{0, 0, 0}, {30, 0, 0}}), spec(0.001, {-1, 1}, {-1, 1}));
+          }) == "a spacing of 0.001 makes 2001 x 2001 x 30001 vertices, which take 240 GB in each frame; take about the size of a voxel, and 0.0025 at least");
     CHECK(fault(through({{0, 0, 0}, {2, 0, 0}, {2, 0.004, 0}, {0, 0.004, 0}}), 0.5) ==
           "the rig turns right back within one spacing near (2, 0, 0), plane 4; smooth it, or take another spacing");
 }
