@@ -84,7 +84,8 @@ Content content_in(const openvdb::FloatGrid& grid, const Lattice& lattice) {
         const auto& block = blocks[slot / slots];
         const auto n = static_cast<openvdb::Index>(slot % slots);
         if (block.leaf && !block.leaf->isValueOn(n)) continue;
-        const double width = block.box.dim().x() / 8.0;  // of a slot, in voxels
+        // Of a slot, in voxels. A box may end at the last voxel of index space, where dim() would overflow.
+        const double width = (static_cast<double>(block.box.max().x()) - block.box.min().x() + 1) / 8;
         const auto at = block.box.min().asVec3d() + width * Leaf::offsetToLocalCoord(n).asVec3d() + Vec3d((width - 1) / 2);
         const double voxels = width * width * width;
         seen += voxels;
