@@ -121,9 +121,7 @@ CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) c
     const auto of = [&](int column, int slice) -> const Ends& {
         return column_ends_[static_cast<std::size_t>(column) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
     };
-    const auto mix = [](const Ends& a, const Ends& b, double part) {
-        return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)};
-    };
+    const auto mix = [](const Ends& a, const Ends& b, double part) { return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)}; };
     const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j), mix(of(j, next_k), of(next_j, next_k), lateral - j), at.z() - k);
     const double first = scale * (moved.begin - origin_), last = scale * (moved.end - last_before());
     constexpr double half = 0.5;

@@ -31,8 +31,8 @@ public:
     int lateral_axis() const { return 1 - axis_; }
     bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window; not for a warp
     bool paired() const { return paired_; }
-    bool warps() const { return !column_ends_.empty(); }  ///< whether the set is a warp
-    bool closed() const { return closed_; }               ///< whether plane slices() is plane 0 again
+    bool warps() const { return !column_ends_.empty(); }    ///< whether the set is a warp
+    bool closed() const { return closed_; }                 ///< whether plane slices() is plane 0 again
     int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
     int before() const { return before_; }                  ///< vertices along the axis before the carve
     int after() const { return after_; }

@@ -57,9 +57,7 @@ void Warp::with_column(std::size_t t, int lateral, int k, const Use& use) const 
     const auto from = [&](std::size_t j, std::size_t n) { return all.data() + (n * static_cast<std::size_t>(points_[1]) + j) * row; };
     const std::array rows{from(a.low, b.low), from(a.high, b.low), from(a.low, b.high), from(a.high, b.high)};
     const auto scale = static_cast<float>(scale_);
-    use([&](std::size_t point) {
-        return scale * mix(mix(rows[0][point], rows[1][point], a.weight), mix(rows[2][point], rows[3][point], a.weight), b.weight);
-    });
+    use([&](std::size_t point) { return scale * mix(mix(rows[0][point], rows[1][point], a.weight), mix(rows[2][point], rows[3][point], a.weight), b.weight); });
 }
 
 void Warp::column(std::size_t t, int lateral, int k, std::span<float> out) const {
@@ -79,9 +77,7 @@ void Warp::column(std::size_t t, int lateral, int k, std::span<float> out) const
 
 std::array<double, 2> Warp::ends(std::size_t t, int lateral, int k) const {
     std::array<double, 2> out{};
-    with_column(t, lateral, k, [&](const auto& value) {
-        out = {value(0), value(static_cast<std::size_t>(points_[0]) - 1)};
-    });
+    with_column(t, lateral, k, [&](const auto& value) { out = {value(0), value(static_cast<std::size_t>(points_[0]) - 1)}; });
     return out;
 }
 

@@ -33,8 +33,8 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
             if (step->frees(vertex.asVec3d())) return std::nullopt;
             continue;
         }
-        vertex[axis] += step->warps() ? static_cast<int>(std::lround(step->soft()->entry(entry, lateral, vertex.z())))
-                                      : step->displacement(entry, lateral, vertex.z()) / 2;
+        vertex[axis] +=
+            step->warps() ? static_cast<int>(std::lround(step->soft()->entry(entry, lateral, vertex.z()))) : step->displacement(entry, lateral, vertex.z()) / 2;
     }
     return vertex;
 }

@@ -77,8 +77,8 @@ private:
         };
         std::array<Source, 8> sources;
         const auto [begin, end] = carved ? step.ends(vertex.asVec3d(), 1) : CarveStep::Ends{};
-        const int step_low = step.low(), step_high = step.high(), origin = step.origin(),
-                  last_before = step.last_before(), soft_first = soft.first(), soft_last = soft.last();
+        const int step_low = step.low(), step_high = step.high(), origin = step.origin(), last_before = step.last_before(), soft_first = soft.first(),
+                  soft_last = soft.last();
         int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
         for (int n = 0; n < 8; ++n) {
             const int entry = first + n;
