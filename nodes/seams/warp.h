@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// A displacement of content along a lattice's axis, found as a whole (METHOD 11). The content of vertex `(u, lateral, k)` in frame `t` goes
+/// A displacement of content along a lattice's axis, found as a whole (METHOD 4 "Warps"). The content of vertex `(u, lateral, k)` in frame `t` goes
 /// to `u + scale() * value`, vertices. Values stand at points. Point `p` of a dimension of `n` vertices stands at vertex
 /// `min(p * factor(), n - 1)`; in a closed lattice the point behind the last along w is the first, at plane `n`. Between points the
 /// displacement is trilinear.
