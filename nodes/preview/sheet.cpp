@@ -234,8 +234,9 @@ NodeType preview_sheet() {
         .input("lattice", &Sheet::Ports::lattice, "The lattice in which the seams were found, or one to draw.")
         .input("rig", &Sheet::Ports::rig, "A rig to draw, mostly that of the lattice. Needs `overlay` to name it.")
         .input("seams", &Sheet::Ports::seams,
-               "The seams, drawn as lines where they cross the slice of `energy`, at their places in `before`. Needs `energy` and `lattice`. Choose an `axis` "
-               "other than the carved one: seams that face the viewer are not drawn.")
+               "The seams, drawn as lines where they cross the slice of `energy`, at their places in `before`. Of a warp, the places where it moves content by "
+               "a whole number of vertices and a half. Needs `energy` and `lattice`. Choose an `axis` other than the carved one: seams that face the viewer "
+               "are not drawn.")
         .param("grid", &Sheet::Params::grid, "Name of the grid to show, in both volumes. Vectors are shown by their length. A render needs floats.")
         .param("axis", &Sheet::Params::axis, "Direction of view, an index axis of the grid. Up is z, or y if the view is along z.")
         .param("show", &Sheet::Params::show,

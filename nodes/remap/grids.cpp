@@ -75,9 +75,11 @@ NodeType remap_grids() {
     return Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
         .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
         .input("lattice", &RemapGrids::Ports::lattice, "The lattice in which the seams were found.")
-        .input("seams", &RemapGrids::Ports::seams, "Seams, or a list of seam sets in the order of carving.")
+        .input("seams", &RemapGrids::Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
         .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
-               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all. A "
+               "warp is "
+               "carved as a whole: leave `count` out.")
         .param("interpolation", &RemapGrids::Params::interpolation, "How values are read between voxels, if the lattice's vertices are not voxels.")
         .param("renormalize", &RemapGrids::Params::renormalize,
                "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if the "

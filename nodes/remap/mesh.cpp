@@ -70,9 +70,11 @@ NodeType remap_mesh() {
                "The mesh. A mesh that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, the mesh is "
                "compressed; where one is inserted, it is stretched. Normals of the file stay as they are.")
         .input("lattice", &Ports::lattice, "The lattice in which the seams were found.")
-        .input("seams", &Ports::seams, "Seams, or a list of seam sets in the order of carving.")
+        .input("seams", &Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
         .param("count", &Params::count, Unit::seams, any_number(),
-               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all. A "
+               "warp is "
+               "carved as a whole: leave `count` out.")
         .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
         .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)

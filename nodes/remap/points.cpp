@@ -46,9 +46,11 @@ NodeType remap_points() {
                                 "where a seam is inserted are doubled.")
         .input("source", &RemapPoints::Ports::source, "The points to carve.")
         .input("lattice", &RemapPoints::Ports::lattice, "The lattice in which the seams were found. Points outside it stay bit for bit.")
-        .input("seams", &RemapPoints::Ports::seams, "Seams, or a list of seam sets in the order of carving.")
+        .input("seams", &RemapPoints::Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
         .param("count", &RemapPoints::Params::count, Unit::seams, any_number(),
-               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all.")
+               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all. A "
+               "warp is "
+               "carved as a whole: leave `count` out.")
         .param("rim", &RemapPoints::Params::rim, "How the carve ends at the lattice's rims, as in remap.grids; use the same value for both.")
         .param("fade", &RemapPoints::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("soft", &RemapPoints::Params::soft, Unit::vertices, between(0, 1000), soft_doc)

@@ -23,7 +23,7 @@ inline constexpr double default_soft = 3, default_soft_time = 0;
 inline constexpr auto soft_doc =
     "How softly seams are carved. Each seam squeezes or stretches the space within about this distance along u, v and w, instead of cutting one vertex out or "
     "adding one. So nothing is lost, and no step remains. Everything further from all seams moves by whole vertices. 0: vertices are taken and added whole, as "
-    "in classical seam carving.";
+    "in classical seam carving. A warp is smooth by itself, and stays as it is.";
 inline constexpr auto soft_time_doc = "The same in time: the number of frames before and after that influence how far each vertex moves.";
 
 /// Reports a fault if `fade` is stated, but `rim` does not use it.

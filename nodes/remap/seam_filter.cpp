@@ -213,6 +213,8 @@ struct FilterSeam {
         Ref<Volume> volume;
     };
     static void run(const Params& params, Ports& io, Context& context) {
+        if (std::ranges::any_of(io.seams, [](const auto& set) { return set->warp.has_value(); }))
+            throw Failure("a warp is among the `seams`, but it leaves no seams to smooth along, since it is smooth everywhere; leave this node out");
         const auto map = carve_map(*io.lattice, io.seams, params.count, context);
         if (map.empty()) io.volume = io.source;
         else io.volume = std::make_shared<Volume>(seam_filtered(*io.source, *io.lattice, map, params.filter, params.width));
@@ -241,7 +243,7 @@ NodeType filter_seam() {
     return Declare<FilterSeam>("filter.seam", "Smooths a carved volume along the seams that were carved from it, and nowhere else.")
         .input("source", &FilterSeam::Ports::source, "The carved volume, or one grid of it. Grids of whole numbers, booleans and masks stay as they are.")
         .input("lattice", &FilterSeam::Ports::lattice, "The lattice in which it was carved.")
-        .input("seams", &FilterSeam::Ports::seams, "The seams that were carved, or the list of seam sets in the order of carving.")
+        .input("seams", &FilterSeam::Ports::seams, "The seams that were carved, or the list of seam sets in the order of carving. No warp: it leaves no seams.")
         .param("count", &FilterSeam::Params::count, Unit::seams, any_number(), "The `count` with which the volume was carved. auto is all seams.")
         .param("filter", &FilterSeam::Params::filter,
                "mean: of a cube of voxels. median: of the same cube; removes specks and keeps edges. gaussian: four means in a row, within 5 % of a true "

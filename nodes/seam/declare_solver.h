@@ -26,7 +26,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "path through 64 vertices of the highest energy, and has no energy itself. seam.greedy looks only one step ahead, so it takes only attracted "
             "vertices beside its path.")
         .input("after", &Ports::after,
-               "Seam sets of this lattice that are carved before, in order. The new seams are found in the space that they leave; windows count its vertices.")
+               "Seam sets and warps of this lattice that are carved before, in order. The new seams are found in the space that they leave; windows count its "
+               "vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
         .required("count", &Params::count, Unit::seams, any_number(),
                   "Number of seams: negative removes, positive inserts. N% is a share of the vertices along the axis, rounded: -20% of 1920 removes 384.")

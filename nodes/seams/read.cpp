@@ -25,9 +25,9 @@ struct SeamsRead {
 }  // namespace
 
 NodeType seams_read() {
-    return Declare<SeamsRead>("seams.read", "Reads seams from a file that seams.write wrote.")
+    return Declare<SeamsRead>("seams.read", "Reads seams or a warp from a file that seams.write wrote.")
         .required("path", &SeamsRead::Params::path, "The file; one for all frames.")
-        .output("seams", &SeamsRead::Ports::seams, "The seams, in the order in which they were found.");
+        .output("seams", &SeamsRead::Ports::seams, "The seams, in the order in which they were found; or the warp.");
 }
 
 }  // namespace fluidcarve

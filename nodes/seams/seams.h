@@ -3,6 +3,7 @@
 #include "nodes/lattice/lattice.h"
 #include "nodes/seams/anchor.h"
 #include "nodes/seams/seam_entries.h"
+#include "nodes/seams/warp.h"
 #include "nodes/seams/window.h"
 
 #include <array>
@@ -17,6 +18,7 @@ namespace fluidcarve {
 
 /// Seams through one lattice over a sequence, in the order in which they were found. A seam holds one entry per column, an index along the
 /// carved axis. A column is `(lateral, k, t)`; lateral is j if u is carved, i if v is carved.
+/// Or a warp in their place: then there are no seams, and the warp is carved as a whole.
 struct Seams {
     enum class Kind { remove, insert };
     struct Seam {
@@ -40,7 +42,11 @@ struct Seams {
     /// The second seam of each pair (paper 3.6), or empty. They are of the opposite kind, and all lie on the positive side of all `seams`.
     /// Their entries do not count the seams of the other window.
     std::vector<Seam> pairs;
+    /// Its vertices are carved(), lateral() and shape[2], its bounds are found, and the anchor holds it. `kind` says nothing of it.
+    std::optional<Warp> warp;
 
+    /// Number of seams; 1 for a warp.
+    std::size_t size() const { return warp ? 1 : seams.size(); }
     int carved() const { return shape[dimension(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[lateral_dimension(axis)]; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
@@ -48,15 +54,21 @@ struct Seams {
     /// The lattice hash of a frame.
     /// @param t  index of the frame in `frames`
     std::string lattice_hash_at(std::size_t t) const;
-    /// The shape I, J, K that the first `count` seams leave. Pairs do not change it.
+    /// The shape I, J, K that the first `count` seams leave. Pairs do not change it. A warp leaves as many whole vertices as hold all of its
+    /// content, in all columns and frames.
     std::array<int, 3> shape_after(std::size_t count) const;
     /// How far the beginning of the space moves when the first `count` seams are carved, so that the anchor stays in place; vertices along
-    /// the axis. 0 to `count` for removals, -`count` to 0 for insertions, 0 for pairs.
+    /// the axis. 0 to `count` for removals, -`count` to 0 for insertions, 0 for pairs; for a warp the least displacement of a first vertex,
+    /// rounded down.
     int shift_after(std::size_t count) const;
     /// shift_after() for every count from 0 on, for Anchor::At::vertex. Set by find_shifts().
     std::vector<int> shifts;
     /// Computes `shifts`. Call it once seams and anchor are set.
     void find_shifts();
+
+private:
+    /// The entries that the warp's content reaches, counted from the space before.
+    Window warped() const;
 };
 
 /// The kind of the seams that a count asks for, by its sign: positive inserts, negative removes. Nothing to carve counts as a removal.

@@ -19,8 +19,8 @@ struct SeamsWrite {
 }  // namespace
 
 NodeType seams_write() {
-    return Declare<SeamsWrite>("seams.write", "Writes seams to one .vdb file. Any smaller number of them can be carved from it later.")
-        .input("seams", &SeamsWrite::Ports::seams, "The seams.")
+    return Declare<SeamsWrite>("seams.write", "Writes seams or a warp to one .vdb file. Any smaller number of the seams can be carved from it later.")
+        .input("seams", &SeamsWrite::Ports::seams, "The seams, or a warp.")
         .required("path", &SeamsWrite::Params::path, "The file; one for all frames.");
 }
 

@@ -88,17 +88,26 @@ private:
         if (count < 2) return std::nullopt;
         const auto& mapping = derivative_.mapping();
         // Half of a voxel, in vertices.
-        const double half = 0.5 * source_->voxelSize()[0] / position_slope(mapping, at).col(axis).length();
+        const double half = 0.5 * source_->voxelSize()[0] / position_slope(mapping, at).col(axis).length(), width = 2 * half / count;
+        const auto image_at = [&](double from) {
+            auto place = at;
+            place[axis] += from - half;
+            return derivative_.image(place);
+        };
         double sum = 0;
         int met = 0;
+        auto below = image_at(0);
         for (int n = 0; n < count; ++n) {
-            auto place = at;
-            place[axis] += half * ((2 * n + 1.0) / count - 1);
-            const auto there = derivative_.image(place);
-            if (!there) continue;
-            const auto world = mapping.position(there->source);
-            sum += std::abs(there->derivative.det()) * openvdb::tools::BoxSampler::sample(values_, source_->transform().worldToIndex(world));
-            ++met;
+            const auto there = image_at((n + 0.5) * width), above = image_at((n + 1) * width);
+            if (there) {
+                // How much content lies between both ends, so that neighbouring parts together count all of it once.
+                const double slope = below && above ? (above->source[axis] - below->source[axis]) / width : there->slope(axis, axis);
+                const auto world = mapping.position(there->source);
+                sum += slope / there->slope(axis, axis) * std::abs(there->derivative.det()) *
+                       openvdb::tools::BoxSampler::sample(values_, source_->transform().worldToIndex(world));
+                ++met;
+            }
+            below = above;
         }
         return met > 0 ? std::optional(sum / met) : std::nullopt;
     }
