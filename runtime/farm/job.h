@@ -60,7 +60,7 @@ struct FarmJob {
     const FarmStep* find(const std::string& step) const;
 };
 
-/// How many frames a task takes. At most one of both is set; none: tasks of about ten minutes.
+/// How many frames a task takes. At most one of both is set; none: tasks of about ten minutes, or of ten frames where no run was measured.
 struct FarmChunking {
     std::optional<std::size_t> frames;
     std::optional<double> minutes;
