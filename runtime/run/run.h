@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 #include "runtime/run/flow.h"
 #include "runtime/tell/exit_codes.h"
 
@@ -20,7 +20,7 @@ struct RunRequest {
     std::string html_path;            ///< empty: no page
     std::string profile_path;         ///< empty: no trace
     std::string manifest_path;        ///< empty: no manifest
-    Origins origins;                  ///< origins of the pipeline's values, for the page
+    ValueSources sources;             ///< sources of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
     std::optional<double> wait;  ///< seconds to wait for results of other runs in the work folder, which this run then does not make; nothing: it makes them
     std::string task;            ///< JOB/STEP: this run is a task of a farm's job, and is recorded as one; empty: it is not
