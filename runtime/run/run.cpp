@@ -20,9 +20,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <thread>
 
 namespace fluidcarve {
 namespace {
@@ -110,9 +112,14 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
 }
 
 /// Why a task of a farm can't begin: it does not see the folder of its job, so that it would not see the results of others. Empty: it does.
-std::string fault_of_task_folder(const RunRequest& request) {
+std::string fault_of_task_folder(const RunRequest& request, const std::function<bool()>& cancelled) {
     const auto folder = farm_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
     std::error_code error;
+    const auto start = std::chrono::steady_clock::now();
+    while (!std::filesystem::exists(folder, error)) {
+        if (cancelled() || std::chrono::steady_clock::now() - start > std::chrono::duration<double>(request.wait.value_or(0))) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
     if (std::filesystem::exists(folder, error)) return {};
     return fmt::format("--task {}: there is no folder {}; share the work folder with this machine, or make the job again if it was cleaned", request.task,
                        folder);
@@ -219,7 +226,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     } catch (const Failure& failure) {
         return tell(fmt::format("failed: manifest: {}", failure.what())), code_of(failure);
     }
-    if (const auto fault = request.task.empty() ? std::string() : fault_of_task_folder(request); !fault.empty())
+    if (const auto fault = request.task.empty() ? std::string() : fault_of_task_folder(request, cancelled); !fault.empty())
         return tell("failed: " + fault), exit_code::input;
     Report report(pipeline);
     RunProfile profile(pipeline);

@@ -61,7 +61,7 @@ void sign(Json& about) {
     about["started"] = now();
 }
 
-void write_file(const std::string& path, const Json& about) {
+void write_status(const std::string& path, const Json& about) {
     try {
         OutputFile::write(path, about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     } catch (const Failure&) {
@@ -157,7 +157,7 @@ void StatusFile::write(const int* exit_code) const {
             if (const auto far = report_.gathering(n))
                 out["nodes"][name]["gathering"] = {{"frames", far->frames}, {"of_frames", far->of_frames}, {"items", far->items}, {"of_items", far->of_items}};
         }
-    write_file(path_, out);
+    write_status(path_, out);
 }
 
 void StatusFile::record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code) {
@@ -170,7 +170,7 @@ void StatusFile::record_failure(const std::string& record, const std::string& pi
     about["updated"] = now();
     about["exit"] = exit_code;
     about["faults"] = faults_of(report);
-    write_file(record, about);
+    write_status(record, about);
 }
 
 std::string farm_folder(const std::string& work_folder, const std::string& job) { return work_folder + "/farm/" + job; }

@@ -126,6 +126,8 @@ private:
 
     /// Adds a step. @param places  of the frames that it takes; empty: it is not chunked
     void add(RunStep step, const std::set<std::size_t>& places) {
+        const auto name = step.name;
+        for (int n = 2; std::ranges::find(out_, step.name, &RunStep::name) != out_.end(); ++n) step.name = fmt::format("{}-{}", name, n);
         step.chunked = !places.empty();
         std::vector<bool> delivered(prepared_.frames().size(), !step.chunked);
         for (const auto place : places) {
