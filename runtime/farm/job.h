@@ -41,6 +41,7 @@ struct FarmStep {
 struct FarmPath {
     std::string name;     ///< unique in the job: node and field, `sim.path`
     std::string path;     ///< absolute; of a sequence its folder
+    std::string file;     ///< of a sequence: its name in the folder, with its frame token
     bool folder = false;  ///< a folder, and not one file
     bool in = false;      ///< the pipeline reads it
     bool out = false;     ///< the pipeline writes it
