@@ -10,7 +10,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -184,12 +184,13 @@ private:
 
     static Json amounts_of(const FarmResources& resources) {
         Json out = Json::array();
-        const auto add = [&](const char* name, double least) {
+        const auto add = [&](const char* name, std::uint64_t least) {
             if (least > 0) out.push_back({{"name", name}, {"min", least}});
         };
-        add("amount.worker.vcpu", resources.cores);
-        add("amount.worker.memory", std::ceil(static_cast<double>(resources.memory) / (1024.0 * 1024)));
-        add("amount.worker.disk.scratch", std::ceil(static_cast<double>(resources.disk) / (1024.0 * 1024 * 1024)));
+        const auto in_units = [](std::uint64_t bytes, int shift) { return (bytes + (std::uint64_t{1} << shift) - 1) >> shift; };
+        add("amount.worker.vcpu", static_cast<std::uint64_t>(std::max(0, resources.cores)));
+        add("amount.worker.memory", in_units(resources.memory, 20));
+        add("amount.worker.disk.scratch", in_units(resources.disk, 30));
         return out;
     }
 
