@@ -1,15 +1,14 @@
 #include "graph/views/provenance.h"
 
+#include "graph/text/shell_word.h"
 #include "graph/text/yaml_text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
-#include <string_view>
 #include <tuple>
 
 namespace fluidcarve {
@@ -22,22 +21,6 @@ std::string unless_long(const std::string& text) { return text.size() <= most_by
 
 /// A path as files may state it: an absolute one would tell of the machine.
 std::string portable(const std::string& path) { return path.starts_with('/') ? std::filesystem::path(path).filename().string() : path; }
-
-/// A word of a shell's command, in quotes if it needs them.
-std::string shell_word(const std::string& word) {
-    const auto plain = [](unsigned char c) { return std::isalnum(c) || std::string_view("_-./=+,:@%#").find(static_cast<char>(c)) != std::string_view::npos; };
-    const auto foreign = [](unsigned char c) { return c < 0x20 || c > 0x7e; };
-    if (!word.empty() && word[0] != '#' && std::ranges::all_of(word, plain)) return word;
-    const bool escapes = std::ranges::any_of(word, foreign);
-    std::string out = escapes ? "$'" : "'";
-    for (const char c : word) {
-        if (escapes && foreign(static_cast<unsigned char>(c))) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-        else if (escapes && (c == '\'' || c == '\\')) out += std::string("\\") + c;
-        else if (c == '\'') out += "'\\''";
-        else out += c;
-    }
-    return out + "'";
-}
 
 /// Finds what a value owes to the command line and to the environment.
 class Outside {

@@ -10,19 +10,20 @@ namespace fluidcarve {
 
 /// What the command line asks of an engine.
 struct FarmRequest {
-    bool submit = false;       ///< hand the job to the engine
-    bool dry_run = false;      ///< only say what would be made
-    std::string output;        ///< folder for what the engine makes; empty: a folder of the job's name in the current one
+    bool submit = false;       ///< hand the job to the scheduler
+    std::string output;        ///< folder for what the engine writes; empty: one of the job's name in the current folder
     int processes = 1;         ///< of the local engine: tasks at once
     bool chunk_ranges = true;  ///< of OpenJD: chunks by the extension TASK_CHUNKING; false: pairs of first and last frame
-    std::string again;         ///< the command that makes the same job again, for a shell
+    bool quiet = false;        ///< print failures only
 };
 
 /// What runs the steps of a job, or writes them in the form that a scheduler takes.
 struct FarmEngine {
     std::string name;
-    std::string doc;  ///< one clause, for the help
-    /// Prints what it did. @return an exit code @throws Failure
+    std::string doc;              ///< one clause, for the help
+    std::string progress;         ///< how tasks show progress (`run --progress`)
+    bool other_machines = false;  ///< tasks run elsewhere, so that the work folder must be shared
+    /// Prints what it did. The job is in the work folder by then. @return an exit code @throws Failure
     std::function<int(const FarmJob& job, const FarmRequest& request)> farm;
 };
 
@@ -31,8 +32,5 @@ const std::vector<FarmEngine>& farm_engines();
 
 /// The engine of a name; null: there is none.
 const FarmEngine* find_engine(const std::string& name);
-
-/// The job as text: its steps, what each waits for, tasks, frames, resources and the command of its first task.
-std::string to_text(const FarmJob& job);
 
 }  // namespace fluidcarve

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "graph/pipeline.h"
 #include "graph/types/frames.h"
-#include "graph/types/registry.h"
-#include "runtime/run/run.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +17,7 @@ struct FarmResources {
     int cores = 0;
     std::uint64_t memory = 0;  ///< bytes
     std::uint64_t disk = 0;    ///< bytes that it writes, in the work folder and as outputs
-    double seconds = 0;
+    double seconds = 0;        ///< wall time
 };
 
 /// One process of a step.
@@ -26,10 +25,10 @@ struct FarmTask {
     FrameSet frames;  ///< for -f; empty: the step has one task, without -f
 };
 
-/// A part of a run that waits for other parts: the frames of one gathering node, its result, or what a node delivers.
+/// A part of a run that waits for other parts (RunStep).
 struct FarmStep {
     std::string name;                    ///< unique in the job; letters, digits, `-` and `_`
-    std::string what;                    ///< what it does, as a plain clause: "digests frames for seams"
+    std::string what;                    ///< what it does, as a clause
     std::vector<std::string> needs;      ///< names of the steps that must have ended well
     std::vector<std::string> arguments;  ///< words after `fluidcarve`, from `run` on, without -f
     bool chunked = false;                ///< its tasks have frames of their own, each frame in one task
@@ -39,41 +38,48 @@ struct FarmStep {
 
 /// A file, sequence or folder that the pipeline reads or writes.
 struct FarmPath {
-    std::string name;     ///< unique in the job: node and field, `sim.path`
+    std::string name;     ///< unique in the job: node and field, `sim.path`; `pipeline` and `work`
     std::string path;     ///< absolute; of a sequence its folder
     std::string file;     ///< of a sequence: its name in the folder, with its frame token
     bool folder = false;  ///< a folder, and not one file
-    bool in = false;      ///< the pipeline reads it
-    bool out = false;     ///< the pipeline writes it
+    bool in = false;      ///< it is read
+    bool out = false;     ///< it is written
 };
 
 /// A run as steps for a farm. It begins in `folder`, on every machine.
 struct FarmJob {
-    std::string name;                 ///< of the pipeline file, without its ending
+    std::string name;                 ///< unique in the work folder; the same command makes the same name
     std::string pipeline;             ///< path of the pipeline file, as it was given
     std::string folder;               ///< the current folder, absolute
     std::vector<std::string> prefix;  ///< words before the program: `rez-env fluidcarve --`
     std::string executable;           ///< the program
     std::string work;                 ///< the work folder, absolute
+    std::string again;                ///< the command that makes this job again, for a shell
     std::vector<FarmStep> steps;      ///< a step stands after those that it needs
-    std::vector<FarmPath> paths;      ///< all that the pipeline reads and writes
+    std::vector<FarmPath> paths;      ///< all that is read and written
 
+    /// The step of a name; null: there is none.
     const FarmStep* find(const std::string& step) const;
+    std::size_t tasks() const;  ///< of all steps
 };
 
-/// How many frames a task takes. At most one of both is set; none: tasks of about ten minutes, or of ten frames where no run was measured.
+/// How many frames a task takes. At most one is set; none: tasks of about ten minutes, or of ten frames where nothing was measured.
 struct FarmChunking {
-    std::optional<std::size_t> frames;
-    std::optional<double> minutes;
+    std::optional<std::size_t> frames;  ///< of each task
+    std::optional<double> minutes;      ///< wall time of each task, by what earlier runs took
+    std::optional<std::size_t> tasks;   ///< of each step
 };
 
-/// The words of a task's command: prefix, program, arguments and -f. Frames are joined to their option, so that negative ones are no option.
+/// The words of a task's command: prefix, program, arguments and frames. These are joined to their option, since they may be negative.
 std::vector<std::string> command_of(const FarmJob& job, const FarmStep& step, const FarmTask& task);
 
-/// Words as one line for a POSIX shell, quoted where needed.
-std::string shell_line(const std::vector<std::string>& words);
-
-/// Splits the frames into runs of at most `most`, in order, so that each frame is in one.
+/// Splits frames into tasks of at most `most`, in order, each frame in one.
 std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
+
+/// The job for people: its steps, what each waits for, its tasks and what they ask for, and the command of its first task.
+std::string to_text(const FarmJob& job);
+/// {"name", "pipeline", "folder", "again", "steps": [{"name", "what", "needs", "frames"?, "tasks", "cores", "memory", "disk", "seconds", "command"}]};
+/// `command` is that of the first task.
+nlohmann::ordered_json to_json(const FarmJob& job);
 
 }  // namespace fluidcarve

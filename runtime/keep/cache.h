@@ -39,6 +39,8 @@ public:
     const Registry& registry() const { return registry_; }
     /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size is damaged.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
+    /// Makes later calls find what other processes have stored meanwhile.
+    void look_again() { packs_.look_again(); }
     /// Marks an entry as used now, for `trim`.
     void touch(const Key& key) const;
     /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed, or no longer found

@@ -102,6 +102,14 @@ std::optional<std::vector<char>> Packs::read(const Key& key) {
     return std::nullopt;
 }
 
+void Packs::look_again() {
+    const std::lock_guard lock(mutex_);
+    end_own();
+    packs_.clear();
+    places_.clear();
+    scanned_ = false;
+}
+
 void Packs::add(const Key& key, std::span<const char> bytes) {
     if (folder_.empty() || bytes.empty()) return;
     const std::lock_guard lock(mutex_);

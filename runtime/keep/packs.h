@@ -34,6 +34,8 @@ public:
     /// The newest record of a key, with every byte intact; nothing if there is none, or it is damaged. Records that other processes
     /// append after the first call may stay unseen.
     std::optional<std::vector<char>> read(const Key& key);
+    /// Makes the next call find what other processes have appended since. What this process appends goes on in another pack.
+    void look_again();
     /// Appends a record, which takes the place of earlier ones of its key. @throws Failure if it can't be written
     void add(const Key& key, std::span<const char> bytes);
     /// Takes the record of a key for missing until another is added.

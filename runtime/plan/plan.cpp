@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 namespace fluidcarve {
@@ -37,9 +38,7 @@ struct Target {
     bool digests;  ///< NODE.INPUT: only the digests of the gatherer NODE
 };
 
-std::optional<Target> target_of(const Wish& wish, const Pipeline& pipeline, std::string& fault) {
-    const auto& to = wish.to;
-    const auto* const option = wish.only ? "--only" : "--to";
+std::optional<Target> target_of(const std::string& to, const char* option, const Pipeline& pipeline, std::string& fault) {
     const auto dot = to.find('.');
     const auto* const node = pipeline.find(to.substr(0, dot));
     if (!node)
@@ -57,16 +56,32 @@ std::optional<Target> target_of(const Wish& wish, const Pipeline& pipeline, std:
     return std::nullopt;
 }
 
+/// The targets that a wish names. @param fault  set to what is wrong with the first that can't be one
+std::vector<Target> targets_of(const Wish& wish, const Pipeline& pipeline, std::string& fault) {
+    std::vector<Target> out;
+    std::istringstream names(wish.to);
+    for (std::string name; fault.empty() && std::getline(names, name, ',');)
+        if (const auto target = target_of(name, wish.only ? "--only" : "--to", pipeline, fault)) out.push_back(*target);
+    return out;
+}
+
 }  // namespace
+
+bool digests_apart(const Node& node) { return node.streams_in() && node.type->digest != typeid(void) && node.digests_kept; }
+
+bool gathers_apart(const Node& node) {
+    return node.streams_in() && node.rate != Rate::frame && node.kept && (node.type->growth || node.type->digest == typeid(void));
+}
 
 std::string fault_of(const Wish& wish, const Pipeline& pipeline) {
     std::string fault;
-    std::optional<Target> to;
-    if (!wish.to.empty() && !(to = target_of(wish, pipeline, fault))) return fault;
-    if (wish.from.empty()) return {};
+    const auto targets = targets_of(wish, pipeline, fault);
+    if (!fault.empty() || wish.from.empty()) return fault;
     if (!pipeline.find(wish.from)) return fmt::format("--from: there is no node '{}'{}", wish.from, did_you_mean(wish.from, pipeline.node_names()));
-    if (to && !downstream_of(pipeline, index_of(pipeline, wish.from))[to->node])
-        return fmt::format("--from {} --to {}: '{}' does not depend on '{}'", wish.from, wish.to, pipeline.nodes[to->node].name, wish.from);
+    const auto after = downstream_of(pipeline, index_of(pipeline, wish.from));
+    for (const auto& target : targets)
+        if (!after[target.node])
+            return fmt::format("--from {} --to {}: '{}' does not depend on '{}'", wish.from, wish.to, pipeline.nodes[target.node].name, wish.from);
     return {};
 }
 
@@ -77,11 +92,14 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
     out.targets.assign(count, false);
     out.in_sequence.assign(count, false);
     out.gathered_in.assign(count, 0);
+    out.digested.assign(count, false);
     if (!wish.to.empty()) {
         std::string fault;
-        const auto to = *target_of(wish, pipeline, fault);
-        targets = {to.node};
-        if (to.digests) out.digested = to.node;
+        targets.clear();
+        for (const auto& target : targets_of(wish, pipeline, fault)) {
+            targets.push_back(target.node);
+            out.digested[target.node] = target.digests;
+        }
     }
     if (!wish.from.empty()) std::erase_if(targets, [after = downstream_of(pipeline, index_of(pipeline, wish.from))](std::size_t n) { return !after[n]; });
     out.needed = pipeline.upstream_of(targets);
@@ -97,8 +115,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
         if (node.streams_in()) ++ready[n];
         if (out.needed[n]) passes = std::max(passes, node.streams_in() ? out.gathered_in[n] + 1 : ready[n]);
     }
-    if (!out.digested)
-        for (const auto n : targets) out.targets[n] = true;
+    for (const auto n : targets) out.targets[n] = !out.digested[n];
     for (const auto n : targets)
         if (out.targets[n] && pipeline.nodes[n].rate == Rate::frame) passes = std::max(passes, ready[n] + 1);
     out.passes.resize(passes);

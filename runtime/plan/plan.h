@@ -3,7 +3,6 @@
 #include "graph/pipeline.h"
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +10,7 @@ namespace fluidcarve {
 
 /// The part of a pipeline that the user wants to run.
 struct Wish {
-    std::string to;     ///< NODE: this node and everything upstream; NODE.INPUT: only the digests of a gatherer; empty: all leaves
+    std::string to;     ///< NODE: this node and everything upstream; NODE.INPUT: only the digests of a gatherer; several by commas; empty: all leaves
     std::string from;   ///< only leaves downstream of this node; empty: all
     bool only = false;  ///< run `to` alone: cached nodes that it needs must already have their results
 };
@@ -33,11 +32,16 @@ struct Plan {
     std::vector<Pass> passes;
     std::vector<std::size_t> after;        ///< nodes that run once after the last pass
     std::vector<bool> targets;             ///< per node: whether the wish asks for it
-    std::optional<std::size_t> digested;   ///< a gatherer of which only the digests are wanted
+    std::vector<bool> digested;            ///< per node: whether it is a gatherer of which only the digests are wanted
     std::vector<bool> needed;              ///< per node: whether it is a target or upstream of one
     std::vector<bool> in_sequence;         ///< per node: whether a gatherer needs it, and so in every frame, not only in delivered ones
     std::vector<std::size_t> gathered_in;  ///< per node: the pass in which it gathers, if it does
 };
+
+/// Whether a node takes frames as digests that later runs find in the work folder, so that many runs can make them, each of its own frames.
+bool digests_apart(const Node& node);
+/// Whether a node delivers once what takes long to make of all frames, and later runs find it in the work folder: a solver, for one.
+bool gathers_apart(const Node& node);
 
 /// What is wrong with a wish, in words; empty: nothing.
 std::string fault_of(const Wish& wish, const Pipeline& pipeline);

@@ -47,7 +47,8 @@ private:
             if (!delivered_[place]) continue;
             for (const auto n : plan_.passes[pass].delivers)
                 if (!known_.result(n, place)) work({Visit::frame, n, place, pass});
-            if (plan_.digested && plan_.gathered_in[*plan_.digested] == pass) work({Visit::take, *plan_.digested, place});
+            for (const auto n : plan_.passes[pass].gatherers)
+                if (plan_.digested[n] && known_.wants(n, place)) work({Visit::take, n, place});
         }
     }
 
@@ -150,6 +151,10 @@ private:
 
 }  // namespace
 
+bool Schedule::Frame::computes() const {
+    return std::ranges::find(results, Action::run) != results.end() || std::ranges::find(takes, Take::anew) != takes.end();
+}
+
 bool Schedule::Frame::empty() const {
     return std::all_of(results.begin(), results.end(), [](Action action) { return action == Action::none; }) &&
            std::all_of(takes.begin(), takes.end(), [](Take take) { return take == Take::none; });
@@ -194,7 +199,7 @@ std::vector<Share> shares(const Pipeline& pipeline, const Plan& plan, const Sche
         auto& share = out[n];
         share.taken_anew = now.taken_anew.size();
         share.taken_kept = now.taken_kept.size();
-        if (plan.digested == n) {
+        if (plan.digested[n]) {
             share.frames = anew.taken_anew.size();
             share.runs = share.taken_anew;
             share.only_takes = true;

@@ -38,6 +38,8 @@ struct Schedule {
 
         /// Whether the node reads its inputs in this frame.
         bool reads(std::size_t node) const { return results[node] == Action::run || takes[node] == Take::anew; }
+        /// Whether a node computes something, and does not only load what is cached.
+        bool computes() const;
         /// Whether no node does anything.
         bool empty() const;
     };

@@ -436,6 +436,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     flow::function_node<Token, flow::continue_msg> retire(graph, flow::unlimited, [&](const Token& frame) {
         if (frame->open.fetch_sub(1) == 1) {
             --self.in_flight;
+            if (frame->scheduled.computes()) self.progress.passed(self.frames[frame->place]);
             limiter.decrementer().try_put(flow::continue_msg{});
         }
         return flow::continue_msg{};

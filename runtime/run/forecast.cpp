@@ -64,16 +64,28 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
         bool known = true;
         out.seconds += expected_seconds(cost, calls[n], known);
         if (!known) out.unmeasured.push_back(node.name);
-        const std::size_t runs = node.rate == Rate::frame && !share.only_takes ? share.runs : 0;
-        if (!calls[n].once && runs == 0 && share.taken_anew == 0) continue;
-        // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes, for all frames.
-        const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
-        const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(runs, share.taken_anew));
-        out.bytes += calls[n].once && node.type->digest != typeid(void) && node.rate != Rate::frame
-                         ? std::min(options.memory, bytes * (share.taken_anew + share.taken_kept))
-                         : bytes * std::max<std::size_t>(1, in_flight);
+        const NodeWork work{calls[n].once, node.rate == Rate::frame && !share.only_takes ? share.runs : 0, share.taken_anew, share.taken_kept};
+        out.bytes += memory_of(node, cost, work, input_bytes, options);
+        out.disk += disk_of(node, cost, work, input_bytes);
     }
+    out.cores = options.threads;
     return out;
+}
+
+std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes, const RunOptions& options) {
+    if (!work.once && work.runs == 0 && work.taken_anew == 0) return 0;
+    // Outputs per frame exist once per frame in flight. Digests exist until the gatherer finishes, for all frames.
+    const auto bytes = cost.bytes > 0 ? cost.bytes : input_bytes;
+    const auto in_flight = std::min(static_cast<std::size_t>(options.in_flight), std::max(work.runs, work.taken_anew));
+    return work.once && node.type->digest != typeid(void) && node.rate != Rate::frame ? std::min(options.memory, bytes * (work.taken_anew + work.taken_kept))
+                                                                                      : bytes * std::max<std::size_t>(1, in_flight);
+}
+
+std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes) {
+    const bool writer = node.outputs.empty();
+    const auto bytes = cost.bytes > 0 && !writer ? cost.bytes : input_bytes;
+    const auto results = writer || node.kept ? work.runs + (work.once && node.rate != Rate::frame ? 1 : 0) : 0;
+    return bytes * (results + (digests_apart(node) ? work.taken_anew : 0));
 }
 
 std::string table(const std::vector<std::vector<std::string>>& rows) {
@@ -120,7 +132,8 @@ std::string to_text(const Forecast& forecast) {
 
 Json to_json(const Forecast& forecast) {
     Json out{{"pipeline", forecast.pipeline}, {"frames", forecast.delivered.frames()}, {"nodes", Json::object()}, {"passes", Json::array()},
-             {"seconds", forecast.seconds},   {"unmeasured", forecast.unmeasured},     {"bytes", forecast.bytes}};
+             {"seconds", forecast.seconds},   {"unmeasured", forecast.unmeasured},     {"bytes", forecast.bytes}, {"disk", forecast.disk},
+             {"cores", forecast.cores}};
     for (const auto& line : forecast.lines) {
         auto& node = out["nodes"][line.node];
         node = {{"type", line.type}, {"frames", line.frames}, {"cached", line.cached}};

@@ -34,7 +34,20 @@ struct Forecast {
     bool remembers = true;                ///< whether there is a work folder to measure for
     std::vector<NodeCost> expected;       ///< per node of the pipeline: its costs in the setting of this run
     std::uint64_t bytes = 0;              ///< estimated memory; 0: unknown
+    std::uint64_t disk = 0;               ///< estimated bytes that are written, to the work folder and to outputs; 0: unknown
+    int cores = 0;                        ///< threads
 };
+
+/// How often a node works in a run, or in a part of one.
+struct NodeWork {
+    bool once = false;                           ///< it finishes, or runs once
+    std::size_t runs = 0;                        ///< frames that it computes
+    std::size_t taken_anew = 0, taken_kept = 0;  ///< for a gatherer: frames taken from its inputs, and from cached digests
+};
+/// Estimated bytes of memory that a node takes. @param cost  in the setting of the run @param input_bytes  of a reader's frame; 0: unknown
+std::uint64_t memory_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes, const RunOptions& options);
+/// Estimated bytes that a node writes: what it keeps in the work folder, or its files.
+std::uint64_t disk_of(const Node& node, const NodeCost& cost, const NodeWork& work, std::uint64_t input_bytes);
 
 Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, const Schedule& schedule, const std::vector<Share>& shares,
                        const History& history, const RunOptions& options);
@@ -42,7 +55,7 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
 /// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);
 /// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why"?, "taken"?: {"frames", "cached"}, "item"?}},
-/// "passes": [{"frames", "nodes", "gathers"}], "seconds", "unmeasured", "bytes"}
+/// "passes": [{"frames", "nodes", "gathers"}], "seconds", "unmeasured", "bytes", "disk", "cores"}
 nlohmann::ordered_json to_json(const Forecast& forecast);
 
 /// Formats a text table. The first two columns and the last are aligned left, the others right.

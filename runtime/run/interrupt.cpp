@@ -15,7 +15,6 @@
 namespace fluidcarve {
 namespace {
 
-constexpr int grace_ms = 800;
 constexpr std::array errors{SIGPIPE, SIGXFSZ};  ///< what fails instead tells them
 
 sigset_t stop_signals() {
@@ -30,7 +29,8 @@ sigset_t stop_signals() {
 
 }  // namespace
 
-Interrupt::Interrupt(std::string last_words) : last_words_(last_words.empty() ? std::string() : "\n" + std::move(last_words) + "\n") {
+Interrupt::Interrupt(std::string last_words, int grace_ms)
+    : last_words_(last_words.empty() ? std::string() : "\n" + std::move(last_words) + "\n"), grace_ms_(grace_ms) {
     for (const int number : errors) std::signal(number, SIG_IGN);
     // Signals are blocked in this thread, and so in all threads that it starts later. Only the watcher reads them, through signalfd.
     const auto set = stop_signals();
@@ -66,7 +66,7 @@ void Interrupt::watch() {
         signalfd_siginfo info;
         if (read(signals_, &info, sizeof info) == sizeof info) {
             asked_ = true;
-            timeout = grace_ms;
+            timeout = grace_ms_;
         }
     }
 }

@@ -7,12 +7,13 @@
 namespace fluidcarve {
 
 /// Handles SIGINT (Ctrl-C), SIGTERM and, unless it is ignored (nohup), SIGHUP during its lifetime. The first signal asks the run to stop.
-/// After 0.8 s, or at the second signal, the process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
+/// After a time of grace, or at the second signal, the process removes unfinished files and exits with code 130. Writing into a closed pipe or beyond a
 /// file size limit fails with an error in place of a signal. Create it before any other thread.
 class Interrupt {
 public:
     /// @param last_words  told on stderr by a process that exits at once; empty: nothing
-    explicit Interrupt(std::string last_words);
+    /// @param grace_ms    milliseconds that the run has to stop by itself
+    explicit Interrupt(std::string last_words, int grace_ms = 800);
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
@@ -22,6 +23,7 @@ public:
 private:
     void watch();
     const std::string last_words_;
+    const int grace_ms_;
     std::atomic<bool> asked_{false};
     int signals_ = -1;
     int ended_ = -1;

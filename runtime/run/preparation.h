@@ -30,6 +30,8 @@ public:
     const Inputs& inputs() const { return inputs_; }
     const std::vector<int>& frames() const { return inputs_.frames; }
     std::vector<int> delivered_frames() const;  ///< frame numbers
+    /// Whether a gatherer takes the frame at a place.
+    bool wants(std::size_t node, std::size_t place) const;
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }
@@ -52,7 +54,6 @@ public:
     void repeat_said(const Schedule& schedule, Report& report);
 
 private:
-    bool wants(std::size_t node, std::size_t place) const;
     /// Calls `see` for each file of the nodes that the run needs.
     void each_file(const std::function<void(std::size_t node, std::size_t place, const std::string& path)>& see) const;
     void compare(Manifest& manifest);

@@ -8,7 +8,9 @@
 #include "runtime/page/html_report.h"
 #include "runtime/run/conclusions.h"
 #include "runtime/run/preparation.h"
+#include "runtime/run/prerequisites.h"
 #include "runtime/run/status.h"
+#include "runtime/run/steps.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
@@ -18,9 +20,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <thread>
 
 namespace fluidcarve {
 namespace {
@@ -104,21 +108,21 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
     if (request.html_path.empty()) return code;
     const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start);
     const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
-    return write_file("page", request.html_path, to_html(pipeline, registry, request.origins, summary, files, when), code);
+    return write_file("page", request.html_path, to_html(pipeline, registry, request.sources, summary, files, when), code);
 }
 
-/// For `--only`: a fault for each node whose cached results are missing.
-std::vector<Fault> not_there(const Pipeline& pipeline, const Plan& plan, const std::vector<Share>& shares) {
-    std::vector<Fault> out;
-    for (std::size_t n = 0; n < shares.size(); ++n) {
-        const auto& node = pipeline.nodes[n];
-        if (shares[n].runs == 0 || !node.kept || plan.targets[n] || plan.digested == n) continue;
-        out.push_back({node.name, node.type->name, std::nullopt,
-                       fmt::format("has no results in the work folder for {} of {}, and --only runs no other node; run --to {} first", shares[n].runs,
-                                   counted(shares[n].frames, "frame"), node.name),
-                       Failure::Kind::input});
+/// Why a task of a farm can't begin: it does not see the folder of its job, so that it would not see the results of others. Empty: it does.
+std::string fault_of_task_folder(const RunRequest& request, const std::function<bool()>& cancelled) {
+    const auto folder = farm_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
+    std::error_code error;
+    const auto start = std::chrono::steady_clock::now();
+    while (!std::filesystem::exists(folder, error)) {
+        if (cancelled() || std::chrono::steady_clock::now() - start > std::chrono::duration<double>(request.wait.value_or(0))) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
-    return out;
+    if (std::filesystem::exists(folder, error)) return {};
+    return fmt::format("--task {}: there is no folder {}; share the work folder with this machine, or make the job again if it was cleaned", request.task,
+                       folder);
 }
 
 /// Executes a schedule. If a cached result is missing, makes a new schedule and tries again.
@@ -197,7 +201,9 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
-    std::fputs(json ? (to_json(forecast).dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
+    auto as_json = to_json(forecast);
+    if (json) as_json["steps"] = to_json(steps_of(pipeline, prepared, history, request.options));
+    std::fputs(json ? (as_json.dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     if (request.verbose && !json) std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);
     return exit_code::done;
 }
@@ -213,12 +219,15 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
     }
+    const auto record = request.task.empty() ? std::string() : task_record(request.options.work_folder, request.task, request.deliver);
     std::optional<Manifest> manifest;
     try {
         if (!request.manifest_path.empty()) manifest.emplace(request.manifest_path);
     } catch (const Failure& failure) {
         return tell(fmt::format("failed: manifest: {}", failure.what())), code_of(failure);
     }
+    if (const auto fault = request.task.empty() ? std::string() : fault_of_task_folder(request, cancelled); !fault.empty())
+        return tell("failed: " + fault), exit_code::input;
     Report report(pipeline);
     RunProfile profile(pipeline);
     try {
@@ -239,8 +248,9 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     for (const auto& fault : prepared.inputs().clashes) report.failed(fault);
     for (const auto& fault : prepared.unlike_manifest()) report.failed(fault);
     if (prepared.frames().empty()) {
-        const auto& targets = prepared.plan().targets;
-        const auto first = prepared.plan().digested.value_or(static_cast<std::size_t>(std::find(targets.begin(), targets.end(), true) - targets.begin()));
+        const auto& [targets, digested] = std::tie(prepared.plan().targets, prepared.plan().digested);
+        std::size_t first = 0;
+        while (!targets[first] && !digested[first]) ++first;
         const auto& node = pipeline.nodes[first];
         report.failed(
             {node.name, node.type->name, std::nullopt, "no frame is left: every frame lacks a file of a reader with `missing: skip`", Failure::Kind::input});
@@ -250,13 +260,14 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     bool stopped = true, idle = false;
     std::vector<std::string> written;
     if (report.faults().empty()) {
-        auto schedule = prepared.schedule();
+        auto [schedule, to_do, absent] = wait_for_prerequisites(pipeline, prepared, request, cancelled);
+        for (auto& fault : absent) report.failed(std::move(fault));
         prepared.repeat_said(schedule, report);
         // repeat_said found a damaged entry: its result must be computed again.
-        if (prepared.cache().damaged() > 0) schedule = prepared.careful_schedule();
-        const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
-        if (request.wish.only)
-            for (auto& fault : not_there(pipeline, prepared.plan(), to_do)) report.failed(std::move(fault));
+        if (prepared.cache().damaged() > 0) {
+            schedule = prepared.careful_schedule();
+            to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+        }
         History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
         const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
         if (request.verbose) std::fputs((to_text(forecast) + to_text(file_places(pipeline))).c_str(), stderr);
@@ -265,7 +276,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         report.expect(to_do);
         if (report.faults().empty()) {
             remember(pipeline, prepared, to_do, history);
-            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report);
+            StatusFile status(request.options.cache ? request.options.work_folder : std::string(), forecast, report, record);
             WorkTimes costs(forecast.expected);
             idle = nothing_to_do(to_do);
             written = written_paths(pipeline, to_do);
@@ -282,6 +293,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         }
     }
     int code = exit_of(report, cancelled(), stopped);
+    if (code != exit_code::done && !record.empty()) StatusFile::record_failure(record, pipeline.name, delivered, report, code);
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
     if (!request.quiet) tell_of_cache(prepared.cache());

@@ -54,22 +54,25 @@ bool well_formed(const Json& run) {
     return true;
 }
 
-struct Run {
-    fs::path file;
-    Json about;
-};
+/// What a status file says of the process that writes it.
+void sign(Json& about) {
+    about["host"] = host();
+    about["pid"] = getpid();
+    about["started"] = now();
+}
 
-/// The runs in a folder of status files, latest first.
-std::vector<Run> runs_in(const std::string& folder) {
-    std::vector<Run> out;
-    std::error_code error;
-    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-        if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
-        std::ifstream in(each->path());
-        auto about = Json::parse(in, nullptr, false);
-        if (well_formed(about)) out.push_back({each->path(), std::move(about)});
+void write_status(const std::string& path, const Json& about) {
+    try {
+        OutputFile::write(path, about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    } catch (const Failure&) {
+        // The run goes on without a status file.
     }
-    std::stable_sort(out.begin(), out.end(), [](const Run& a, const Run& b) { return a.about.value("started", 0.0) > b.about.value("started", 0.0); });
+}
+
+/// The failures as lines of text.
+Json faults_of(const Report& report) {
+    auto out = Json::array();
+    for (const auto& fault : report.faults()) out.push_back(to_text(fault));
     return out;
 }
 
@@ -105,17 +108,20 @@ std::string text_of(const Json& run) {
 
 }  // namespace
 
-StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, const Report& report) : about_(to_json(forecast)), report_(report) {
+StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, const Report& report, const std::string& record)
+    : about_(to_json(forecast)), report_(report) {
     if (folder.empty()) return;
     const auto runs = folder + "/runs";
-    auto former = runs_in(runs);
-    std::erase_if(former, [](const Run& run) { return state_of(run.about) == "running"; });
-    std::error_code ignored;
-    for (std::size_t n = most_ended; n < former.size(); ++n) fs::remove(former[n].file, ignored);
-    about_["host"] = host();
-    about_["pid"] = getpid();
-    about_["started"] = now();
-    path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, fs::path(forecast.pipeline).stem().string(), host(), getpid(), now() * 1000);
+    sign(about_);
+    if (!record.empty()) {
+        path_ = record;
+    } else {
+        auto former = recorded_runs(runs);
+        std::erase_if(former, [](const Json& run) { return run["state"] == "running"; });
+        std::error_code ignored;
+        for (std::size_t n = most_ended; n < former.size(); ++n) fs::remove(former[n]["file"].get<std::string>(), ignored);
+        path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, fs::path(forecast.pipeline).stem().string(), host(), getpid(), now() * 1000);
+    }
     thread_ = std::thread([this] {
         std::unique_lock lock(mutex_);
         while (!end_) {
@@ -151,26 +157,57 @@ void StatusFile::write(const int* exit_code) const {
             if (const auto far = report_.gathering(n))
                 out["nodes"][name]["gathering"] = {{"frames", far->frames}, {"of_frames", far->of_frames}, {"items", far->items}, {"of_items", far->of_items}};
         }
-    try {
-        OutputFile file(path_);
-        std::ofstream(file.aside()) << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
-        file.commit();
-    } catch (const Failure&) {
-        // The run goes on without a status file.
+    write_status(path_, out);
+}
+
+void StatusFile::record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code) {
+    std::ifstream in(record);
+    auto about = Json::parse(in, nullptr, false);
+    if (!well_formed(about) || about["pid"] != getpid() || about["host"] != host()) {
+        about = {{"pipeline", pipeline}, {"frames", frames}, {"nodes", Json::object()}};
+        sign(about);
     }
+    about["updated"] = now();
+    about["exit"] = exit_code;
+    about["faults"] = faults_of(report);
+    write_status(record, about);
+}
+
+std::string farm_folder(const std::string& work_folder, const std::string& job) { return work_folder + "/farm/" + job; }
+
+std::string task_name(const std::string& step, const std::optional<FrameSet>& frames) {
+    if (!frames || frames->frames().empty()) return step;
+    const auto first = frames->frames().front(), last = frames->frames().back();
+    return first == last ? fmt::format("{}.{}", step, first) : fmt::format("{}.{}-{}", step, first, last);
+}
+
+std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames) {
+    const auto slash = task.find('/');
+    return farm_folder(work_folder, task.substr(0, slash)) + "/tasks/" + task_name(task.substr(slash + 1), frames) + ".json";
+}
+
+std::vector<Json> recorded_runs(const std::string& folder) {
+    std::vector<Json> out;
+    std::error_code error;
+    for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+        if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
+        std::ifstream in(each->path());
+        auto about = Json::parse(in, nullptr, false);
+        if (!well_formed(about)) continue;
+        about["state"] = state_of(about);
+        about["file"] = each->path().string();
+        out.push_back(std::move(about));
+    }
+    std::stable_sort(out.begin(), out.end(), [](const Json& a, const Json& b) { return a.value("started", 0.0) > b.value("started", 0.0); });
+    return out;
 }
 
 std::string status_text(const std::string& folder, bool json) {
-    auto runs = runs_in(folder + "/runs");
-    for (auto& run : runs) run.about["state"] = state_of(run.about);
-    if (json) {
-        auto out = Json::array();
-        for (auto& run : runs) out.push_back(std::move(run.about));
-        return out.dump(2) + "\n";
-    }
+    const auto runs = recorded_runs(folder + "/runs");
+    if (json) return Json(runs).dump(2) + "\n";
     if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
     std::string out;
-    for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run.about);
+    for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run);
     return out;
 }
 

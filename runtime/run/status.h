@@ -5,8 +5,10 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -14,12 +16,16 @@ namespace fluidcarve {
 class StatusFile {
 public:
     /// @param folder  the work folder; empty: no file
-    StatusFile(const std::string& folder, const Forecast& forecast, const Report& report);
+    /// @param record  the file, if the run is a task of a farm (task_record); empty: one of its own, of which the latest stay
+    StatusFile(const std::string& folder, const Forecast& forecast, const Report& report, const std::string& record = {});
     /// Writes the final status.
     void end(int exit_code);
     ~StatusFile();
     StatusFile(const StatusFile&) = delete;
     StatusFile& operator=(const StatusFile&) = delete;
+
+    /// Replaces the record of a task by its failures; it may have failed before it had a record. @param frames  that it was to deliver
+    static void record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code);
 
 private:
     void write(const int* exit_code) const;
@@ -32,6 +38,17 @@ private:
     bool end_ = false;
     std::thread thread_;
 };
+
+/// The folder of a farm's job in a work folder.
+std::string farm_folder(const std::string& work_folder, const std::string& job);
+/// The file in which a task of a farm's job says how it goes. @param task  JOB/STEP @param frames  of the task; nothing: its step has one task
+std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames);
+/// How a task is called: `seams-energy.1001-1010`, by its first and last frame.
+std::string task_name(const std::string& step, const std::optional<FrameSet>& frames);
+
+/// What is known of the runs whose files lie in a folder, latest first: {"pipeline", "frames", "nodes", "host", "pid", "started", "updated", "exit"?,
+/// "faults"?, "state", "file"}.
+std::vector<nlohmann::ordered_json> recorded_runs(const std::string& folder);
 
 /// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of each is done, how far those are that gather,
 /// and whether the run is running, has ended, or was killed. @param json  as JSON, for programs

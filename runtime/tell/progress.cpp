@@ -25,10 +25,16 @@ void put(const std::string& text) {
     std::fflush(stderr);
 }
 
+/// Time between two lines of a style.
+std::chrono::milliseconds pause_of(ProgressStyle style) {
+    if (style == ProgressStyle::bar) return std::chrono::milliseconds(100);
+    return std::chrono::milliseconds(style == ProgressStyle::plain ? 30000 : 1000);
+}
+
 }  // namespace
 
 Progress::~Progress() {
-    if (style_ != ProgressStyle::none) show(true);
+    if (style_ != ProgressStyle::none && style_ != ProgressStyle::plain) show(true);
     if (drawn_) put("\n");
 }
 
@@ -87,6 +93,13 @@ std::pair<double, double> Progress::spent_and_left() const {
     return {spent, left};
 }
 
+void Progress::passed(int frame) {
+    if (style_ != ProgressStyle::plain) return;
+    const std::lock_guard lock(mutex_);
+    current_ = fmt::format("frame {}", frame);
+    show(true);
+}
+
 void Progress::say(const std::string& line) {
     const std::lock_guard lock(mutex_);
     if (!say_) return;
@@ -120,8 +133,7 @@ double Progress::seconds_left() const {
 
 void Progress::show(bool always) {
     const auto now = std::chrono::steady_clock::now();
-    const auto pause = style_ == ProgressStyle::bar ? std::chrono::milliseconds(100) : std::chrono::milliseconds(1000);
-    if (style_ == ProgressStyle::none || (!always && now - shown_ < pause)) return;
+    if (style_ == ProgressStyle::none || (!always && now - shown_ < pause_of(style_))) return;
     shown_ = now;
     const double wall = std::chrono::duration<double>(now - start_).count();
     const double fraction = advance(), seconds_left = left();
@@ -135,6 +147,13 @@ void Progress::show(bool always) {
                                    {"at", current_}}
                 .dump() +
             "\n");
+        return;
+    }
+    const auto status = fmt::format("pass {}/{}, {} left: {}", pass_ + 1, passes_, clock_text(seconds_left), current_);
+    if (style_ == ProgressStyle::plain) return put(fmt::format("{:3.0f} %, {}\n", fraction * 100, status));
+    if (style_ == ProgressStyle::openjd) {
+        fmt::print("openjd_progress: {:.1f}\nopenjd_status: {}\n", fraction * 100, status);
+        std::fflush(stdout);
         return;
     }
     constexpr int width = 24;

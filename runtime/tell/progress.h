@@ -14,8 +14,10 @@ namespace fluidcarve {
 /// How progress is printed.
 enum class ProgressStyle {
     none,
-    bar,   ///< one line on a terminal, redrawn
-    json,  ///< one line of JSON per second
+    bar,     ///< one line on a terminal, redrawn
+    json,    ///< one line of JSON per second
+    plain,   ///< a line for each frame that is done with a pass, for logs
+    openjd,  ///< one line with the percentage and one with the status per second, on stdout, as Open Job Description wants them
 };
 
 /// Prints the progress of a run and the time left to stderr. Thread-safe.
@@ -48,6 +50,9 @@ public:
     void done(std::size_t step, double seconds, std::optional<int> frame);
     /// To be called during the run of a step with a single run. @param fraction  finished part, 0..1 @param seconds  time so far
     void part(std::size_t step, double fraction, double seconds);
+
+    /// To be called when a frame is done with a pass. @param frame  frame number
+    void passed(int frame);
 
     /// Tells a line of text while the run goes on; the bar makes way for it.
     void say(const std::string& line);

@@ -3,6 +3,7 @@
 #include "graph/confinement.h"
 #include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
+#include "runtime/run/status.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
@@ -35,6 +36,22 @@ std::optional<std::uint64_t> parse_size(const std::string& text) {
     return static_cast<std::uint64_t>(number * std::pow(1024.0, found->second));
 }
 
+/// What is wrong with the name of a task; empty: nothing.
+std::string fault_of_task(const std::string& task) {
+    const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; };
+    const auto slash = task.find('/');
+    const auto good = slash != std::string::npos && slash > 0 && slash + 1 < task.size() &&
+                      std::all_of(task.begin(), task.begin() + static_cast<std::ptrdiff_t>(slash), plain) &&
+                      std::all_of(task.begin() + static_cast<std::ptrdiff_t>(slash) + 1, task.end(), plain);
+    return good ? "" : "wants JOB/STEP, each of letters, digits, - and _";
+}
+
+/// A path with a name before its ending: "out/shot.seams.json".
+std::string with_name(const std::string& path, const std::string& name) {
+    const std::filesystem::path whole(path);
+    return (whole.parent_path() / (whole.stem().string() + "." + name + whole.extension().string())).string();
+}
+
 }  // namespace
 
 void PipelineArguments::declare(CLI::App& verb) {
@@ -52,6 +69,14 @@ void PipelineArguments::declare(CLI::App& verb) {
         ->type_name("DIR")
         ->expected(1)
         ->take_all();
+}
+
+std::vector<std::string> PipelineArguments::words() const {
+    std::vector<std::string> out{path};
+    for (const auto& setting : settings) out.insert(out.end(), {"--set", setting});
+    for (const auto& folder : folders) out.insert(out.end(), {"--confine", folder});
+    if (allow_plugins) out.emplace_back("--allow-plugins");
+    return out;
 }
 
 Pipeline PipelineArguments::build(const Document& document, Registry& registry, Problems& problems) const {
@@ -78,14 +103,15 @@ std::optional<Pipeline> PipelineArguments::read_or_complain(Registry& registry) 
 void RunArguments::declare(CLI::App& verb) {
     frames_option = verb.add_option("-f,--frames", frames, "Deliver only these frames of the sequence (1001-1010,1020)")->type_name("FRAMES");
     auto* const to = verb.add_option("--to", request.wish.to,
-                                     "Run only this node and the nodes that it needs; NODE.INPUT of a solver: only extract its data from each frame")
+                                     "Run only this node and the nodes that it needs, or several, with commas; NODE.INPUT of a solver: only extract its data "
+                                     "from each frame")
                          ->type_name("NODE");
     auto* const from = verb.add_option("--from", request.wish.from, "Deliver only results that depend on this node")->type_name("NODE");
     verb.add_option("--only", only, "Run this node alone; the cached results that it needs must already be in the work folder")
         ->type_name("NODE")
         ->excludes(to)
         ->excludes(from);
-    verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
+    threads_option = verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
     verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")->check(CLI::Range(1, 100000));
     verb.add_option("--memory", memory,
                     "Memory that a node may use for the whole sequence before it uses files, and that a grid may take (default: half of the machine's memory)")
@@ -107,11 +133,34 @@ void RunArguments::declare(CLI::App& verb) {
     verb.add_option("--manifest", request.manifest_path,
                     "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
         ->type_name("FILE");
-    verb.add_option("--progress", progress, "How to show progress")->check(CLI::IsMember({"auto", "bar", "json", "none"}))->capture_default_str();
+    verb.add_option("--progress", progress, "How to show progress")
+        ->check(CLI::IsMember({"auto", "bar", "json", "plain", "openjd", "none"}))
+        ->capture_default_str();
+    verb.add_option("--wait", request.wait,
+                    "Seconds to wait for results of other runs in the work folder, such as a farm's earlier steps; fail if they do not come")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("SECONDS");
+    verb.add_option("--task", request.task, "Record this run as a task of a farm's job, and put its name into those of --report, --html and --profile")
+        ->type_name("JOB/STEP");
     verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
     verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
     const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
     verb.add_flag("-v,--verbose", request.verbose, "Show the plan, where the files lie, and the time of each node")->excludes(quiet);
+}
+
+std::vector<std::string> RunArguments::words() const {
+    std::vector<std::string> out{"--work", request.options.work_folder, "--threads", std::to_string(threads), "--progress", progress};
+    if (in_flight > 0) out.insert(out.end(), {"--in-flight", std::to_string(in_flight)});
+    for (const auto& [option, value] :
+         {std::pair("--memory", memory), std::pair("--cache-size", cache_size), std::pair("--report", request.report_path),
+          std::pair("--html", request.html_path), std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)})
+        if (!value.empty()) out.insert(out.end(), {option, value});
+    if (request.wait) out.insert(out.end(), {"--wait", fmt::format("{}", *request.wait)});
+    for (const auto& [option, on] :
+         {std::pair("--no-cache", no_cache), std::pair("--sync", request.options.sync), std::pair("--keep-going", request.options.keep_going),
+          std::pair("--quiet", request.quiet), std::pair("--verbose", request.verbose)})
+        if (on) out.emplace_back(option);
+    return out;
 }
 
 std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
@@ -149,6 +198,12 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     request.wish.only = !only.empty();
     if (request.wish.only) request.wish.to = only;
     if (const auto fault = fault_of(request.wish, pipeline); !fault.empty()) return wrong(fault);
+    if (!request.task.empty()) {
+        if (const auto fault = fault_of_task(request.task); !fault.empty()) return wrong("--task " + request.task + ": " + fault);
+        const auto name = task_name(request.task.substr(request.task.find('/') + 1), request.deliver);
+        for (auto* const path : {&request.report_path, &request.html_path, &request.profile_path})
+            if (!path->empty()) *path = with_name(*path, name);
+    }
     std::map<std::filesystem::path, const char*> own;
     for (const auto& [option, path] : {std::pair("--report", request.report_path), std::pair("--html", request.html_path),
                                        std::pair("--profile", request.profile_path), std::pair("--manifest", request.manifest_path)}) {
@@ -162,6 +217,8 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     }
     const bool terminal = coloured_terminal();
     request.progress = progress == "none" || request.quiet                     ? ProgressStyle::none
+                       : progress == "plain"                                   ? ProgressStyle::plain
+                       : progress == "openjd"                                  ? ProgressStyle::openjd
                        : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
                                                                                : ProgressStyle::json;
     return request;

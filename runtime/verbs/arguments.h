@@ -33,6 +33,8 @@ struct PipelineArguments {
     bool allow_plugins = false;
 
     void declare(CLI::App& verb);
+    /// The words of a command line that say the same.
+    std::vector<std::string> words() const;
 
     /// Loads the plugins that a document names, adds their types to the registry, and builds the pipeline.
     Pipeline build(const Document& document, Registry& registry, Problems& problems) const;
@@ -52,9 +54,12 @@ struct RunArguments {
     std::string memory;
     std::string progress = "auto";
     RunRequest request;
+    const CLI::Option* threads_option = nullptr;
     const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a farm's script), which is an error, from no -f
 
     void declare(CLI::App& verb);
+    /// The words of a command line that say the same, but for the part of the pipeline to run, and for frames.
+    std::vector<std::string> words() const;
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
     std::optional<RunRequest> read(const Pipeline& pipeline);

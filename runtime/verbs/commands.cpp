@@ -7,16 +7,17 @@
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/file_places.h"
-#include "graph/views/origins.h"
 #include "graph/views/provenance.h"
 #include "graph/views/schema.h"
+#include "graph/views/value_sources.h"
+#include "runtime/farm/job_status.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
-#include "runtime/run/status.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/verbs/arguments.h"
 #include "runtime/verbs/diff.h"
 #include "runtime/verbs/explain.h"
+#include "runtime/verbs/farm.h"
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
@@ -39,7 +40,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     state_provenance(pipeline, document, registry);
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
-    request->origins = origins_of(document, registry);
+    request->sources = value_sources_of(document, registry);
     const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
@@ -50,7 +51,7 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     const auto values = [&] {
-        auto out = origins_of(document, registry);
+        auto out = value_sources_of(document, registry);
         out.files = file_places(pipeline);
         return out;
     };
@@ -140,6 +141,9 @@ void add_examples(CLI::App& app) {
          "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
          "from, and where the files lie"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
+        {"farm",
+         "  fluidcarve farm local shot.yaml -j 4\n"
+         "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
         {"nodes",
@@ -198,14 +202,18 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin, and where the files lie");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its source, and where the files lie");
     auto* const plan_verb =
         app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
+    FarmArguments farm_arguments;
+    RunArguments farm_run_arguments;
+    auto* const farm_verb = app.add_subcommand("farm", "Run a pipeline as steps on many machines, or as processes on this one; takes the options of `run`");
+    farm_arguments.declare(*farm_verb, pipeline, farm_run_arguments);
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
-    auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come, and which were interrupted");
+    auto* const status_verb = app.add_subcommand("status", "Show how far the runs and farm jobs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
     auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
@@ -267,7 +275,8 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
-    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
+    if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
+    if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*new_node_verb) return write_new_node(new_node, registry);
     if (!load_or_complain(plugins, registry)) return exit_code::usage;

@@ -1,0 +1,19 @@
+#include "runtime/farm/engine.h"
+
+#include "runtime/farm/local.h"
+
+#include <algorithm>
+
+namespace fluidcarve {
+
+const std::vector<FarmEngine>& farm_engines() {
+    static const std::vector<FarmEngine> engines{{"local", "runs the steps as processes on this machine", "plain", false, farm_locally}};
+    return engines;
+}
+
+const FarmEngine* find_engine(const std::string& name) {
+    const auto found = std::ranges::find(farm_engines(), name, &FarmEngine::name);
+    return found == farm_engines().end() ? nullptr : &*found;
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "runtime/farm/job.h"
+
+#include <string>
+
+namespace fluidcarve {
+
+/// Writes a job into its work folder, for its tasks and for `status`. What tasks of an earlier job of this name have said stays.
+/// @param engine  its name @throws Failure if the work folder can't be written to
+void record_job(const FarmJob& job, const std::string& engine);
+
+/// What the verb `status` prints: the jobs of farms in a work folder, how far each step of them is, what failed and how to go on; then the
+/// runs (status_text). @param json  one array of jobs and runs; a job has the key `job`
+std::string job_status_text(const std::string& work_folder, bool json);
+
+}  // namespace fluidcarve

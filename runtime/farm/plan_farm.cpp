@@ -1,0 +1,122 @@
+#include "runtime/farm/plan_farm.h"
+
+#include "graph/text/words.h"
+#include "graph/views/file_places.h"
+#include "runtime/keep/content_hash.h"
+#include "runtime/run/preparation.h"
+#include "runtime/run/steps.h"
+#include "runtime/tell/terminal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t frames_unmeasured = 10;                      ///< of a task, if nothing was measured
+constexpr double minutes_wanted = 10;                              ///< of a task, if nothing else is asked for
+constexpr std::uint64_t program_bytes = std::uint64_t{256} << 20;  ///< memory of a run besides its data
+constexpr double memory_margin = 1.25;
+
+std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+/// Most frames of a task.
+std::size_t frames_of_task(const RunStep& step, const FarmChunking& chunking) {
+    const auto all = step.frames.size();
+    if (chunking.frames) return *chunking.frames;
+    if (chunking.tasks) return (all + *chunking.tasks - 1) / *chunking.tasks;
+    const auto one = step.cost(1), whole = step.cost(all);
+    if (!whole.all_measured) return frames_unmeasured;
+    const auto each = all > 1 ? (whole.seconds - one.seconds) / static_cast<double>(all - 1) : one.seconds;
+    const auto wanted = chunking.minutes.value_or(minutes_wanted) * 60 - (one.seconds - each);
+    if (!(each > 0) || wanted >= each * static_cast<double>(all)) return all;
+    const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(wanted / each)));
+    // As many tasks, but all of about the same size.
+    const auto tasks = (all + most - 1) / most;
+    return (all + tasks - 1) / tasks;
+}
+
+FarmResources resources_of(const RunCost& cost) {
+    const auto memory = cost.memory == 0 ? 0 : static_cast<std::uint64_t>(memory_margin * static_cast<double>(cost.memory)) + program_bytes;
+    return {cost.cores, memory, cost.disk, cost.all_measured ? cost.seconds : 0};
+}
+
+/// All that the run reads and writes.
+std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work) {
+    std::vector<FarmPath> out;
+    for (std::size_t n = 0; n < pipeline.files.size(); ++n)
+        out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline.{}", n + 1), absolute(pipeline.files[n]), false, true, false});
+    for (const auto& place : file_places(pipeline)) {
+        // The place of an input that is not where the pipeline lies is the other one.
+        const PathPattern pattern(place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
+        auto path = pattern.text();
+        bool folder = false;
+        for (; PathPattern(path).per_frame(); folder = true) path = fs::path(path).parent_path().string();
+        out.push_back({place.node + "." + place.field, path, folder, !place.writes, place.writes});
+    }
+    out.push_back({"work", work, true, true, true});
+    return out;
+}
+
+/// A name that the same command gives to the same job, and another one to another.
+std::string name_of(const FarmJob& job, const std::vector<std::string>& arguments, const std::vector<RunStep>& steps) {
+    ContentHash hash;
+    hash.text(job.folder);
+    for (const auto& word : arguments) hash.text(word);
+    for (const auto& step : steps) hash.text(step.wish.to).text(FrameSet(step.frames).text());
+    constexpr std::size_t digits = 6;
+    auto stem = fs::path(job.pipeline).stem().string();
+    std::ranges::replace_if(
+        stem, [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; }, '_');
+    return stem + "-" + hash.digest().text().substr(0, digits);
+}
+
+}  // namespace
+
+std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const FarmChunking& chunking,
+                                 const FarmCommand& command) {
+    Report report(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    if (!request.quiet)
+        for (const auto& warning : report.warnings()) tell("warning: " + warning);
+    for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
+        for (const auto& fault : *faults) tell("failed: " + to_text(fault));
+    if (!prepared.inputs().missing.empty() || !prepared.inputs().clashes.empty()) return std::nullopt;
+    if (prepared.frames().empty()) return tell("failed: no frame is left: every frame lacks a file of a reader with `missing: skip`"), std::nullopt;
+
+    const History history(request.options.work_folder, pipeline.name);
+    const auto steps = steps_of(pipeline, prepared, history, request.options);
+    FarmJob out;
+    out.pipeline = pipeline.name;
+    out.folder = fs::current_path().string();
+    out.prefix = command.prefix;
+    out.executable = command.executable;
+    out.work = request.options.work_folder;
+    out.again = command.again;
+    out.name = name_of(out, command.arguments, steps);
+    out.paths = paths_of(pipeline, out.work);
+    std::uint64_t kept = 0;
+    for (const auto& step : steps) {
+        auto& added = out.steps.emplace_back();
+        added.name = step.name;
+        added.what = step.what;
+        added.chunked = step.chunked;
+        for (const auto need : step.needs) added.needs.push_back(steps[need].name);
+        added.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking)) : std::vector<FarmTask>(1);
+        added.resources = resources_of(step.cost(added.tasks.front().frames.frames().size()));
+        added.arguments = command.arguments;
+        added.arguments.insert(added.arguments.end(), {step.wish.only ? "--only" : "--to", step.wish.to, "--task", out.name + "/" + step.name});
+        kept += step.cost(step.frames.size()).disk;
+    }
+    if (kept > request.options.cache_size)
+        tell(fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task may find removed what another has made; raise --cache-size",
+                         size_text(kept), size_text(request.options.cache_size)));
+    return out;
+}
+
+}  // namespace fluidcarve

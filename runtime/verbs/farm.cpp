@@ -1,0 +1,115 @@
+#include "runtime/verbs/farm.h"
+
+#include "graph/text/shell_word.h"
+#include "runtime/farm/job_status.h"
+#include "runtime/farm/plan_farm.h"
+#include "runtime/tell/terminal.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include <sys/vfs.h>
+#include <cstdlib>
+#include <filesystem>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double wait_seconds = 60;  ///< of tasks, for results of others; NFS shows files late by up to 60 s unless it is set otherwise
+
+/// The program that tasks run.
+std::string executable_of(const FarmArguments& arguments) {
+    if (const auto* const named = std::getenv("FLUIDCARVE_EXECUTABLE"); named && *named) return named;
+    if (!arguments.prefix.empty()) return "fluidcarve";
+    std::error_code error;
+    const auto own = fs::read_symlink("/proc/self/exe", error);
+    return error ? "fluidcarve" : own.string();
+}
+
+/// What is wrong with the arguments; empty: nothing.
+std::string fault_of(const FarmArguments& arguments, const RunArguments& run) {
+    if (!find_engine(arguments.engine)) {
+        std::vector<std::string> names;
+        for (const auto& engine : farm_engines()) names.push_back(engine.name);
+        return fmt::format("there is no farm engine '{}'{}; there are: {}", arguments.engine, did_you_mean(arguments.engine, names), fmt::join(names, ", "));
+    }
+    if (arguments.chunk_option->count() > 0 && arguments.chunk == 0) return "--chunk 0: a task takes at least 1 frame";
+    if (arguments.minutes_option->count() > 0 && !(arguments.minutes > 0))
+        return fmt::format("--minutes {}: a task takes more than 0 minutes", arguments.minutes);
+    if (run.no_cache) return "--no-cache: the steps of a farm hand on their results in the work folder; leave it out";
+    if (!run.only.empty()) return fmt::format("--only {0}: a farm makes all that is missing; name --to {0}", run.only);
+    return {};
+}
+
+/// Why other machines can't see a folder; empty: they may.
+std::string not_shared(const std::string& folder) {
+    constexpr long in_memory = 0x01021994;  // TMPFS_MAGIC
+    auto there = fs::path(folder);
+    std::error_code error;
+    while (!fs::exists(there, error) && there.has_parent_path() && there != there.parent_path()) there = there.parent_path();
+    struct statfs about {};
+    if (statfs(there.c_str(), &about) != 0 || about.f_type != in_memory) return {};
+    return fmt::format("--work: {} is in the memory of this machine, and other machines can't see it; name a shared folder", folder);
+}
+
+}  // namespace
+
+void FarmArguments::declare(CLI::App& verb, PipelineArguments& pipeline, RunArguments& run) {
+    std::string engines;
+    for (const auto& each : farm_engines()) engines += fmt::format("{}{} {}", engines.empty() ? "" : "; ", each.name, each.doc);
+    verb.add_option("engine", engine, "What runs the steps: " + engines)->required()->type_name("ENGINE");
+    pipeline.declare(verb);
+    run.declare(verb);
+    chunk_option = verb.add_option("--chunk", chunk, "Frames of a task (default: as many as take ten minutes, by earlier runs; 10 if nothing was measured)");
+    minutes_option = verb.add_option("--minutes", minutes, "Minutes that a task should take, by earlier runs")->excludes("--chunk");
+    verb.add_option("-j,--processes", request.processes, "Of `local`: tasks at once; they share the threads")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+    verb.add_option("--prefix", prefix, "Words before the program in each task's command, such as 'rez-env fluidcarve --'")->type_name("WORDS");
+    verb.add_option("--output", request.output, "Folder for what the engine writes (default: one of the job's name in the current folder)")->type_name("DIR");
+    verb.add_flag("--submit", request.submit, "Hand the job to the scheduler, too");
+    verb.add_flag("--dry-run", dry_run, "Only show the steps and their commands; make nothing");
+    verb.add_flag("--json", json, "With --dry-run: print as JSON");
+    verb.add_flag("--no-chunk-extension", no_chunk_extension, "Of `openjd`: pairs of first and last frame in place of the extension TASK_CHUNKING");
+}
+
+int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_arguments, RunArguments& run, const std::vector<std::string>& command,
+         Registry& registry) {
+    if (const auto fault = fault_of(arguments, run); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
+    const auto& engine = *find_engine(arguments.engine);
+    const auto pipeline = pipeline_arguments.read_or_complain(registry);
+    if (!pipeline) return exit_code::usage;
+    if (run.threads_option->count() == 0 && !engine.other_machines) run.threads = std::max(1, run.threads / arguments.request.processes);
+    if (run.progress == "auto") run.progress = engine.progress;
+    run.request.wait = run.request.wait.value_or(wait_seconds);
+    auto request = run.read(*pipeline);
+    if (!request) return exit_code::usage;
+    request->options.work_folder = run.request.options.work_folder = fs::absolute(request->options.work_folder).lexically_normal().string();
+    if (const auto fault = engine.other_machines ? not_shared(request->options.work_folder) : std::string(); !fault.empty())
+        return complain(fault + "\n"), exit_code::usage;
+
+    FarmChunking chunking;
+    if (arguments.chunk > 0) chunking.frames = arguments.chunk;
+    else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
+    else if (!engine.other_machines) chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
+    FarmCommand shared{CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, {}};
+    for (const auto& words : {pipeline_arguments.words(), run.words()}) shared.arguments.insert(shared.arguments.end(), words.begin(), words.end());
+    shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
+    const auto job = plan_farm(*pipeline, registry, *request, chunking, shared);
+    if (!job) return exit_code::input;
+    if (arguments.dry_run) return print(arguments.json ? to_json(*job).dump(2) + "\n" : to_text(*job)), exit_code::done;
+    try {
+        record_job(*job, engine.name);
+        auto asked = arguments.request;
+        asked.chunk_ranges = !arguments.no_chunk_extension;
+        asked.quiet = request->quiet;
+        return engine.farm(*job, asked);
+    } catch (const Failure& failure) {
+        return tell(fmt::format("failed: {}", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+    }
+}
+
+}  // namespace fluidcarve
