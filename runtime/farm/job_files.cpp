@@ -5,11 +5,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 namespace fluidcarve {
+namespace {
+
 namespace fs = std::filesystem;
+
+}  // namespace
 
 void write_job_files(const std::string& folder, const std::vector<JobFile>& files) {
     std::error_code error;
@@ -25,14 +28,6 @@ void write_job_files(const std::string& folder, const std::vector<JobFile>& file
         fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec, fs::perm_options::add, error);
         if (error) throw Failure(fmt::format("cannot make {} a program: {}", path.string(), error.message()));
     }
-}
-
-std::string to_text(const std::string& folder, const std::vector<JobFile>& files) {
-    std::string out;
-    for (const auto& file : files)
-        out +=
-            fmt::format("{}---- {}\n{}{}", out.empty() ? "" : "\n", (fs::path(folder) / file.name).string(), file.text, file.text.ends_with('\n') ? "" : "\n");
-    return out;
 }
 
 }  // namespace fluidcarve

@@ -16,7 +16,4 @@ struct JobFile {
 /// @throws Failure if the folder holds files of others, or can't be written to; then nothing is written
 void write_job_files(const std::string& folder, const std::vector<JobFile>& files);
 
-/// The files as text, one after the other, for a look before they are written.
-std::string to_text(const std::string& folder, const std::vector<JobFile>& files);
-
 }  // namespace fluidcarve

@@ -2,8 +2,10 @@
 
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"
+#include "graph/text/shell_word.h"
 #include "graph/text/words.h"
 #include "runtime/tell/exit_codes.h"
+#include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,7 +13,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 
@@ -33,29 +34,29 @@ constexpr std::size_t longest_description = 2048;
 constexpr int notice_seconds = 30;
 
 /// Frames that lie evenly: first, first + step, ..., last.
-struct FrameRun {
+struct EvenFrames {
     int first = 0, last = 0, step = 1;
 };
 
-/// Cuts sorted frames into runs, each as long as it can be.
-std::vector<FrameRun> runs_of(const std::vector<int>& frames) {
-    std::vector<FrameRun> runs;
+/// Cuts sorted frames into parts that lie evenly, each as long as it can be.
+std::vector<EvenFrames> even_parts(const std::vector<int>& frames) {
+    std::vector<EvenFrames> parts;
     for (const auto frame : frames) {
-        auto* const run = runs.empty() ? nullptr : &runs.back();
-        if (run && (run->first == run->last || run->last + run->step == frame)) {
-            if (run->first == run->last) run->step = frame - run->first;
-            run->last = frame;
+        auto* const part = parts.empty() ? nullptr : &parts.back();
+        if (part && (part->first == part->last || part->last + part->step == frame)) {
+            if (part->first == part->last) part->step = frame - part->first;
+            part->last = frame;
         } else {
-            runs.push_back({frame, frame, 1});
+            parts.push_back({frame, frame, 1});
         }
     }
-    return runs;
+    return parts;
 }
 
 /// A range expression of the specification: `1-9,20,30-90:3`.
 std::string range_expression(const std::vector<int>& frames) {
     std::string out;
-    for (const auto& run : runs_of(frames)) {
+    for (const auto& run : even_parts(frames)) {
         out += fmt::format("{}{}", out.empty() ? "" : ",", run.first);
         if (run.first != run.last) out += fmt::format("-{}", run.last);
         if (run.step != 1) out += fmt::format(":{}", run.step);
@@ -70,7 +71,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 
 /// A word as shell code in which no pair of braces begins or ends a reference to a parameter.
 std::string code_of(const std::string& word) {
-    const auto code = shell_line({word});
+    const auto code = shell_word(word);
     // Quotes that hold nothing part braces, but end what `$'` began.
     const bool escapes = code.starts_with("$'");
     return replaced(replaced(code, "{{", escapes ? "{\\x7b" : "{''{"), "}}", escapes ? "}\\x7d" : "}''}");
@@ -79,25 +80,21 @@ std::string code_of(const std::string& word) {
 /// Text for a name in which no pair of braces begins a reference to a parameter.
 std::string plain_name(const std::string& text, std::size_t longest) { return replaced(replaced(one_line(text), "{{", "{ {"), "}}", "} }").substr(0, longest); }
 
-/// A parameter of the job that is a path.
+/// A path as a parameter of the job.
 struct PathParameter {
-    std::string name{};
-    std::string value{};
-    bool folder = false, in = false, out = false;
-    const FarmPath* path = nullptr;  ///< null: the project, the pipeline or the work folder
+    std::string name;
+    FarmPath path;
 };
 
 /// Makes the bundle.
 class Bundle {
 public:
     Bundle(const FarmJob& job, std::string folder, bool chunk_ranges) : job_(job), folder_(std::move(folder)), chunk_ranges_(chunk_ranges) {
-        add_parameter("Project", {.value = job.folder, .folder = true});
-        add_parameter("Pipeline", {.value = (fs::path(job.folder) / job.pipeline).lexically_normal().string(), .in = true});
-        add_parameter("Work", {.value = job.work, .folder = true, .in = true, .out = true});
-        for (const auto& path : job.paths) add_parameter(path.name, {.value = path.path, .folder = path.folder, .in = path.in, .out = path.out, .path = &path});
+        add_parameter({"project", job.folder, {}, true, false, false});
+        for (const auto& path : job.paths) add_parameter(path);
         if (parameters_.size() > most_parameters)
-            throw Failure(fmt::format("{} reads and writes {} places, but a template may have {} parameters, and uses 3 itself; gather some in one folder",
-                                      job.pipeline, parameters_.size() - 3, most_parameters));
+            throw Failure(fmt::format("{} reads and writes {} places, but a template may have {} parameters; deliver less at once, by --to", job.pipeline,
+                                      parameters_.size() - 1, most_parameters));
     }
 
     std::vector<JobFile> files() const {
@@ -105,19 +102,19 @@ public:
     }
 
 private:
-    void add_parameter(const std::string& name, PathParameter parameter) {
+    void add_parameter(const FarmPath& path) {
         std::string identifier;
-        for (const char c : name) identifier += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+        for (const char c : path.name) identifier += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
         if (std::isdigit(static_cast<unsigned char>(identifier[0]))) identifier.insert(0, "_");
         identifier.resize(std::min(identifier.size(), longest_identifier));
-        parameter.name = identifier;
-        for (int number = 2; !names_.insert(parameter.name).second; ++number) {
+        auto name = identifier;
+        for (int number = 2; !names_.insert(name).second; ++number) {
             const auto suffix = fmt::format("_{}", number);
-            parameter.name = identifier.substr(0, longest_identifier - suffix.size()) + suffix;
+            name = identifier.substr(0, longest_identifier - suffix.size()) + suffix;
         }
-        if (parameter.value.size() > longest_value)
-            throw Failure(fmt::format("the path of {} is longer than the {} characters that a parameter may have: {}", name, longest_value, parameter.value));
-        parameters_.push_back(std::move(parameter));
+        if (path.path.size() > longest_value)
+            throw Failure(fmt::format("the path of {} is longer than the {} characters that a parameter may have: {}", path.name, longest_value, path.path));
+        parameters_.push_back({name, path});
     }
 
     static std::string text(const Json& json) {
@@ -128,19 +125,17 @@ private:
         }
     }
 
-    static const char* flow_of(const PathParameter& parameter) {
-        return parameter.in && parameter.out ? "INOUT" : parameter.in ? "IN" : parameter.out ? "OUT" : "NONE";
-    }
+    static const char* flow_of(const FarmPath& path) { return path.in && path.out ? "INOUT" : path.in ? "IN" : path.out ? "OUT" : "NONE"; }
 
     Json job_template() const {
         Json definitions = Json::array(), steps = Json::array();
         for (const auto& parameter : parameters_)
             definitions.push_back({{"name", parameter.name},
                                    {"type", "PATH"},
-                                   {"description", about(parameter)},
-                                   {"objectType", parameter.folder ? "DIRECTORY" : "FILE"},
-                                   {"dataFlow", flow_of(parameter)},
-                                   {"default", fs::path(parameter.value).lexically_relative(folder_).string()}});
+                                   {"description", about(parameter.path)},
+                                   {"objectType", parameter.path.folder ? "DIRECTORY" : "FILE"},
+                                   {"dataFlow", flow_of(parameter.path)},
+                                   {"default", fs::path(parameter.path.path).lexically_relative(folder_).string()}});
         for (const auto& each : job_.steps) steps.push_back(step(each));
         Json out{{"specificationVersion", "jobtemplate-2023-09"}};
         if (chunk_ranges_ && std::ranges::any_of(job_.steps, &FarmStep::chunked)) out["extensions"] = {"TASK_CHUNKING"};
@@ -150,11 +145,8 @@ private:
         return out;
     }
 
-    std::string about(const PathParameter& parameter) const {
-        if (!parameter.path)
-            return parameter.name == "Project" ? "Folder in which every task begins" : parameter.name == "Work" ? "Work folder" : "The pipeline";
-        const auto& path = *parameter.path;
-        return one_line(path.file.empty() ? path.name : fmt::format("{}, folder of {}", path.name, path.file)).substr(0, longest_description);
+    static std::string about(const FarmPath& path) {
+        return one_line(path.file.empty() ? path.name : fmt::format("{}: folder of {}", path.name, path.file)).substr(0, longest_description);
     }
 
     /// The name of a step in the template.
@@ -216,7 +208,7 @@ private:
         Json first = Json::array(), last = Json::array(), by = Json::array();
         bool even = true;
         for (const auto& task : step.tasks)
-            for (const auto& run : runs_of(task.frames.frames())) {
+            for (const auto& run : even_parts(task.frames.frames())) {
                 first.push_back(run.first);
                 last.push_back(run.last);
                 by.push_back(run.step);
@@ -246,23 +238,25 @@ private:
         return out;
     }
 
-    /// What a task runs: with its frames, the values of the project, the pipeline and the work folder, and those of all other parameters.
+    /// What a task runs: with its frames, and the values of all parameters in their order.
     std::string script(const FarmStep& step) const {
         auto out = fmt::format("# {}: {}\nset -eu\n", step.name, plain_name(step.what, longest_description));
         // The specification writes steps as 1-9:2, the program as 1-9x2.
-        out += fmt::format("frames=${{1//:/x}}\nproject=$2\npipeline={}\n", code_of(job_.pipeline));
-        out += fmt::format("[ \"$3\" = {} ] || pipeline=$3\nwork=$4\nshift 4\n\n", code_of(parameters_[1].value));
-        out += "# What the scheduler has elsewhere is told to the program: moved FIELD FILE FOLDER PLACE\n";
+        out += "frames=${1//:/x}\nshift\n\n";
+        out += "# What the scheduler has elsewhere is told to the program: moved FIELD FILE WAS IS\n";
         out += "moves=()\n";
         out += "quote=\\'\n";
         out += "moved() {\n";
         out += "    local path=$4${2:+/$2}\n";
         out += "    [ \"$3\" = \"$4\" ] || moves+=(--set \"$1='${path//$quote/$quote$quote}'\")\n";
         out += "}\n";
-        for (const auto& parameter : parameters_) {
-            if (!parameter.path) continue;
-            const auto& path = *parameter.path;
-            out += fmt::format("moved {} {} {} \"$1\"\nshift\n", code_of(path.name), code_of(path.file), code_of(path.path));
+        out += fmt::format("pipeline={}\n", code_of(job_.pipeline));
+        for (const auto& [name, path] : parameters_) {
+            if (path.name == "project" || path.name == "work") out += path.name + "=$1\n";
+            else if (path.name == "pipeline") out += fmt::format("[ \"$1\" = {} ] || pipeline=$1\n", code_of(path.path));
+            else if (path.name.find('.') != std::string::npos)
+                out += fmt::format("moved {} {} {} \"$1\"\n", code_of(path.name), code_of(path.file), code_of(path.path));
+            out += "shift\n";
         }
         out += "\ncd -- \"$project\"\nmkdir -p -- \"$work\"\n";
         return out + "exec " + command(step) + " \"${moves[@]}\" ${frames:+\"--frames=$frames\"}\n";
@@ -270,15 +264,15 @@ private:
 
     Json values() const {
         Json out{{"parameterValues", Json::array()}};
-        for (const auto& parameter : parameters_) out["parameterValues"].push_back({{"name", parameter.name}, {"value", parameter.value}});
+        for (const auto& parameter : parameters_) out["parameterValues"].push_back({{"name", parameter.name}, {"value", parameter.path.path}});
         return out;
     }
 
     Json references() const {
         std::set<std::string> folders, files, outputs;
-        for (const auto& parameter : parameters_) {
-            if (parameter.in) (parameter.folder ? folders : files).insert(parameter.value);
-            if (parameter.out) outputs.insert(parameter.folder ? parameter.value : fs::path(parameter.value).parent_path().string());
+        for (const auto& [name, path] : parameters_) {
+            if (path.in) (path.folder ? folders : files).insert(path.path);
+            if (path.out) outputs.insert(path.folder ? path.path : fs::path(path.path).parent_path().string());
         }
         return {{"assetReferences",
                  {{"inputs", {{"directories", folders}, {"filenames", files}}}, {"outputs", {{"directories", outputs}}}, {"referencedPaths", {job_.folder}}}}};
@@ -295,19 +289,15 @@ private:
 
 std::vector<JobFile> openjd_files(const FarmJob& job, const std::string& folder, bool chunk_ranges) { return Bundle(job, folder, chunk_ranges).files(); }
 
+std::string openjd_refusal(const FarmRequest& request) {
+    return request.submit ? "--submit: a bundle is handed over by its scheduler's own command, such as `deadline bundle submit FOLDER`; leave --submit out"
+                          : "";
+}
+
 int farm_openjd(const FarmJob& job, const FarmRequest& request) {
-    if (request.submit)
-        throw Failure("--submit is for engines that fluidcarve can call; hand the bundle to your scheduler, such as by `deadline bundle submit FOLDER`",
-                      Failure::Kind::input);
-    const auto folder = fs::absolute(request.output.empty() ? job.name + "-openjd" : request.output).lexically_normal();
-    const auto files = openjd_files(job, folder.string(), request.chunk_ranges);
-    if (request.dry_run) {
-        const auto text = to_text(folder.string(), files);
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        return exit_code::done;
-    }
-    write_job_files(folder.string(), files);
-    std::printf("%s: a job bundle of %s\n", folder.c_str(), counted(job.steps.size(), "step").c_str());
+    const auto folder = fs::absolute(request.output.empty() ? job.name : request.output).lexically_normal().string();
+    write_job_files(folder, openjd_files(job, folder, request.chunk_ranges));
+    if (!request.quiet) tell(fmt::format("{}: a job bundle of {}", folder, counted(job.steps.size(), "step")));
     return exit_code::done;
 }
 

@@ -16,8 +16,10 @@ namespace fluidcarve {
 /// @throws Failure if the job exceeds a limit of the specification
 std::vector<JobFile> openjd_files(const FarmJob& job, const std::string& folder, bool chunk_ranges);
 
-/// Writes the bundle into a folder. Prints what it did, or with `dry_run` what the bundle would be.
-/// @return an exit code @throws Failure also if the folder can't be written to, or `submit` is asked for: whoever schedules the bundle takes it
+/// Why the job can't be submitted: whoever schedules bundles takes them from their folder.
+std::string openjd_refusal(const FarmRequest& request);
+
+/// Writes the bundle into a folder. @return an exit code @throws Failure also if the folder can't be written to
 int farm_openjd(const FarmJob& job, const FarmRequest& request);
 
 }  // namespace fluidcarve

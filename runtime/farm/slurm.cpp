@@ -2,8 +2,10 @@
 
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"
+#include "graph/text/shell_word.h"
 #include "graph/text/words.h"
 #include "runtime/tell/exit_codes.h"
+#include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -113,7 +115,7 @@ echo "cancel:    scancel ${ids[*]}"
 )sh";
 
 /// What a step does, and how much of it there is, as a comment.
-std::string about(const FarmStep& step) {
+std::string comment_of(const FarmStep& step) {
     std::size_t frames = 0;
     for (const auto& task : step.tasks) frames += task.frames.frames().size();
     auto out = "# " + one_line(step.what);
@@ -129,10 +131,10 @@ std::string step_script(const FarmJob& job, const FarmStep& step) {
     if (step.resources.cores > 0) out += fmt::format("#SBATCH --cpus-per-task={}\n", step.resources.cores);
     if (step.resources.memory > 0) out += fmt::format("#SBATCH --mem={}M\n", (step.resources.memory + mebibyte - 1) / mebibyte);
     out += "#SBATCH --requeue\n#SBATCH --kill-on-invalid-dep=yes\n#SBATCH --open-mode=append\n#SBATCH --signal=B:USR1@60\n";
-    out += about(step) + "\nchunks=(\n";
+    out += comment_of(step) + "\nchunks=(\n";
     for (const auto& task : step.tasks) out += "    " + (step.chunked ? "--frames=" + task.frames.text() : std::string("''")) + "\n";
     out += fmt::format(")\ncommand=({})\n", shell_line(command_of(job, step, {})));
-    return out + fmt::format("folder={}\nwork={}\n", shell_line({job.folder}), shell_line({job.work})) + task_script;
+    return out + fmt::format("folder={}\nwork={}\n", shell_word(job.folder), shell_word(job.work)) + task_script;
 }
 
 std::string submit_program(const FarmJob& job) {
@@ -141,7 +143,7 @@ std::string submit_program(const FarmJob& job) {
         one_line(job.pipeline));
     auto status = job.prefix;
     status.insert(status.end(), {job.executable, "status", "--work", job.work});
-    out += fmt::format("name={}\nwork={}\nstatus={}\n", shell_line({job.name}), shell_line({job.work}), shell_line({shell_line(status)})) + submit_script;
+    out += fmt::format("name={}\nwork={}\nstatus={}\n", shell_word(job.name), shell_word(job.work), shell_word(shell_line(status))) + submit_script;
     for (const auto& step : job.steps)
         out += fmt::format("step {} {}{}{}\n", step.name, step.tasks.size(), step.needs.empty() ? "" : " ", fmt::join(step.needs, " "));
     return out + submitted_script;
@@ -178,26 +180,23 @@ std::vector<JobFile> slurm_files(const FarmJob& job) {
     return files;
 }
 
+std::string slurm_refusal(const FarmRequest& request) {
+    if (!request.submit || is_in_path("sbatch")) return {};
+    return "--submit: there is no sbatch in PATH; call this where Slurm is installed, or leave --submit out and run `submit` there";
+}
+
 int farm_slurm(const FarmJob& job, const FarmRequest& request) {
-    const auto folder = fs::absolute(request.output.empty() ? job.name + "-slurm" : request.output).lexically_normal().string();
-    const auto files = slurm_files(job);
-    const auto submit = (fs::path(folder) / "submit").string();
-    if (request.dry_run) {
-        const auto text = to_text(folder, files);
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        return exit_code::done;
+    const auto folder = fs::absolute(request.output.empty() ? job.name : request.output).lexically_normal();
+    const auto submit = (folder / "submit").string();
+    write_job_files(folder.string(), slurm_files(job));
+    if (request.submit) {
+        const int code = run_program(submit);
+        return code == exit_code::done || code == exit_code::usage ? code : exit_code::node_failed;
     }
-    if (request.submit && !is_in_path("sbatch"))
-        throw Failure("there is no sbatch in PATH; call this where Slurm is installed, or leave --submit out and run `submit` there. Nothing is submitted",
-                      Failure::Kind::input);
-    write_job_files(folder, files);
-    std::printf("%s: %s for Slurm\n", folder.c_str(), counted(job.steps.size(), "step").c_str());
-    if (!request.submit) {
-        std::printf("submit: %s\n", shell_line({submit}).c_str());
-        return exit_code::done;
-    }
-    const int code = run_program(submit);
-    return code == 0 || code == exit_code::usage ? code : exit_code::node_failed;
+    if (!request.quiet)
+        tell(fmt::format("{}: {}, {}; to submit them, type: {}", folder.string(), counted(job.steps.size(), "step"), counted(job.tasks(), "task"),
+                         shell_word(submit)));
+    return exit_code::done;
 }
 
 }  // namespace fluidcarve

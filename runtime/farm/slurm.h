@@ -3,6 +3,7 @@
 #include "runtime/farm/engine.h"
 #include "runtime/farm/job_files.h"
 
+#include <string>
 #include <vector>
 
 namespace fluidcarve {
@@ -12,8 +13,10 @@ namespace fluidcarve {
 /// any more. A task that fails is started again twice, one whose machine fell out as often as that happens.
 std::vector<JobFile> slurm_files(const FarmJob& job);
 
-/// Writes the scripts into a folder. With `submit` it runs `submit` there. Prints what it did, or with `dry_run` what the scripts would be.
-/// @return an exit code @throws Failure if the folder can't be written to, or sbatch is wanted and not there; then nothing is submitted
+/// Why the job can't be submitted: there is no sbatch.
+std::string slurm_refusal(const FarmRequest& request);
+
+/// Writes the scripts into a folder. With `submit` it runs `submit` there. @return an exit code @throws Failure if the folder can't be written to
 int farm_slurm(const FarmJob& job, const FarmRequest& request);
 
 }  // namespace fluidcarve
