@@ -10,11 +10,12 @@ namespace fluidcarve {
 
 /// What the command line asks of an engine.
 struct FarmRequest {
-    bool submit = false;       ///< hand the job to the scheduler
-    std::string output;        ///< folder for what the engine writes; empty: one of the job's name in the current folder
-    int processes = 1;         ///< of the local engine: tasks at once
-    bool chunk_ranges = true;  ///< of OpenJD: chunks by the extension TASK_CHUNKING; false: pairs of first and last frame
-    bool quiet = false;        ///< print failures only
+    bool submit = false;                                     ///< hand the job to the scheduler
+    std::string output;                                      ///< folder for what the engine writes; empty: one of the job's name in the current folder
+    int processes = 1;                                       ///< of the local engine: tasks at once
+    bool chunk_ranges = true;                                ///< of OpenJD: chunks by the extension TASK_CHUNKING; false: pairs of first and last frame
+    bool quiet = false;                                      ///< print failures only
+    std::function<bool()> cancelled = [] { return false; };  ///< to be asked often; true: end what was started, soon
 };
 
 /// What runs the steps of a job, or writes them in the form that a scheduler takes.

@@ -3,7 +3,6 @@
 #include "graph/output_file.h"
 #include "graph/text/shell_word.h"
 #include "graph/text/words.h"
-#include "runtime/run/interrupt.h"
 #include "runtime/run/status.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/tell/terminal.h"
@@ -29,7 +28,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto between_looks = std::chrono::milliseconds(10);
-constexpr int grace_ms = 5000;  ///< for tasks to end after a signal
 constexpr int not_started = 127;
 
 /// A task on its way.
@@ -95,10 +93,9 @@ public:
     LocalFarm(const FarmJob& job, const FarmRequest& request) : job_(job), request_(request), states_(job.steps.size()) {}
 
     int run() {
-        const Interrupt interrupt(std::string(), grace_ms);
         const auto start = Clock::now();
         while (true) {
-            if (interrupt.asked()) return stop();
+            if (request_.cancelled()) return stop();
             while (running_.size() < static_cast<std::size_t>(request_.processes) && begin_next()) {}
             if (running_.empty()) break;
             if (!look()) std::this_thread::sleep_for(between_looks);

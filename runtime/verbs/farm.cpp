@@ -3,6 +3,7 @@
 #include "graph/text/shell_word.h"
 #include "runtime/farm/job_status.h"
 #include "runtime/farm/plan_farm.h"
+#include "runtime/run/interrupt.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int grace_ms = 5000;       ///< for tasks to end after a signal
 constexpr double wait_seconds = 60;  ///< of tasks, for results of others; NFS shows files late by up to 60 s unless it is set otherwise
 
 /// The program that tasks run.
@@ -83,6 +85,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (const auto fault = engine.refusal ? engine.refusal(arguments.request) : std::string(); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
     const auto pipeline = pipeline_arguments.read_or_complain(registry);
     if (!pipeline) return exit_code::usage;
+    const Interrupt interrupt(std::string(), grace_ms);
     if (run.threads_option->count() == 0 && !engine.other_machines) run.threads = std::max(1, run.threads / arguments.request.processes);
     if (run.progress == "auto") run.progress = engine.progress;
     run.request.wait = run.request.wait.value_or(wait_seconds);
@@ -107,6 +110,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
         auto asked = arguments.request;
         asked.chunk_ranges = !arguments.no_chunk_extension;
         asked.quiet = request->quiet;
+        asked.cancelled = [&] { return interrupt.asked(); };
         return engine.farm(*job, asked);
     } catch (const Failure& failure) {
         return tell(fmt::format("failed: {}", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;

@@ -1,0 +1,178 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// The plume, with automatic ranges, a fitted box, a solver, frames, seams and a picture.
+class Plume {
+public:
+    /// A command for a shell, with outputs and the work folder in a folder of this name.
+    std::string command(const std::string& verb, const std::string& into, const std::string& more = {}) const {
+        auto out = fmt::format("{} {} pipelines/plume.yaml --set count=-3 --work {} {}", FLUIDCARVE_PROGRAM, verb, work(into), more);
+        for (const auto& [param, file] : {std::pair("out", "o.####.vdb"), std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
+            out += fmt::format(" --set {}={}", param, scratch / (into + "/" + file));
+        return out;
+    }
+    std::string work(const std::string& into) const { return scratch / (into + "_work"); }
+
+    /// The files of a folder, without temporary ones, by their names.
+    std::set<std::string> files(const std::string& into) const {
+        std::set<std::string> out;
+        for (const auto& each : fs::directory_iterator(scratch / into)) out.insert(each.path().filename().string());
+        return out;
+    }
+    Json status(const std::string& into) const { return Json::parse(call_shell(FLUIDCARVE_PROGRAM " status --json --work " + work(into)).out).at(0); }
+
+    /// How many frames of each node the tasks of a job computed, all together.
+    std::map<std::string, int> computed(const std::string& into) const {
+        std::map<std::string, int> out;
+        for (const auto& each : fs::directory_iterator(scratch / "reports")) {
+            const auto report = Json::parse(Scratch::read(each.path()));
+            for (const auto& [name, node] : report.at("nodes").items()) out[name] += node.at("frames").get<int>() - node.at("cached").get<int>();
+        }
+        return out;
+    }
+
+    Scratch scratch;
+};
+
+}  // namespace
+
+TEST_CASE("a farm on one machine makes what one run makes, and computes each energy once") {
+    const Plume plume;
+    REQUIRE(call_shell(plume.command("run", "one", "-q")).code == 0);
+    const auto farmed = call_shell(plume.command("farm local", "many", "-j 2 --chunk 4 --report " + (plume.scratch / "reports/r.json")));
+    INFO(farmed.err);
+    REQUIRE(farmed.code == 0);
+    CHECK_THAT(farmed.err, Catch::Contains("seams-energy.51-54: done in ") && Catch::Contains("\ndone: "));
+    CHECK(plume.files("many") == plume.files("one"));
+    const auto same = call_shell(fmt::format("{} diff {} {}", FLUIDCARVE_PROGRAM, plume.scratch / "one", plume.scratch / "many"));
+    INFO(same.out);
+    CHECK(same.code == 0);
+    const auto computed = plume.computed("many");
+    for (const auto* const energy : {"edges", "sharp", "energy"}) CHECK(computed.at(energy) == 6);
+    CHECK(plume.status("many").at("state") == "done");
+
+    // Once more: nothing is left to do.
+    const auto again = call_shell(plume.command("farm local", "many", "-j 2 --chunk 4"));
+    CHECK(again.code == 0);
+}
+
+TEST_CASE("a task of a farm that is killed runs again, and what was done stays done") {
+    const Plume plume;
+    const auto killed = call_shell(plume.command("farm local", "out", "--chunk 2") +
+                                   " & farm=$!; until child=$(pgrep -P $farm); do sleep 0.01; done; kill -9 $child; wait $farm");
+    INFO(killed.err);
+    CHECK(killed.code == 0);
+    CHECK_THAT(killed.err, Catch::Contains("killed by signal 9; runs again"));
+    CHECK(plume.status("out").at("state") == "done");
+}
+
+TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run again") {
+    const Plume plume;
+    const auto stopped = call_shell(plume.command("farm local", "out", "--chunk 1") +
+                                    " & farm=$!; until pgrep -P $farm >/dev/null; do sleep 0.01; done; kill -TERM $farm; wait $farm");
+    CHECK(stopped.code == 130);
+    CHECK_THAT(stopped.err, Catch::Contains("interrupted; to go on, type: cd ") && Catch::Contains(" farm local pipelines/plume.yaml "));
+    CHECK(plume.status("out").at("state") != "done");
+    CHECK(call_shell(plume.command("farm local", "out", "--chunk 1")).code == 0);
+    CHECK(plume.status("out").at("state") == "done");
+}
+
+TEST_CASE("a step that fails ends what needs it, and both the farm and status say why and how to go on") {
+    const Plume plume;
+    // A file of three bytes is there, but no volume.
+    fs::create_directories(plume.scratch / "in");
+    for (int frame = 51; frame <= 56; ++frame)
+        fs::copy_file(fmt::format(TEST_DATA "/plume/plume.{:04}.vdb", frame), plume.scratch / fmt::format("in/p.{:04}.vdb", frame));
+    const auto set = " --set sim=" + (plume.scratch / "in/p.####.vdb");
+    // Headers are whole, what follows is not.
+    fs::resize_file(plume.scratch / "in/p.0054.vdb", fs::file_size(plume.scratch / "in/p.0054.vdb") - 5000);
+    const auto failed = call_shell(plume.command("farm local", "out", "--chunk 2" + set));
+    INFO(failed.err);
+    CHECK(failed.code != 0);
+    CHECK_THAT(failed.err, Catch::Contains("p.0054.vdb"));
+    CHECK(!fs::exists(plume.scratch / "out/o.0051.vdb"));
+    const auto status = call_shell(FLUIDCARVE_PROGRAM " status --work " + plume.work("out"));
+}
+
+TEST_CASE("a farm refuses what can't be, and makes nothing") {
+    const Plume plume;
+    const auto refused = [&](const std::string& verb, const std::string& more) {
+        const auto called = call_shell(plume.command(verb, "out", more));
+        CHECK(called.code != 0);
+        CHECK(!fs::exists(plume.work("out")));
+        CHECK(!fs::exists(plume.scratch / "out"));
+        return called.err;
+    };
+    CHECK_THAT(refused("farm locla", ""), Catch::StartsWith("there is no farm engine 'locla'; did you mean 'local'?"));
+    CHECK_THAT(refused("farm local", "--chunk 0"), Catch::StartsWith("--chunk 0: a task takes at least 1 frame"));
+    CHECK_THAT(refused("farm local", "--minutes 0"), Catch::StartsWith("--minutes 0: "));
+    CHECK_THAT(refused("farm local", "--no-cache"), Catch::StartsWith("--no-cache: "));
+    CHECK_THAT(refused("farm local", "--set energy.field=sim.densty"), Catch::Contains("densty"));
+    CHECK_THAT(refused("farm local", "--set sim=nowhere.####.vdb"), Catch::Contains("nowhere.0051.vdb"));
+    const auto unwritable = call_shell(plume.command("farm local", "out", "--work /proc/none"));
+    CHECK(unwritable.code == 1);
+    CHECK_THAT(unwritable.err, Catch::Contains("/proc/none"));
+}
+
+TEST_CASE("a dry run shows the steps and makes nothing") {
+    const Plume plume;
+    const auto shown = call_shell(plume.command("farm local", "out", "--chunk 4 --dry-run --json --prefix 'rez-env fluidcarve --'"));
+    INFO(shown.err);
+    REQUIRE(shown.code == 0);
+    CHECK(!fs::exists(plume.work("out")));
+    std::map<std::string, Json> steps;
+    const auto job = Json::parse(shown.out);
+    for (const auto& step : job.at("steps")) steps[step.at("name")] = step;
+    CHECK(steps.at("seams").at("needs") == Json{"seams-energy"});
+    CHECK(steps.at("seams-energy").at("tasks") == 2);
+    CHECK(steps.at("out").at("frames") == "51-56");
+    const auto command = steps.at("out").at("command").get<std::vector<std::string>>();
+    CHECK(command.at(0) == "rez-env");
+    CHECK(command.at(3) == "fluidcarve");
+    CHECK(command.back() == "--frames=51-54");
+    const auto named = call_shell("FLUIDCARVE_EXECUTABLE=/opt/f " + plume.command("farm local", "out", "--dry-run"));
+    CHECK_THAT(named.out, Catch::Contains("\n  /opt/f run pipelines/plume.yaml "));
+}
+
+TEST_CASE("a task waits for what others make, and says so if it does not come") {
+    const Plume plume;
+    const auto waited = call_shell(plume.command("run", "out", "--to seams.energy -f 52 --wait 0.6"));
+    CHECK(waited.code == 3);
+    CHECK_THAT(waited.err, Catch::Contains("failed: sharp (energy.remap): the data of 6 of 6 frames are not in the work folder") &&
+                               Catch::Contains("after 0.6 s of --wait"));
+    const auto late = call_shell("( sleep 1; for step in sharp.energy box.fit; do " + plume.command("run", "out", "-q --to $step") + "; done ) & " +
+                                 plume.command("run", "out", "--to seams.energy -f 52 --wait 60 --progress plain") + "; code=$?; wait; exit $code");
+    INFO(late.err);
+    CHECK(late.code == 0);
+    CHECK_THAT(late.err, Catch::Contains(": frame 52\n"));
+}
+
+TEST_CASE("progress for Open Job Description is its lines, on stdout") {
+    const Plume plume;
+    const auto ran = call_shell(plume.command("run", "out", "--to sharp.energy --progress openjd"));
+    CHECK(ran.code == 0);
+    CHECK_THAT(ran.out, Catch::Contains("openjd_progress: 100.0\nopenjd_status: pass "));
+    CHECK(ran.err.find("openjd") == std::string::npos);
+}
+
+TEST_CASE("a task whose job is not in its work folder says so") {
+    const Plume plume;
+    const auto ran = call_shell(plume.command("run", "out", "--task plume-123456/out --wait 0"));
+    CHECK(ran.code == 3);
+    CHECK_THAT(ran.err,
+               Catch::StartsWith("failed: --task plume-123456/out: there is no folder ") && Catch::Contains("share the work folder with this machine"));
+    CHECK(call_shell(plume.command("run", "out", "--task ../x")).err == "--task ../x: wants JOB/STEP, each of letters, digits, - and _\n");
+}
