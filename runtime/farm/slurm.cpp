@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t mebibyte = 1024 * 1024;
 
-/// What a task's script does after it has set `chunks`, `command`, `folder` and `work`.
+/// What a task's script does after it has set `chunks`, `command` and `folder`.
 constexpr const char* task_script = R"sh(
 chunk=${chunks[$1 + SLURM_ARRAY_TASK_ID]}
 export FLUIDCARVE_THREADS=${FLUIDCARVE_THREADS:-${SLURM_CPUS_PER_TASK:-$(nproc)}}
@@ -38,19 +38,18 @@ stopped=
 trap 'late=yes; kill -TERM "$program"' USR1
 trap 'stopped=yes' TERM
 
-if cd -- "$folder" && [ -d "$work" ]; then
-    "${command[@]}" ${chunk:+"$chunk"} &
-    program=$!
+if ! cd -- "$folder"; then
+    echo "$SLURMD_NODENAME does not see $folder; put the project where all machines see it" >&2
+    exit 3
+fi
+"${command[@]}" ${chunk:+"$chunk"} &
+program=$!
+wait "$program"
+code=$?
+# A signal ends the first wait, not the program.
+if [ -n "$late$stopped" ]; then
     wait "$program"
     code=$?
-    # A signal ends the first wait, not the program.
-    if [ -n "$late$stopped" ]; then
-        wait "$program"
-        code=$?
-    fi
-else
-    echo "$SLURMD_NODENAME does not see $folder, or $work; put both where all machines see them" >&2
-    code=3
 fi
 [ $code -ne 0 ] || exit 0
 
@@ -64,7 +63,7 @@ echo "ended with code $code; what waits for it is cancelled. Submit the job agai
 exit $code
 )sh";
 
-/// What `submit` does after it has set `name`, `work` and `status`, before its calls of `step`.
+/// What `submit` does after it has set `name` and `status`, before its calls of `step`.
 constexpr const char* submit_script = R"sh(
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 for program in sbatch scancel squeue; do
@@ -80,7 +79,7 @@ if [ -e "$here/jobs" ]; then
         exit 2
     fi
 fi
-mkdir -p -- "$here/logs" "$work"
+mkdir -p -- "$here/logs"
 
 options=("$@")
 ids=()
@@ -134,7 +133,7 @@ std::string step_script(const FarmJob& job, const FarmStep& step) {
     out += comment_of(step) + "\nchunks=(\n";
     for (const auto& task : step.tasks) out += "    " + (step.chunked ? "--frames=" + task.frames.text() : std::string("''")) + "\n";
     out += fmt::format(")\ncommand=({})\n", shell_line(command_of(job, step, {})));
-    return out + fmt::format("folder={}\nwork={}\n", shell_word(job.folder), shell_word(job.work)) + task_script;
+    return out + fmt::format("folder={}\n", shell_word(job.folder)) + task_script;
 }
 
 std::string submit_program(const FarmJob& job) {
@@ -143,7 +142,7 @@ std::string submit_program(const FarmJob& job) {
         one_line(job.pipeline));
     auto status = job.prefix;
     status.insert(status.end(), {job.executable, "status", "--work", job.work});
-    out += fmt::format("name={}\nwork={}\nstatus={}\n", shell_word(job.name), shell_word(job.work), shell_word(shell_line(status))) + submit_script;
+    out += fmt::format("name={}\nstatus={}\n", shell_word(job.name), shell_word(shell_line(status))) + submit_script;
     for (const auto& step : job.steps)
         out += fmt::format("step {} {}{}{}\n", step.name, step.tasks.size(), step.needs.empty() ? "" : " ", fmt::join(step.needs, " "));
     return out + submitted_script;
