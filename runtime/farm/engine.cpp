@@ -1,13 +1,18 @@
 #include "runtime/farm/engine.h"
 
 #include "runtime/farm/local.h"
+#include "runtime/farm/openjd.h"
+#include "runtime/farm/slurm.h"
 
 #include <algorithm>
 
 namespace fluidcarve {
 
 const std::vector<FarmEngine>& farm_engines() {
-    static const std::vector<FarmEngine> engines{{"local", "runs the steps as processes on this machine", "plain", false, farm_locally}};
+    static const std::vector<FarmEngine> engines{
+        {"local", "runs the steps as processes on this machine", "plain", false, {}, farm_locally},
+        {"slurm", "writes batch scripts for Slurm", "plain", true, slurm_refusal, farm_slurm},
+        {"openjd", "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes", "openjd", true, openjd_refusal, farm_openjd}};
     return engines;
 }
 

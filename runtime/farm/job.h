@@ -38,8 +38,9 @@ struct FarmStep {
 
 /// A file, sequence or folder that the pipeline reads or writes.
 struct FarmPath {
-    std::string name;     ///< unique in the job: node and field, `sim.path`; `pipeline` and `work`
+    std::string name;     ///< unique in the job: node and field, `sim.path`; `pipeline`, `pipeline 2` and so on, and `work`
     std::string path;     ///< absolute; of a sequence its folder
+    std::string file;     ///< of a sequence: its name in the folder, with its frame token
     bool folder = false;  ///< a folder, and not one file
     bool in = false;      ///< it is read
     bool out = false;     ///< it is written

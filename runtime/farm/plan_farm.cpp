@@ -50,16 +50,15 @@ FarmResources resources_of(const RunCost& cost) {
 std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work) {
     std::vector<FarmPath> out;
     for (std::size_t n = 0; n < pipeline.files.size(); ++n)
-        out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline.{}", n + 1), absolute(pipeline.files[n]), false, true, false});
+        out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline {}", n + 1), absolute(pipeline.files[n]), {}, false, true, false});
     for (const auto& place : file_places(pipeline)) {
         // The place of an input that is not where the pipeline lies is the other one.
         const PathPattern pattern(place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
-        auto path = pattern.text();
-        bool folder = false;
-        for (; PathPattern(path).per_frame(); folder = true) path = fs::path(path).parent_path().string();
-        out.push_back({place.node + "." + place.field, path, folder, !place.writes, place.writes});
+        fs::path path = pattern.text(), file;
+        for (; PathPattern(path.string()).per_frame(); path = path.parent_path()) file = file.empty() ? path.filename() : path.filename() / file;
+        out.push_back({place.node + "." + place.field, path.string(), file.string(), !file.empty(), !place.writes, place.writes});
     }
-    out.push_back({"work", work, true, true, true});
+    out.push_back({"work", work, {}, true, true, true});
     return out;
 }
 

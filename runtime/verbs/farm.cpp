@@ -82,6 +82,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
          Registry& registry) {
     if (const auto fault = fault_of(arguments, run); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
     const auto& engine = *find_engine(arguments.engine);
+    if (const auto fault = engine.refusal ? engine.refusal(arguments.request) : std::string(); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
     const auto pipeline = pipeline_arguments.read_or_complain(registry);
     if (!pipeline) return exit_code::usage;
     const Interrupt interrupt(std::string(), grace_ms);

@@ -1,0 +1,207 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// A shot of few small frames, in a project with spaces, quotes and braces in its name.
+class Project {
+public:
+    explicit Project(const std::string& frames = "51-56") {
+        fs::create_directories(folder() + "/in put");
+        for (int frame = 51; frame <= 56; ++frame)
+            fs::copy_file(fmt::format(TEST_DATA "/plume/plume.{:04}.vdb", frame), folder() + fmt::format("/in put/p.{:04}.vdb", frame));
+        scratch_.write(name + "/shot {{a}}.yaml", "fluidcarve: 1\nframes: " + frames + R"(
+nodes:
+  sim:    {type: vdb.read, path: "in put/p.####.vdb", grids: {density: float}, missing: hold}
+  energy: {type: energy.gradient, field: sim.density}
+  box:    {type: lattice.box, fit: sim.density}
+  seams:  {type: seam.pyramid, energy: energy, field: sim.density, lattice: box, axis: u, count: -1}
+  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}
+  out:    {type: vdb.write, source: carved, path: "out/o.####.vdb"}
+  kept:   {type: seams.write, seams: seams, path: "out/it's {{k}}.vdb"}
+)");
+    }
+    Called call(const std::string& verb, const std::string& more = {}) const {
+        return call_shell(fmt::format("cd \"{}\" && {} {} 'shot {{{{a}}}}.yaml' --work work {}", folder(), FLUIDCARVE_PROGRAM, verb, more));
+    }
+    /// A bundle, handed to the scheduler of the tests. @param verb  `tasks` or `run`
+    Called schedule(const std::string& bundle, const std::string& verb) const {
+        return call_shell(
+            fmt::format("/usr/bin/python3 tests/support/openjd.py tests/data/farm/openjd_template.schema.json \"{}/{}\" {}", folder(), bundle, verb));
+    }
+    std::string folder() const { return scratch_ / name; }
+    const Scratch& scratch() const { return scratch_; }
+
+private:
+    inline static const std::string name = "it's {{here}}";
+    Scratch scratch_;
+};
+
+/// The frames of a step's tasks, as the program reads them; each is counted.
+std::map<int, int> frames_of(const std::string& tasks, const std::string& step) {
+    std::map<int, int> out;
+    std::istringstream lines(tasks);
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with(step + " ")) continue;
+        auto text = line.substr(step.size() + 1);
+        std::ranges::replace(text, ':', 'x');
+        const auto listed = call_shell("/usr/bin/python3 - '" + text + R"(' <<'END'
+import re, sys
+for part in sys.argv[1].split(","):
+    first, last, step = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part).groups()
+    for frame in range(int(first), int(last or first) + 1, int(step or 1)): print(frame)
+END)");
+        std::istringstream numbers(listed.out);
+        for (int frame = 0; numbers >> frame;) ++out[frame];
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("job bundles are valid, and their tasks have each frame once") {
+    struct Case {
+        std::string frames;
+        int first, last, step;
+    };
+    for (const auto& [frames, first, last, step] : {Case{"1001-1240", 1001, 1240, 1}, {"1-100x3", 1, 100, 3}, {"-5-5", -5, 5, 1}, {"52", 52, 52, 1}}) {
+        const Project project(frames);
+        std::map<int, int> wanted;
+        for (int frame = first; frame <= last; frame += step) wanted[frame] = 1;
+        for (const std::string extension : {"", "--no-chunk-extension"}) {
+            INFO(frames << " " << extension);
+            const auto made = project.call("farm openjd", "--chunk 7 --output bundle " + extension);
+            INFO(made.err);
+            REQUIRE(made.code == 0);
+            const auto tasks = project.schedule("bundle", "tasks");
+            INFO(tasks.err);
+            REQUIRE(tasks.code == 0);
+            CHECK(frames_of(tasks.out, "seams-energy") == wanted);
+            CHECK(frames_of(tasks.out, "out") == wanted);
+        }
+    }
+}
+
+TEST_CASE("a job bundle says what travels, and what its hosts must have") {
+    const Project project;
+    REQUIRE(project.call("farm openjd", "--chunk 2 --threads 3 --output bundle").code == 0);
+    const auto job = Json::parse(Scratch::read(project.folder() + "/bundle/template.json"));
+    CHECK(job.at("extensions") == Json{"TASK_CHUNKING"});
+    std::map<std::string, Json> parameters, steps;
+    for (const auto& each : job.at("parameterDefinitions")) parameters[each.at("name")] = each;
+    for (const auto& each : job.at("steps")) steps[each.at("name")] = each;
+    const auto is = [&](const std::string& name, const std::string& type, const std::string& flow, const std::string& place) {
+        INFO(name);
+        CHECK(parameters.at(name).at("objectType") == type);
+        CHECK(parameters.at(name).at("dataFlow") == flow);
+        CHECK(parameters.at(name).at("default") == place);
+    };
+    is("project", "DIRECTORY", "NONE", "..");
+    is("pipeline", "FILE", "IN", "../shot {{a}}.yaml");
+    is("sim_path", "DIRECTORY", "IN", "../in put");
+    is("out_path", "DIRECTORY", "OUT", "../out");
+    is("kept_path", "FILE", "OUT", "../out/it's {{k}}.vdb");
+    is("work", "DIRECTORY", "INOUT", "../work");
+    CHECK(parameters.size() == 6);
+    const auto& step = steps.at("seams-energy");
+    CHECK(step.at("dependencies").at(0).at("dependsOn") == "box-fit");
+    const auto amounts = step.at("hostRequirements").at("amounts");
+    CHECK(amounts.at(0) == Json{{"name", "amount.worker.vcpu"}, {"min", 3}});
+    CHECK(amounts.at(1).at("name") == "amount.worker.memory");
+    CHECK(amounts.at(1).at("min") > 256);
+    CHECK(step.at("script").at("actions").at("onRun").at("cancelation").at("mode") == "NOTIFY_THEN_TERMINATE");
+    CHECK(steps.at("seams").find("parameterSpace") == steps.at("seams").end());
+}
+
+TEST_CASE("a job bundle makes what one run makes, also where its scheduler has moved files") {
+    const Project project;
+    REQUIRE(project.call("run", "-q --no-cache").code == 0);
+    fs::rename(project.folder() + "/out", project.folder() + "/one");
+    for (const std::string extension : {"", "--no-chunk-extension"}) {
+        REQUIRE(project.call("farm openjd", "--chunk 4 --output bundle " + extension).code == 0);
+        const auto ran = project.schedule("bundle", "run");
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        CHECK_THAT(ran.out, Catch::Contains("openjd_progress: 100.0"));
+        CHECK(call_shell(fmt::format("diff -r \"{0}/one\" \"{0}/out\"", project.folder())).out.empty());
+        fs::remove_all(project.folder() + "/out");
+        fs::remove_all(project.folder() + "/work");
+    }
+    REQUIRE(project.call("farm openjd", "--chunk 4 --output bundle").code == 0);
+    const auto moved = project.scratch() / "moved 'there'";
+    fs::create_directories(moved);
+    fs::rename(project.folder() + "/in put", moved + "/in put");
+    const auto ran = project.schedule("bundle", fmt::format("run \"{0}/in put={1}/in put\" \"{0}/out={1}/out\"", project.folder(), moved));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK(!fs::exists(project.folder() + "/out"));
+    CHECK(call_shell(fmt::format("{0} diff \"{1}/one/o.####.vdb\" \"{2}/out/o.####.vdb\"", FLUIDCARVE_PROGRAM, project.folder(), moved)).code == 0);
+}
+
+TEST_CASE("Slurm's scripts are shell code, and their arrays index chunks") {
+    const Project project("-5-5");
+    REQUIRE(project.call("farm slurm", "--chunk 4 --threads 3 --output job").code == 0);
+    CHECK(call_shell(fmt::format("cd \"{}/job\" && bash -n submit && for each in *.sbatch; do bash -n $each || exit 1; done", project.folder())).code == 0);
+    const auto script = Scratch::read(project.folder() + "/job/seams-energy.sbatch");
+    CHECK_THAT(script, Catch::Contains("\n    --frames=-5--2\n    --frames=-1-2\n    --frames=3-5\n)") && Catch::Contains("\n#SBATCH --cpus-per-task=3\n") &&
+                           Catch::Contains("\n#SBATCH --requeue\n") && Catch::Contains("\n#SBATCH --kill-on-invalid-dep=yes\n") &&
+                           Catch::Contains("\n#SBATCH --mem="));
+    CHECK_THAT(Scratch::read(project.folder() + "/job/submit"), Catch::Contains("\nstep box-fit 3\n") && Catch::Contains("\nstep seams-energy 3 box-fit\n") &&
+                                                                    Catch::Contains("\nstep seams 1 seams-energy\n") &&
+                                                                    Catch::Contains("\nstep out 3 seams\n"));
+}
+
+TEST_CASE("arrays of more tasks than Slurm takes are split") {
+    const Project project("1-2500");
+    REQUIRE(project.call("farm slurm", "--chunk 1 --output job --to seams.energy").code == 0);
+    // An sbatch that says what it is given.
+    fs::create_directories(project.scratch() / "bin");
+    project.scratch().write("bin/sbatch", "#!/bin/sh\nfor word; do printf '%s ' \"${word##*/}\"; done | tee -a " + (project.scratch() / "given") +
+                                              " >/dev/null; echo >>" + (project.scratch() / "given") + "; wc -l <" + (project.scratch() / "given") + "\n");
+    for (const auto* const name : {"scancel", "squeue"}) project.scratch().write(std::string("bin/") + name, "#!/bin/sh\n");
+    const auto submitted =
+        call_shell(fmt::format("chmod +x {0}/*; PATH={0}:$PATH \"{1}/job/submit\" --partition=fx", project.scratch() / "bin", project.folder()));
+    INFO(submitted.err);
+    REQUIRE(submitted.code == 0);
+    const auto given = Scratch::read(project.scratch() / "given");
+    CHECK_THAT(given, Catch::Contains("--array=0-999 --job-name=") && Catch::Contains(" --partition=fx box-fit.sbatch 1000 ") &&
+                          Catch::Contains("--array=0-499 ") && Catch::Contains(" --dependency=afterok:1:2:3 ") &&
+                          Catch::Contains(" --partition=fx seams-energy.sbatch 2000 "));
+    CHECK(std::ranges::count(given, '\n') == 6);
+    CHECK_THAT(submitted.out, Catch::StartsWith("submitted: 1 2 3 4 5 6\n"));
+}
+
+TEST_CASE("engines refuse what they can't do, and make nothing") {
+    const Project project;
+    const auto refused = [&](const std::string& verb, const std::string& more, int code, const std::string& message) {
+        const auto called = project.call(verb, more);
+        INFO(verb << " " << more);
+        CHECK(called.code == code);
+        CHECK_THAT(called.err, Catch::Contains(message));
+        CHECK(!fs::exists(project.folder() + "/work"));
+        CHECK(!fs::exists(project.folder() + "/job"));
+    };
+    refused("farm openjd", "--output job --submit", 2, "--submit: a bundle is handed over by its scheduler's own command, such as `deadline bundle submit");
+    const auto without =
+        call_shell(fmt::format("cd \"{}\" && PATH=/nowhere {} farm slurm *.yaml --work work --output job --submit", project.folder(), FLUIDCARVE_PROGRAM));
+    CHECK(without.code == 2);
+    CHECK_THAT(without.err, Catch::StartsWith("--submit: there is no sbatch in PATH; "));
+    CHECK(!fs::exists(project.folder() + "/work"));
+    CHECK(!fs::exists(project.folder() + "/job"));
+    refused("farm slurm", "--output job --chunk 0", 2, "--chunk 0: ");
+    refused("farm openjd", "--output job --set energy.field=sim.densty", 2, "densty");
+    const auto held = project.call("farm slurm", "--output 'in put'");
+    CHECK(held.code == 1);
+    CHECK_THAT(held.err, Catch::Contains("in put holds files of others; choose another --output, or an empty folder"));
+}
