@@ -39,14 +39,14 @@ Warp::Warp(const std::array<int, 3>& vertices, bool closed, int factor, std::siz
       points_{points_along(vertices[0], factor), points_along(vertices[1], factor), points_along(vertices[2], factor, closed)},
       closed_(closed),
       factor_(factor),
-      values_(std::make_shared<SlabStore>(frames, 2 * product(points_), memory_budget, folder)) {
+      values_(std::make_shared<FrameStore>(frames, 2 * product(points_), memory_budget, folder)) {
     static_assert(sizeof(float) == 2 * sizeof(std::uint16_t));
 }
 
-std::span<float> Warp::values(std::size_t t) { return {reinterpret_cast<float*>(values_->slab(std::min(t, frames() - 1)).data()), product(points_)}; }
+std::span<float> Warp::values(std::size_t t) { return {reinterpret_cast<float*>(values_->entries(std::min(t, frames() - 1)).data()), product(points_)}; }
 
 std::span<const float> Warp::values(std::size_t t) const {
-    return {reinterpret_cast<const float*>(std::as_const(*values_).slab(std::min(t, frames() - 1)).data()), product(points_)};
+    return {reinterpret_cast<const float*>(std::as_const(*values_).entries(std::min(t, frames() - 1)).data()), product(points_)};
 }
 
 void Warp::column(std::size_t t, int lateral, int k, std::span<float> out) const {

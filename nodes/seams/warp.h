@@ -1,7 +1,7 @@
 #pragma once
 
 #include "nodes/seams/anchor.h"
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 
 #include <algorithm>
 #include <array>
@@ -81,7 +81,7 @@ private:
     int factor_;
     double scale_ = 1;
     Bounds bounds_;
-    std::shared_ptr<SlabStore> values_;
+    std::shared_ptr<FrameStore> values_;
 };
 
 }  // namespace fluidcarve

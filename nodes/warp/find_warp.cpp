@@ -55,7 +55,7 @@ void each_column(const Warp& warp, const Work& work) {
 /// A warp that is being found.
 class Search {
 public:
-    Search(const WarpTask& task, Warp& warp, SlabStore& weights, const std::function<void(double)>& tick)
+    Search(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick)
         : task_(task), warp_(warp), weights_(weights), tick_(tick), windows_{points_in(task.window, warp)} {
         if (task.pair_window) windows_.push_back(points_in(*task.pair_window, warp));
     }
@@ -82,7 +82,7 @@ public:
 
 private:
     std::span<float> column(std::size_t t, std::size_t c) { return warp_.values(t).subspan(c * row_of(warp_), row_of(warp_)); }
-    std::span<std::uint16_t> codes(std::size_t t, std::size_t c) { return weights_.slab(t).subspan(c * row_of(warp_), row_of(warp_)); }
+    std::span<std::uint16_t> codes(std::size_t t, std::size_t c) { return weights_.entries(t).subspan(c * row_of(warp_), row_of(warp_)); }
 
     /// Even scaling: the solution where all weights are the same.
     void start_evenly() {
@@ -183,7 +183,7 @@ private:
 
     const WarpTask& task_;
     Warp& warp_;
-    SlabStore& weights_;
+    FrameStore& weights_;
     const std::function<void(double)>& tick_;
     std::vector<Window> windows_;  ///< in points
     std::vector<std::unique_ptr<WarpSystem>> systems_;
@@ -215,7 +215,7 @@ Room room_in(const Warp& warp, std::span<const std::uint16_t> codes, const Windo
 
 }  // namespace
 
-std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const SlabStore& weights) {
+std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const FrameStore& weights) {
     const auto least = [](const Room& a, const Room& b) { return b.ratio < a.ratio ? b : a; };
     Room found;
     for (std::size_t t = 0; t < warp.frames(); ++t)
@@ -223,7 +223,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Slab
             Columns(0, columns_of(warp), columns_at_once), found,
             [&](const Columns& range, Room out) {
                 const auto look = [&](std::size_t c, const Window& window, double squeezed, bool pair) {
-                    auto room = room_in(warp, weights.slab(t).subspan(c * row_of(warp), row_of(warp)), points_in(window, warp), squeezed);
+                    auto room = room_in(warp, weights.entries(t).subspan(c * row_of(warp), row_of(warp)), points_in(window, warp), squeezed);
                     room.t = t;
                     room.column = c;
                     room.pair = pair;
@@ -249,7 +249,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Slab
                   found.of};
 }
 
-FoundWarp find_warp(const WarpTask& task, Warp& warp, SlabStore& weights, const std::function<void(double)>& tick) {
+FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick) {
     auto found = Search(task, warp, weights, tick).run();
     warp.find_bounds();
     return found;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 #include "nodes/seams/warp.h"
 #include "nodes/seams/window.h"
 #include "nodes/warp/warp_system.h"
@@ -38,7 +38,7 @@ struct NoRoom {
 /// Looks for a column that has no room for a task: an unprotected interval can give `most_squeezed` of itself.
 /// @param weights  as find_weights() gives them
 /// @return the column with the least room for its amount; nothing: there is room everywhere
-std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const SlabStore& weights);
+std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const FrameStore& weights);
 
 /// What came of a search.
 struct FoundWarp {
@@ -53,7 +53,7 @@ struct FoundWarp {
 /// @param warp     its values are overwritten
 /// @param weights  may be raised
 /// @param tick     is called between cycles with the share that is done, 0 to 1
-FoundWarp find_warp(const WarpTask& task, Warp& warp, SlabStore& weights, const std::function<void(double)>& tick);
+FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick);
 
 /// The greatest amount of a sign up to which a linear warp squeezes nothing by more than `most_squeezed`, vertices from 0 on; infinite if it
 /// squeezes nothing.

@@ -29,7 +29,7 @@ constexpr double weak_coupling = 0.25;
 /// coarser one solves for a correction, which is 0 at both ends.
 class WarpSystem::Level {
 public:
-    Level(Warp& warp, const SlabStore& weights, Window window, const WarpStiffness& stiffness)
+    Level(Warp& warp, const FrameStore& weights, Window window, const WarpStiffness& stiffness)
         : size_{warp.points()[1], warp.points()[2], static_cast<int>(warp.frames())},
           closed_(warp.closed()),
           width_(static_cast<std::size_t>(window.size())),
@@ -206,7 +206,7 @@ private:
             std::ranges::copy(std::span(weights_).subspan(c * width_, width_), out.begin());
             return;
         }
-        const auto codes = codes_->slab(c / per_frame()).subspan(c % per_frame() * static_cast<std::size_t>(warp_->points()[0]) + first_, width_);
+        const auto codes = codes_->entries(c / per_frame()).subspan(c % per_frame() * static_cast<std::size_t>(warp_->points()[0]) + first_, width_);
         std::ranges::transform(codes, out.begin(), decode_energy);
     }
 
@@ -301,12 +301,12 @@ private:
     std::vector<float> inverse_length_;             ///< of the intervals along the axis
     std::vector<std::uint8_t> fixed_;               ///< `[column]`: whether it stays as it is
     Warp* warp_ = nullptr;                          ///< of the finest level; null in others
-    const SlabStore* codes_ = nullptr;              ///< weights of the finest level
+    const FrameStore* codes_ = nullptr;              ///< weights of the finest level
     std::size_t first_ = 0;                         ///< point of the warp with which columns begin
     std::vector<float> weights_, values_, wanted_;  ///< of coarser levels, `[column][point]`
 };
 
-WarpSystem::WarpSystem(Warp& warp, const SlabStore& weights, Window window, const WarpStiffness& stiffness) {
+WarpSystem::WarpSystem(Warp& warp, const FrameStore& weights, Window window, const WarpStiffness& stiffness) {
     levels_.push_back(std::make_unique<Level>(warp, weights, window, stiffness));
     while (!levels_.back()->coarsest()) levels_.push_back(std::make_unique<Level>(*levels_.back()));
 }

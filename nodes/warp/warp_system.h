@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 #include "nodes/seams/warp.h"
 #include "nodes/seams/window.h"
 
@@ -28,7 +28,7 @@ public:
     /// @param weights  energy codes, one for each value of the warp, in frames as the warp's; not marked ones; above 0
     /// @param window   points along the axis; values outside of it are not read
     /// Both must stay. A column whose two ends are 0 stays 0.
-    WarpSystem(Warp& warp, const SlabStore& weights, Window window, const WarpStiffness& stiffness);
+    WarpSystem(Warp& warp, const FrameStore& weights, Window window, const WarpStiffness& stiffness);
     ~WarpSystem();
     WarpSystem(const WarpSystem&) = delete;
     WarpSystem& operator=(const WarpSystem&) = delete;

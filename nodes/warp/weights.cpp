@@ -24,7 +24,7 @@ std::pair<int, int> vertices_near(int point, int vertices, int points, int facto
 
 }  // namespace
 
-void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices, const Warp& warp, SlabStore& weights) {
+void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices, const Warp& warp, FrameStore& weights) {
     const auto width = static_cast<std::size_t>(energy.width()), laterals = static_cast<std::size_t>(energy.laterals());
     const auto per_energy = static_cast<float>(1 / typical.energy), per_edge = static_cast<float>(prices.field / typical.edge);
     const float empty = prices.empty * (1 + (energy.has_field() ? prices.field : 0) + prices.evenness);
@@ -32,7 +32,7 @@ void find_weights(const EnergyVolume& energy, const Typical& typical, const Warp
     const auto row = static_cast<std::size_t>(points[0]), columns = static_cast<std::size_t>(points[1]) * static_cast<std::size_t>(points[2]);
     // Adds the weights of a column's vertices to those of its points.
     const auto add_column = [&](std::size_t t, std::size_t column, const std::vector<std::size_t>& point_of, std::vector<double>& sums) {
-        const auto* const codes = energy.slab(t) + column * width;
+        const auto* const codes = energy.codes(t) + column * width;
         const auto field = energy.has_field() ? energy.field(t).subspan(column * width, width) : std::span<const std::uint16_t>();
         const auto value = [&](std::size_t u) { return decode_field(field[u]); };
         for (std::size_t u = 0; u < width; ++u) {
@@ -68,7 +68,7 @@ void find_weights(const EnergyVolume& energy, const Typical& typical, const Warp
                     for (int k = slice.first; k <= slice.second; ++k)
                         for (int j = lateral.first; j <= lateral.second; ++j, ++all)
                             add_column(from, static_cast<std::size_t>(j) + laterals * static_cast<std::size_t>(k), point_of, sums);
-                const auto out = weights.slab(t).subspan(c * row, row);
+                const auto out = weights.entries(t).subspan(c * row, row);
                 for (std::size_t p = 0; p < row; ++p) out[p] = encode_energy(static_cast<float>(sums[p] / (all * count[p])));
             }
         });

@@ -2,7 +2,7 @@
 
 #include "nodes/seam/energy/prices.h"
 #include "nodes/seam/energy/volume.h"
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 #include "nodes/seams/warp.h"
 
 #include <cstdint>
@@ -29,6 +29,6 @@ inline constexpr float soft_weight = 1.0f / 256;
 /// @param typical  of the energy
 /// @param warp     says where points stand
 /// @param weights  becomes energy codes, laid out as the warp's values
-void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices, const Warp& warp, SlabStore& weights);
+void find_weights(const EnergyVolume& energy, const Typical& typical, const WarpPrices& prices, const Warp& warp, FrameStore& weights);
 
 }  // namespace fluidcarve
