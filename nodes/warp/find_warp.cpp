@@ -64,18 +64,18 @@ public:
         start_evenly();
         for (const auto& window : windows_) systems_.push_back(std::make_unique<WarpSystem>(warp_, weights_, window, task_.stiffness));
         solve(tolerance, most_cycles);
+        // The solution hardly ever turns back anywhere; without that, no amount draws out what another one squeezes.
+        ease_all([](double moved) { return moved < 0 ? -1.0 : 1.0; }, 0);
         warp_.set_scale(task_.amount);
         found_.steepest = steepest(task_.amount);
         if (found_.steepest <= most_squeezed) return found_;
-        found_.linear = false;
+        warp_.set_linear(false);
         each_column(warp_, [&](std::size_t t, std::size_t c) {
             for (auto& value : column(t, c)) value *= static_cast<float>(task_.amount);
         });
         warp_.set_scale(1);
         for (int n = 0; n < most_raises && steepest(1) > most_squeezed; ++n) raise();
-        each_column(warp_, [&](std::size_t t, std::size_t c) {
-            for (const auto& window : windows_) ease(t, c, window);
-        });
+        ease_all([](double) { return 1.0; }, -most_squeezed);
         found_.steepest = steepest(1);
         return found_;
     }
@@ -150,23 +150,33 @@ private:
         solve(tolerance * std::abs(task_.amount), cycles_after_raise);
     }
 
-    /// Lets no interval of a column be squeezed too much: the others give instead, the softer the more.
-    void ease(std::size_t t, std::size_t c, const Window& window) {
-        const auto values = column(t, c);
-        const auto held = codes(t, c);
+    /// Lets no interval's slope lie below `least`. @param way  1, or -1 if slopes are turned round: by how far the end of a window moves
+    template <class Way>
+    void ease_all(const Way& way, double least) {
+        each_column(warp_, [&](std::size_t t, std::size_t c) {
+            const auto values = column(t, c);
+            for (const auto& window : windows_) {
+                const double moved = values[static_cast<std::size_t>(window.last)] - values[static_cast<std::size_t>(window.first)];
+                ease(values, codes(t, c), window, way(moved), least);
+            }
+        });
+    }
+
+    /// The same in one window of a column: intervals whose slope is too low rise to `least`, and the others give, the softer the more.
+    void ease(std::span<float> values, std::span<const std::uint16_t> held, const Window& window, double way, double lowest) const {
         const auto first = static_cast<std::size_t>(window.first), count = static_cast<std::size_t>(window.last - window.first);
         std::vector<double> steps(count), least(count), give(count);
         bool good = true;
         for (std::size_t n = 0; n < count; ++n) {
             const auto p = first + n;
-            steps[n] = static_cast<double>(values[p + 1] - values[p]);
-            least[n] = -most_squeezed * static_cast<double>(length_of(warp_, static_cast<int>(p)));
+            steps[n] = way * static_cast<double>(values[p + 1] - values[p]);
+            least[n] = lowest * static_cast<double>(length_of(warp_, static_cast<int>(p)));
             give[n] = 1 / static_cast<double>(decode_energy(held[p]) + decode_energy(held[p + 1]));
             good = good && steps[n] >= least[n];
         }
         if (good) return;
         // The steps must add up as before: find by how much the others are pressed.
-        const auto total = static_cast<double>(values[first + count] - values[first]);
+        const auto total = way * static_cast<double>(values[first + count] - values[first]);
         const auto pressed = [&](std::size_t n, double by) { return std::max(least[n], steps[n] - by * give[n]); };
         const auto sum = [&](double by) {
             double out = 0;
@@ -178,7 +188,7 @@ private:
         constexpr int halvings = 60;
         for (int n = 0; n < halvings; ++n) (sum((low + high) / 2) > total ? low : high) = (low + high) / 2;
         double at = static_cast<double>(values[first]);
-        for (std::size_t n = 0; n + 1 < count; ++n) values[first + n + 1] = static_cast<float>(at += pressed(n, high));
+        for (std::size_t n = 0; n + 1 < count; ++n) values[first + n + 1] = static_cast<float>(at += way * pressed(n, high));
     }
 
     const WarpTask& task_;
@@ -250,9 +260,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
 }
 
 FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick) {
-    auto found = Search(task, warp, weights, tick).run();
-    warp.find_bounds();
-    return found;
+    return Search(task, warp, weights, tick).run();
 }
 
 double most_linear(const Warp& warp, int sign) {

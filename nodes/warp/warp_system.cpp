@@ -301,7 +301,7 @@ private:
     std::vector<float> inverse_length_;             ///< of the intervals along the axis
     std::vector<std::uint8_t> fixed_;               ///< `[column]`: whether it stays as it is
     Warp* warp_ = nullptr;                          ///< of the finest level; null in others
-    const FrameStore* codes_ = nullptr;              ///< weights of the finest level
+    const FrameStore* codes_ = nullptr;             ///< weights of the finest level
     std::size_t first_ = 0;                         ///< point of the warp with which columns begin
     std::vector<float> weights_, values_, wanted_;  ///< of coarser levels, `[column][point]`
 };
