@@ -54,8 +54,8 @@ struct FoundWarp {
 /// @param tick     is called between cycles with the share that is done, 0 to 1
 FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick);
 
-/// The greatest amount of a sign, by bounds() of the warp, up to which a linear warp squeezes nothing by more than `most_squeezed`, vertices from 0 on; infinite if it
-/// squeezes nothing.
+/// The greatest amount of a sign, by bounds() of the warp, up to which a linear warp squeezes nothing by more than `most_squeezed`, vertices from 0 on;
+/// infinite if it squeezes nothing.
 /// @param sign  1 or -1
 double most_linear(const Warp& warp, int sign);
 
