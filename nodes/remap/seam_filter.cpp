@@ -213,6 +213,8 @@ struct FilterSeam {
         Ref<Volume> volume;
     };
     static void run(const Params& params, Ports& io, Context& context) {
+        if (std::ranges::any_of(io.seams, [](const auto& set) { return set->warp.has_value(); }))
+            throw Failure("a warp is among the `seams`, but it leaves no seams to smooth along, since it is smooth everywhere; leave this node out");
         const auto map = carve_map(*io.lattice, io.seams, params.count, context);
         if (map.empty()) io.volume = io.source;
         else io.volume = std::make_shared<Volume>(seam_filtered(*io.source, *io.lattice, map, params.filter, params.width));

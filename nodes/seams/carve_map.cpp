@@ -35,11 +35,11 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
                    const Softness& softness)
     : reach_(lattice.shape) {
     auto shape = lattice.shape;
-    const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->seams.size(); };
+    const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->size(); };
     std::array<int, 2> origin{};
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto axis = dimension(sets[n]->axis);
-        origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->seams.size()));
+        origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->size()));
         below_[axis] = std::max(below_[axis], -origin[axis]);
     }
     origin = below_;
@@ -52,11 +52,11 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
             throw Failure(fmt::format("seam set {} of {} carves {} vertices, but {} leaves {}; list the sets in the order in which they were found", n + 1,
                                       sets.size(), text(set.shape), n == 0 ? std::string("the lattice") : fmt::format("set {}", n), text(shape)));
         const auto used = used_of(n);
-        if (used > set.seams.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.seams.size()));
+        if (used > set.size()) throw Failure(fmt::format("count asks for {} seams, but the seam set holds {}", used, set.size()));
         auto& begin = origin[dimension(set.axis)];
         if (used > 0) {
             auto& step = steps_.emplace_back(set, t, used, origin);
-            if (softness) soften(step, set, t, softness);
+            if (softness && !set.warp) soften(step, set, t, softness);
             begin = step.start();
         }
         shape = set.shape_after(used);
@@ -99,13 +99,9 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;
-        frees = frees || (step->start() > step->origin() && range.min()[a] < step->start()) ||
-                (step->last() < step->last_before() && range.max()[a] > step->last());
-        // Largest distances down and up from a vertex of the carved space to its source.
-        const int shift = step->start() - step->origin(), below = shift + (step->inserts() ? step->count() : 0),
-                  above = (step->inserts() ? 0 : step->count()) - shift;
-        range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - std::max(below, 0), step->origin()));
-        range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + std::max(above, 0), step->last_before()));
+        frees = frees || step->may_free(range.min()[a], range.max()[a]);
+        range.min()[a] = std::min(range.min()[a], std::max<double>(range.min()[a] - step->most_down(), step->origin()));
+        range.max()[a] = std::max(range.max()[a], std::min<double>(range.max()[a] + step->most_up(), step->last_before()));
     }
     return moved;
 }

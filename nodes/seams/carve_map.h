@@ -18,15 +18,16 @@
 
 namespace fluidcarve {
 
-/// A chain of seam sets in one frame (METHOD 4). Each set is carved from what the sets before it leave. To find the source of a carved
+/// A chain of seam sets and warps in one frame (METHOD 4). Each set is carved from what the sets before it leave. To find the source of a carved
 /// vertex, the steps are applied from the last to the first. A vertex outside a step's lattice stays in place. A vertex that a removal
 /// frees at an end becomes background.
 /// Coordinates are those of extended(): the lattice, and before its first vertices those that anchored insertions add.
 class CarveMap {
 public:
-    /// @param sets   in the order of carving
-    /// @param frame  frame number
-    /// @param count  number of seams used of the last set; nothing: all
+    /// @param sets      in the order of carving
+    /// @param frame     frame number
+    /// @param count     number of seams used of the last set; nothing: all
+    /// @param softness  of seams; a warp is smooth as it is
     /// @throws Failure if a set belongs to another lattice or misses the frame, if shapes do not chain, or if count is too high
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
              const Softness& softness = {});
@@ -42,7 +43,7 @@ public:
     /// @throws Failure if the lattice is so thin that no vertex would move as far as asked for
     void fade(double vertices);
     bool fades() const;
-    /// Whether the displacements of any step are smoothed.
+    /// Whether the displacements of any step are smooth: those of a warp, or smoothed ones.
     bool soft() const;
 
     /// One step per set; sets without seams have none.

@@ -1,9 +1,13 @@
 #include "nodes/seams/carve_step.h"
 
 #include "graph/text/problem.h"
+#include "nodes/seams/smooth_displacement.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <cmath>
 
 namespace fluidcarve {
 
@@ -25,26 +29,32 @@ void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::
 CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin)
     : axis_(static_cast<int>(seams.axis)),
       before_(seams.carved()),
+      after_(seams.shape_after(count)[dimension(seams.axis)]),
       laterals_(seams.lateral()),
       slices_(seams.shape[2]),
       first_lateral_(origin[static_cast<std::size_t>(1 - axis_)]),
       origin_(origin[static_cast<std::size_t>(axis_)]),
       start_(origin_ + seams.shift_after(count)),
-      inserts_(seams.kind == Seams::Kind::insert),
+      inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       closed_(seams.closed),
-      count_(count),
-      bounds_((paired_ ? 2 : 1) * count * seams.columns_per_frame()) {
+      count_(seams.warp ? 0 : count) {
     if (high() > most_vertices) throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1, to_text(seams.axis), most_vertices + 1));
+    if (seams.warp) find_displacements(*seams.warp, t);
+    else find_bounds(seams, t);
+}
+
+void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
     const auto columns = seams.columns_per_frame();
+    bounds_.resize((paired_ ? 2 : 1) * count_ * columns);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<std::uint16_t> entries, sorted;
         for (auto c = range.begin(); c < range.end(); ++c) {
             auto* out = bounds_.data() + c * (bounds_.size() / columns);
             const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts, int shift) {
-                sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count, t * columns + c, entries, sorted);
+                sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count_, t * columns + c, entries, sorted);
                 // n removals come before the n-th removed entry. The n-th new entry stands behind its original and n other new ones.
-                for (int n = 0; n < static_cast<int>(count); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
+                for (int n = 0; n < count(); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));
             };
             add(seams.seams, inserts_, start_);
             if (paired_) add(seams.pairs, !inserts_, start_ + growth());
@@ -52,12 +62,70 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
     });
     first_moved_ = start_ == origin_ ? high() + 1 : low();
     last_moved_ = paired_ ? 0 : high();
-    for (std::size_t c = 0; c < columns && count > 0; ++c) {
+    for (std::size_t c = 0; c < columns && count_ > 0; ++c) {
         const auto* const column = bounds_.data() + c * (bounds_.size() / columns);
         first_moved_ = std::min<int>(first_moved_, column[0]);
         // Entries from the last removal on, or behind the last new entry, do not move.
-        if (paired_) last_moved_ = std::max<int>(last_moved_, column[2 * count - 1] - (inserts_ ? 1 : 0));
+        if (paired_) last_moved_ = std::max<int>(last_moved_, column[2 * count_ - 1] - (inserts_ ? 1 : 0));
     }
+    const int shift = start_ - origin_;
+    most_down_ = std::max(0, shift + (inserts_ ? count() : 0));
+    most_up_ = std::max(0, (inserts_ ? 0 : count()) - shift);
+    common_ = {static_cast<double>(std::max(origin_, start_)), static_cast<double>(std::min(last_before(), last()))};
+}
+
+void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
+    column_ends_.reserve(static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_));
+    common_ = {static_cast<double>(origin_), static_cast<double>(last_before())};
+    for (int k = 0; k < slices_; ++k)
+        for (int lateral = 0; lateral < laterals_; ++lateral) {
+            const auto [first, last] = warp.ends(t, lateral, k);
+            column_ends_.push_back({origin_ + first, last_before() + last});
+            common_ = {std::max(common_.begin, origin_ + first), std::min(common_.end, last_before() + last)};
+        }
+    soft_ = std::make_shared<const SmoothDisplacement>(SmoothDisplacement::of(*this, warp, t));
+
+    struct Found {
+        int first, last;
+        float least = 0, most = 0;
+    };
+    const auto found = tbb::parallel_reduce(
+        tbb::blocked_range<int>(0, slices_), Found{high() + 1, low() - 1},
+        [&](const tbb::blocked_range<int>& slices, Found out) {
+            for (int k = slices.begin(); k < slices.end(); ++k)
+                for (int lateral = first_lateral(); lateral <= last_lateral(); ++lateral) {
+                    const auto column = soft_->column(lateral, k);
+                    for (std::size_t n = 0; n < column.size(); ++n) {
+                        if (column[n] == 0) continue;
+                        const int entry = start_ + static_cast<int>(n);
+                        out = {std::min(out.first, entry), std::max(out.last, entry), std::min(out.least, column[n]), std::max(out.most, column[n])};
+                    }
+                }
+            return out;
+        },
+        [](const Found& a, const Found& b) {
+            return Found{std::min(a.first, b.first), std::max(a.last, b.last), std::min(a.least, b.least), std::max(a.most, b.most)};
+        });
+    // What is freed counts as moved.
+    first_moved_ = common_.begin > origin_ ? low() : found.first;
+    last_moved_ = common_.end < last_before() ? high() : found.last;
+    most_down_ = static_cast<int>(std::ceil(-found.least));
+    most_up_ = static_cast<int>(std::ceil(found.most));
+}
+
+CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
+    const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
+    const double lateral = at[1 - axis_] - first_lateral_;
+    const int j = cell(lateral, laterals_ - 2), k = cell(at.z(), slices_ - (closed_ ? 1 : 2));
+    const int next_j = std::min(j + 1, laterals_ - 1), next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
+    const auto of = [&](int column, int slice) -> const Ends& {
+        return column_ends_[static_cast<std::size_t>(column) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
+    };
+    const auto mix = [](const Ends& a, const Ends& b, double part) { return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)}; };
+    const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j), mix(of(j, next_k), of(next_j, next_k), lateral - j), at.z() - k);
+    const double first = scale * (moved.begin - origin_), last = scale * (moved.end - last_before());
+    constexpr double half = 0.5;
+    return {origin_ + first - std::min(half, std::abs(first)), last_before() + last + std::min(half, std::abs(last))};
 }
 
 void CarveStep::set_soft(std::shared_ptr<const SmoothDisplacement> soft, int first, int last) {

@@ -17,24 +17,25 @@ namespace fluidcarve {
 class SmoothDisplacement;
 
 /// One seam set in one frame, as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4. Pairs of seams move only
-/// the entries between their two windows.
+/// the entries between their two windows. A warp is always smooth: it has displacements soft(), and no bounds.
 /// Entries are positions along the axis. With an anchor, the carved space may begin at another entry than the space before. The content of
 /// carved entry `i` comes from entry `i + d`. Displacements `d` are in half vertices, since an inserted entry stands between two.
 class CarveStep {
 public:
     /// @param t       index of the frame in seams.frames
-    /// @param count   number of seams used, from the first
+    /// @param count   number of seams used, from the first; 1 for a warp
     /// @param origin  first entry of the space before, along u and v
     CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin = {});
 
     int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
     int lateral_axis() const { return 1 - axis_; }
-    bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window
+    bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window; not for a warp
     bool paired() const { return paired_; }
-    bool closed() const { return closed_; }  ///< whether plane slices() is plane 0 again
-    int count() const { return static_cast<int>(count_); }
-    int before() const { return before_; }  ///< vertices along the axis before the carve
-    int after() const { return paired_ ? before_ : before_ + growth(); }
+    bool warps() const { return !column_ends_.empty(); }    ///< whether the set is a warp
+    bool closed() const { return closed_; }                 ///< whether plane slices() is plane 0 again
+    int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
+    int before() const { return before_; }                  ///< vertices along the axis before the carve
+    int after() const { return after_; }
     int laterals() const { return laterals_; }
     int first_lateral() const { return first_lateral_; }
     int last_lateral() const { return first_lateral_ + laterals_ - 1; }
@@ -51,6 +52,9 @@ public:
     int first_moved() const { return first_moved_; }
     /// In all columns, no entry above this moves.
     int last_moved() const { return last_moved_; }
+    /// Largest distances from an entry down and up to where its content comes from, vertices.
+    int most_down() const { return most_down_; }
+    int most_up() const { return most_up_; }
 
     /// A range of entries within which displacements change, and the displacements before and behind it, vertices.
     struct Span {
@@ -82,11 +86,33 @@ public:
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
         return std::min(1.0, std::min(from_rim(at[1 - axis_] - first_lateral_, laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
     }
-    /// Where the carved space begins and ends along the axis. The entries that a removal frees, or an insertion adds, are scaled too.
-    double begin(double scale) const { return origin_ + scale * (start_ - origin_); }
-    double end(double scale) const { return last_before() + scale * (last() - last_before()); }
-    /// Whether a point that the step holds lies in its carved space; else the step frees it.
-    bool carves(double u, double scale) const { return u >= begin(scale) && u <= end(scale); }
+    /// Where something begins and ends along the axis.
+    struct Ends {
+        double begin, end;
+    };
+    /// The carved space at a point. The entries that a removal frees, or an insertion adds, are scaled too. A warp's ends stand where it moves
+    /// the first and the last vertex of the column; if it moves them, the content goes on for half a vertex.
+    /// @param at     carved lattice coordinates, held
+    /// @param scale  scale(at)
+    Ends ends(const openvdb::Vec3d& at, double scale) const {
+        if (warps()) return warped_ends(at, scale);
+        return {origin_ + scale * (start_ - origin_), last_before() + scale * (last() - last_before())};
+    }
+    /// Whether a point that the step holds lies in its carved space.
+    bool carves(const openvdb::Vec3d& at, double scale) const {
+        const double u = at[axis_];
+        if (u >= common_.begin && u <= common_.end) return true;
+        const auto [begin, end] = ends(at, scale);
+        return u >= begin && u <= end;
+    }
+    /// Whether the step frees a point that it holds but does not carve: it lies in the space before. Otherwise the point stays.
+    bool frees(const openvdb::Vec3d& at) const { return at[axis_] >= origin_ && at[axis_] <= last_before(); }
+    /// Whether the step may free some point of a range along the axis.
+    bool may_free(double first, double last) const {
+        return (common_.begin > origin_ && first < common_.begin) || (common_.end < last_before() && last > common_.end);
+    }
+    /// The part of the space before that lies in the carved space in all columns.
+    const Ends& common() const { return common_; }
     /// Clamps a source to the space before. A smoothed map may lead beyond its ends; it then reads at the ends.
     double held(double source) const { return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before())); }
     /// The source of a point at `u` under a fade: `source`, its source without a fade, drawn towards `u`; never beyond the lattice.
@@ -97,7 +123,7 @@ public:
     /// @param k  plane; may be slices() if closed()
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
         if (k == slices_) k = 0;
-        const auto all = paired_ ? 2 * count_ : count_;
+        const auto all = (paired_ ? 2 : 1) * count_;
         return {bounds_.data() + (static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all,
                 all};
     }
@@ -128,13 +154,18 @@ public:
 private:
     /// Vertices by which the seams of the first window lengthen it.
     int growth() const { return inserts_ ? count() : -count(); }
+    void find_bounds(const Seams& seams, std::size_t t);
+    void find_displacements(const Warp& warp, std::size_t t);
+    Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
-    int axis_, before_, laterals_, slices_, first_lateral_, origin_, start_;
+    int axis_, before_, after_, laterals_, slices_, first_lateral_, origin_, start_;
     bool inserts_, paired_, closed_;
     std::size_t count_;
-    int first_moved_, last_moved_;
+    int first_moved_, last_moved_, most_down_, most_up_;
     double fade_ = 0;                    ///< vertices; 0: none
     std::vector<std::uint16_t> bounds_;  ///< `[column][seam]`
+    Ends common_;
+    std::vector<Ends> column_ends_;  ///< `[column]`: where a warp moves the first and the last vertex; empty for seams
     std::shared_ptr<const SmoothDisplacement> soft_;
 };
 

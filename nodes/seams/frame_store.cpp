@@ -25,9 +25,10 @@ const std::string unique_part(6, 'X');
 // Allocates the space at once: otherwise a full disk would kill the process later, without a message.
 int scratch_file(const std::string& folder, std::size_t bytes) {
     const auto fault = [&](int code) {
-        return Failure(fmt::format(
-            "{} of energies or seams exceed the memory budget and can't be stored in the work folder '{}': {}; raise --memory or choose another --work",
-            size_text(bytes), folder, std::strerror(code)));
+        return Failure(
+            fmt::format("{} of energies, seams or displacements exceed the memory budget and can't be stored in the work folder '{}': {}; raise --memory or "
+                        "choose another --work",
+                        size_text(bytes), folder, std::strerror(code)));
     };
     if (const auto refusal = Confinement::of_program().refusal(folder); !refusal.empty())
         throw Failure(fmt::format("the work folder '{}' {}", folder, refusal));
@@ -46,21 +47,29 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
 
 }  // namespace
 
-FrameStore::FrameStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
+template <class Entry>
+FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder)
+    : count_(count), entries_(entries) {
     std::size_t bytes = 0;
-    if (__builtin_mul_overflow(count, entries, &bytes) || __builtin_mul_overflow(bytes, sizeof(std::uint16_t), &bytes) || bytes > PTRDIFF_MAX)
-        throw Failure(fmt::format("{} frames of {} energies each are more than any memory holds; use a coarser or smaller lattice", count, entries));
+    if (__builtin_mul_overflow(count, entries, &bytes) || __builtin_mul_overflow(bytes, sizeof(Entry), &bytes) || bytes > PTRDIFF_MAX)
+        throw Failure(fmt::format("{} frames of {} values each are more than any memory holds; use a coarser or smaller lattice", count, entries));
     on_disk_ = bytes > memory_budget;
     if (bytes == 0) return;
     const int file = on_disk_ ? scratch_file(folder, bytes) : -1;
     void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);
-    if (at == MAP_FAILED) throw Failure(fmt::format("can't get memory for {} of energies or seams: {}", size_text(bytes), std::strerror(code)));
+    if (at == MAP_FAILED) throw Failure(fmt::format("can't get memory for {} of energies, seams or displacements: {}", size_text(bytes), std::strerror(code)));
     if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
-    data_ = {static_cast<std::uint16_t*>(at), Unmap{bytes}};
+    data_ = {static_cast<Entry*>(at), Unmap{bytes}};
 }
 
-void FrameStore::Unmap::operator()(std::uint16_t* data) const { munmap(data, bytes); }
+template <class Entry>
+void FrameStoreOf<Entry>::Unmap::operator()(Entry* data) const {
+    munmap(data, bytes);
+}
+
+template class FrameStoreOf<std::uint16_t>;
+template class FrameStoreOf<float>;
 
 }  // namespace fluidcarve

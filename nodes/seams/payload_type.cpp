@@ -4,6 +4,9 @@
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seams.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace fluidcarve {
 namespace {
 
@@ -14,6 +17,41 @@ void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
         out.value(seam.energy);
         out.optional(seam.lower_bound);
     }
+}
+
+void write_warp(const Warp& warp, BinaryWriter& out) {
+    out.value(warp.factor());
+    out.value(warp.scale());
+    out.value(warp.linear());
+    out.value(std::uint64_t{warp.frames()});
+    for (std::size_t t = 0; t < warp.frames(); ++t) out.list(warp.values(t));
+}
+
+/// @param seams  says the shape, the frames and whether the lattice is closed
+Warp read_warp(BinaryReader& in, const Seams& seams) {
+    const int factor = in.value<int>();
+    in.require((factor == 1 || factor == 2 || factor == 4) && seams.carved() >= 1);
+    const double scale = in.value<double>();
+    const bool linear = in.value<bool>();
+    const auto frames = in.value<std::uint64_t>();
+    in.require(frames >= 1 && (frames == 1 || frames == seams.frames.size()));
+    auto values = in.list<float>();
+    std::uint64_t points = 1;
+    for (const auto n :
+         {Warp::points_along(seams.carved(), factor), Warp::points_along(seams.lateral(), factor), Warp::points_along(seams.shape[2], factor, seams.closed)})
+        in.require(!__builtin_mul_overflow(points, static_cast<std::uint64_t>(n), &points));
+    in.require(values.size() == points);
+    Warp out({seams.carved(), seams.lateral(), seams.shape[2]}, seams.closed, factor, frames, std::numeric_limits<std::uint64_t>::max(), {});
+    for (std::size_t t = 0; t < frames; ++t) {
+        if (t > 0) values = in.list<float>();
+        in.require(values.size() == points);
+        std::ranges::copy(values, out.values(t).begin());
+    }
+    out.find_bounds();
+    out.set_scale(scale);
+    out.set_linear(linear);
+    in.require(out.scaled(out.bounds().slope).least > -1);
+    return out;
 }
 
 /// @param columns  entries of each seam
@@ -27,6 +65,11 @@ std::vector<Seams::Seam> read_list(BinaryReader& in, std::uint64_t columns) {
         seam.lower_bound = in.optional<double>();
     }
     return out;
+}
+
+std::uint64_t bytes_of(const Seams& seams) {
+    const auto warp = seams.warp ? seams.warp->frames() * seams.warp->values(0).size_bytes() : 0;
+    return warp + (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t);
 }
 
 void write_all(const Seams& seams, std::ostream& to) {
@@ -44,6 +87,8 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.value(seams.anchor.vertex);
     write_list(seams.seams, out);
     write_list(seams.pairs, out);
+    out.value(seams.warp.has_value());
+    if (seams.warp) write_warp(*seams.warp, out);
 }
 
 Ref<Seams> read_all(std::istream& from) {
@@ -65,6 +110,7 @@ Ref<Seams> read_all(std::istream& from) {
     out->anchor.vertex = in.value<int>();
     out->seams = read_list(in, columns);
     out->pairs = read_list(in, columns);
+    if (in.value<bool>()) out->warp = read_warp(in, *out);
     out->find_shifts();
     return out;
 }
@@ -72,10 +118,8 @@ Ref<Seams> read_all(std::istream& from) {
 }  // namespace
 
 void add_seams_payload(Registry& registry) {
-    auto type = payload_type<Seams>(
-        "seams", "Seams through a lattice over all frames, in order.",
-        [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
-        {2, &write_all, &read_all});
+    auto type = payload_type<Seams>("seams", "Seams through a lattice over all frames, in order; or a warp, which moves content smoothly instead.", &bytes_of,
+                                    {3, &write_all, &read_all});
     type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
     registry.add(std::move(type));
 }

@@ -33,6 +33,14 @@ public:
         const auto entries = seam.at.all();
         bytes(entries.data(), entries.size_bytes());
     }
+    void warp(const Warp& warp) {
+        const auto scale = static_cast<float>(warp.scale());
+        for (std::size_t t = 0; t < warp.frames(); ++t)
+            for (const float value : warp.values(t)) {
+                const float scaled = scale * value;
+                bytes(&scaled, sizeof scaled);
+            }
+    }
     XXH128_hash_t digest() const { return XXH3_128bits_digest(&state_); }
 
 private:
@@ -51,6 +59,7 @@ std::string seam_checksum(const Seams& seams) {
         hash.seam(seams.seams[n], seams.kind);
         if (seams.paired()) hash.seam(seams.pairs[n], opposite(seams.kind));
     }
+    if (seams.warp) hash.warp(*seams.warp);
     const auto out = hash.digest();
     return fmt::format("xxh3-128:{:016x}{:016x}", out.high64, out.low64);
 }

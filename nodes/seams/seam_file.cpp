@@ -5,6 +5,7 @@
 #include "nodes/io/vdb_file.h"
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seam_metadata.h"
+#include "nodes/seams/warp_file.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -230,7 +231,8 @@ void require_checksum(const openvdb::MetaMap& metadata, const Seams& seams) {
 Volume seams_to_volume(const Seams& seams) {
     Volume out;
     const std::size_t grids = seams.paired() ? 2 : 1;
-    out.grids.resize(grids * seams.seams.size());
+    if (seams.warp) out.grids = grids_of_warp(*seams.warp);
+    else out.grids.resize(grids * seams.seams.size());
     tbb::parallel_for(std::size_t{0}, seams.seams.size(), [&](std::size_t n) {
         out.grids[grids * n] = to_grid(seams, seams.seams[n], seam_name(n), seams.kind);
         if (seams.paired()) out.grids[grids * n + 1] = to_grid(seams, seams.pairs[n], pair_name(n), opposite(seams.kind));
@@ -242,6 +244,11 @@ Volume seams_to_volume(const Seams& seams) {
 
 Seams seams_from_volume(const Volume& volume) {
     auto out = seams_of_texts(volume.metadata);
+    if (const auto factor = warp_factor(volume.metadata)) {
+        out.warp = warp_of_grids(volume, out, *factor);
+        require_checksum(volume.metadata, out);
+        return out;
+    }
     const auto grids = grids_of(volume);
     if (const auto count = static_cast<int>(grids.seams.size()); count > out.carved())
         throw wrong_seams(fmt::format("{} seams do not fit {} vertices", count, out.carved()));

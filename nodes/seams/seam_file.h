@@ -10,10 +10,11 @@ namespace fluidcarve {
 
 /// Converts seams to the volume that a seam file holds. Each seam, in order, is a FloatGrid `seam.0000`, and so on: its value at
 /// `(lateral, k, t)` is the seam's entry, and all columns are active. Grid metadata: `kind` and `energy`. Pairs have a second grid each,
-/// `seam.0000.pair`. Volume metadata: seam_texts() and, as `fluidcarve_checksum`, seam_checksum().
+/// `seam.0000.pair`. A warp has the grids of grids_of_warp() instead. Volume metadata: seam_texts() and, as `fluidcarve_checksum`,
+/// seam_checksum().
 Volume seams_to_volume(const Seams& seams);
 
-/// Converts such a volume back to seams. Does not check that neighbouring entries are feasible. Metadata may state anything: memory is
+/// Converts such a volume back to seams, or a warp. Does not check that neighbouring entries are feasible. Metadata may state anything: memory is
 /// taken only for what the grids hold.
 /// @throws Failure (input), without the file's name, if anything is missing, not a whole number, or out of range, or if there is a checksum
 ///         and it does not match

@@ -15,6 +15,7 @@ namespace fluidcarve {
 
 namespace {
 
+constexpr const char* factor_name = "fluidcarve_warp_factor";
 constexpr int most_entries = std::numeric_limits<std::uint16_t>::max();
 
 /// So many whole numbers, separated by commas; nothing if the text is anything else.
@@ -113,7 +114,16 @@ std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams) 
     if (seams.window) out.emplace_back("fluidcarve_window", text(*seams.window));
     if (seams.pair_window) out.emplace_back("fluidcarve_pair_window", text(*seams.pair_window));
     if (seams.anchor != Anchor{}) out.emplace_back("fluidcarve_anchor", to_text(seams.anchor));
+    if (seams.warp) out.emplace_back(factor_name, std::to_string(seams.warp->factor()));
     return out;
+}
+
+std::optional<int> warp_factor(const openvdb::MetaMap& metadata) {
+    if (!metadata[factor_name]) return std::nullopt;
+    const auto text = of_file(metadata, factor_name);
+    const auto factor = numbers<1>(text).value_or(std::array{0})[0];
+    if (factor != 1 && factor != 2 && factor != 4) throw wrong_seams(fmt::format("'{}' wants 1, 2 or 4, not '{}'", factor_name, cut_short(text)));
+    return factor;
 }
 
 Seams seams_of_texts(const openvdb::MetaMap& metadata) {

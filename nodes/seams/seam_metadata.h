@@ -5,6 +5,7 @@
 
 #include <openvdb/MetaMap.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,10 @@ namespace fluidcarve {
 /// All that a seam file says in its metadata of seams, as names and texts, in the order of the file's documentation. What has its default
 /// is left out.
 std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams);
+
+/// The number of vertices from point to point of the warp in a file; nothing if the file holds seams.
+/// @throws Failure (input) if it is none of 1, 2 and 4
+std::optional<int> warp_factor(const openvdb::MetaMap& metadata);
 
 /// Reads such metadata. Takes memory for no more frames than the shape states, and for none of its columns.
 /// @return the seams without their entries, of unknown kind

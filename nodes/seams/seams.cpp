@@ -6,13 +6,15 @@ namespace fluidcarve {
 
 std::array<int, 3> Seams::shape_after(std::size_t count) const {
     auto out = shape;
-    if (paired()) return out;
-    out[dimension(axis)] += growth(kind, static_cast<int>(count));
+    if (paired() || count == 0) return out;
+    if (warp) out[dimension(axis)] = warped().size();
+    else out[dimension(axis)] += growth(kind, static_cast<int>(count));
     return out;
 }
 
 int Seams::shift_after(std::size_t count) const {
-    if (paired()) return 0;
+    if (paired() || count == 0) return 0;
+    if (warp) return warped().first;
     const int n = static_cast<int>(count);
     switch (anchor.at) {
         case Anchor::At::low: return 0;
@@ -21,6 +23,13 @@ int Seams::shift_after(std::size_t count) const {
         case Anchor::At::vertex: return shifts.at(count);
     }
     return 0;
+}
+
+Window Seams::warped() const {
+    // So small a part of a vertex is an error of rounding.
+    constexpr double none = 1e-4;
+    const auto first = warp->scaled(warp->bounds().first), last = warp->scaled(warp->bounds().last);
+    return {static_cast<int>(std::floor(first.least + none)), carved() - 1 + static_cast<int>(std::ceil(last.most - none))};
 }
 
 void Seams::find_shifts() {

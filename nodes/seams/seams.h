@@ -54,15 +54,21 @@ struct Seams {
     /// The lattice hash of a frame.
     /// @param t  index of the frame in `frames`
     std::string lattice_hash_at(std::size_t t) const;
-    /// The shape I, J, K that the first `count` seams leave. Pairs do not change it.
+    /// The shape I, J, K that the first `count` seams leave. Pairs do not change it. A warp leaves as many whole vertices as hold all of its
+    /// content, in all columns and frames.
     std::array<int, 3> shape_after(std::size_t count) const;
     /// How far the beginning of the space moves when the first `count` seams are carved, so that the anchor stays in place; vertices along
-    /// the axis. 0 to `count` for removals, -`count` to 0 for insertions, 0 for pairs.
+    /// the axis. 0 to `count` for removals, -`count` to 0 for insertions, 0 for pairs; for a warp the least displacement of a first vertex,
+    /// rounded down.
     int shift_after(std::size_t count) const;
     /// shift_after() for every count from 0 on, for Anchor::At::vertex. Set by find_shifts().
     std::vector<int> shifts;
     /// Computes `shifts`. Call it once seams and anchor are set.
     void find_shifts();
+
+private:
+    /// The entries that the warp's content reaches, counted from the space before.
+    Window warped() const;
 };
 
 /// The kind of the seams that a count asks for, by its sign: positive inserts, negative removes. Nothing to carve counts as a removal.

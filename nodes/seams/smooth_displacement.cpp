@@ -180,6 +180,31 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     return out;
 }
 
+SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& warp, std::size_t t) {
+    SmoothDisplacement out(step, step.start(), step.last());
+    const auto laterals = static_cast<std::size_t>(out.laterals_);
+    const int vertices = step.before();
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64), [&](const tbb::blocked_range<std::size_t>& range) {
+            std::vector<float> shifts(static_cast<std::size_t>(vertices));
+            for (auto column = range.begin(); column < range.end(); ++column) {
+                warp.column(t, static_cast<int>(column % laterals), static_cast<int>(column / laterals), shifts);
+                const auto shift = [&](int vertex) { return static_cast<double>(shifts[static_cast<std::size_t>(std::min(vertex, vertices - 1))]); };
+                // The content of an entry comes from between vertex `low` and the next.
+                int low = 0;
+                for (int e = out.first_; e <= out.last_; ++e) {
+                    const int to = e - step.origin();
+                    while (low + 2 < vertices && low + 1 + shift(low + 1) <= to) ++low;
+                    const double change = shift(low + 1) - shift(low), part = (to - low - shift(low)) / (1 + change);
+                    // Subtracted from 0, so that no displacement is -0.
+                    const double d = 0 - (shift(low) + part * change), whole = std::round(d);
+                    out.entries_[column * out.row_ + static_cast<std::size_t>(e - out.first_)] = static_cast<float>(std::abs(d - whole) < snap ? whole : d);
+                }
+            }
+        });
+    return out;
+}
+
 void SmoothDisplacement::smooth_across(std::span<const float> weights, bool along_w) {
     const int reach = static_cast<int>(weights.size() / 2), count = along_w ? slices_ : laterals_;
     if (count == 1) return;

@@ -35,6 +35,11 @@ public:
     /// @param spans  the step's windows, rising
     static SmoothDisplacement soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans, const Softness& softness);
 
+    /// Displacements of a warp: the inverse of its map from the space before to the carved one, column by column. Beyond the ends of the content the
+    /// map goes on straight.
+    /// @param step  the warp's step; its displacements are not read
+    static SmoothDisplacement of(const CarveStep& step, const Warp& warp, std::size_t t);
+
     /// Displacement of an entry, vertices.
     /// @param entry  any; entries outside first() to last() move as the nearest one inside
     float entry(int entry, int lateral, int k) const {
@@ -79,7 +84,7 @@ private:
 };
 
 /// Smooths a step's displacements in space and time.
-/// @param seams  the seams that the step was made of
+/// @param seams  the seams that the step was made of; no warp
 /// @param t      index of the frame in seams.frames
 void soften(CarveStep& step, const Seams& seams, std::size_t t, const Softness& softness);
 

@@ -39,38 +39,42 @@ Warp::Warp(const std::array<int, 3>& vertices, bool closed, int factor, std::siz
       points_{points_along(vertices[0], factor), points_along(vertices[1], factor), points_along(vertices[2], factor, closed)},
       closed_(closed),
       factor_(factor),
-      values_(std::make_shared<FrameStore>(frames, 2 * product(points_), memory_budget, folder)) {
-    static_assert(sizeof(float) == 2 * sizeof(std::uint16_t));
-}
+      values_(std::make_shared<FloatFrameStore>(frames, product(points_), memory_budget, folder)) {}
 
-std::span<float> Warp::values(std::size_t t) { return {reinterpret_cast<float*>(values_->entries(std::min(t, frames() - 1)).data()), product(points_)}; }
+std::span<float> Warp::values(std::size_t t) { return values_->entries(std::min(t, frames() - 1)); }
 
-std::span<const float> Warp::values(std::size_t t) const {
-    return {reinterpret_cast<const float*>(std::as_const(*values_).entries(std::min(t, frames() - 1)).data()), product(points_)};
-}
+std::span<const float> Warp::values(std::size_t t) const { return std::as_const(*values_).entries(std::min(t, frames() - 1)); }
 
-void Warp::column(std::size_t t, int lateral, int k, std::span<float> out) const {
+template <class Use>
+void Warp::with_column(std::size_t t, int lateral, int k, const Use& use) const {
     const auto all = values(t);
     const auto row = static_cast<std::size_t>(points_[0]);
     const auto a = between(lateral, vertices_[1], points_[1], factor_, false), b = between(k, vertices_[2], points_[2], factor_, closed_);
     const auto from = [&](std::size_t j, std::size_t n) { return all.data() + (n * static_cast<std::size_t>(points_[1]) + j) * row; };
     const std::array rows{from(a.low, b.low), from(a.high, b.low), from(a.low, b.high), from(a.high, b.high)};
-    const auto value = [&](std::size_t p) { return mix(mix(rows[0][p], rows[1][p], a.weight), mix(rows[2][p], rows[3][p], a.weight), b.weight); };
     const auto scale = static_cast<float>(scale_);
-    if (factor_ == 1) {
-        for (std::size_t u = 0; u < out.size(); ++u) out[u] = scale * value(u);
-        return;
-    }
-    float low = value(0);
-    for (int p = 0; p < points_[0]; ++p) {
-        const int first = vertex_of(0, p), next = p + 1 < points_[0] ? vertex_of(0, p + 1) : first + 1;
-        const float high = p + 1 < points_[0] ? value(static_cast<std::size_t>(p) + 1) : low;
-        for (int u = first; u < next; ++u) {
-            const auto weight = static_cast<float>(u - first) / static_cast<float>(next - first);
-            out[static_cast<std::size_t>(u)] = scale * mix(low, high, weight);
+    use([&](std::size_t point) { return scale * mix(mix(rows[0][point], rows[1][point], a.weight), mix(rows[2][point], rows[3][point], a.weight), b.weight); });
+}
+
+void Warp::column(std::size_t t, int lateral, int k, std::span<float> out) const {
+    with_column(t, lateral, k, [&](const auto& value) {
+        float low = value(0);
+        out[0] = low;
+        for (int point = 1; point < points_[0]; ++point) {
+            const float high = value(static_cast<std::size_t>(point));
+            const int first = vertex_of(0, point - 1), last = vertex_of(0, point);
+            for (int u = first + 1; u < last; ++u)
+                out[static_cast<std::size_t>(u)] = mix(low, high, static_cast<float>(u - first) / static_cast<float>(last - first));
+            out[static_cast<std::size_t>(last)] = high;
+            low = high;
         }
-        low = high;
-    }
+    });
+}
+
+std::array<double, 2> Warp::ends(std::size_t t, int lateral, int k) const {
+    std::array<double, 2> out{};
+    with_column(t, lateral, k, [&](const auto& value) { out = {value(0), value(static_cast<std::size_t>(points_[0]) - 1)}; });
+    return out;
 }
 
 void Warp::hold(const Anchor& anchor) {

@@ -58,6 +58,9 @@ public:
     /// @param out         vertices()[0] of them; vertices
     void column(std::size_t t, int lateral, int k, std::span<float> out) const;
 
+    /// The first and the last of a column's displacements.
+    std::array<double, 2> ends(std::size_t t, int lateral, int k) const;
+
     /// Subtracts from each column, in each frame, what moves the anchor there: low: the first value; middle: half of both ends' sum; high:
     /// the last value; vertex: the value there. So a column of zeros stays as it is.
     void hold(const Anchor& anchor);
@@ -79,13 +82,17 @@ public:
     Range scaled(const Range& range) const;
 
 private:
+    /// Calls `use` with a function that returns the scaled displacement of a point of a column.
+    template <class Use>
+    void with_column(std::size_t t, int lateral, int k, const Use& use) const;
+
     std::array<int, 3> vertices_, points_;
     bool closed_;
     int factor_;
     double scale_ = 1;
     bool linear_ = true;
     Bounds bounds_;
-    std::shared_ptr<FrameStore> values_;
+    std::shared_ptr<FloatFrameStore> values_;
 };
 
 }  // namespace fluidcarve

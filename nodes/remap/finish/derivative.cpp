@@ -31,8 +31,8 @@ std::optional<CarveDerivative::Image> CarveDerivative::image(const Vec3d& at) co
         const auto& step = map_.steps()[n - 1];
         const int axis = step.axis();
         if (!step.holds(source)) continue;
-        if (const auto scale = step.scale(source); !step.carves(source[axis], scale)) {
-            if (step.inserts()) continue;
+        if (const auto scale = step.scale(source); !step.carves(source, scale)) {
+            if (!step.frees(source)) continue;
             return std::nullopt;
         }
         const auto [d, gradient] = smooth_[n - 1].at(source, step);

@@ -29,8 +29,12 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
         const int axis = step->axis(), entry = vertex[axis], lateral = vertex[step->lateral_axis()];
         if (!step->has_column(lateral, vertex.z()) || entry < step->low() || entry > step->high()) continue;
-        if (entry < step->start() || entry > step->last()) return std::nullopt;
-        vertex[axis] += step->displacement(entry, lateral, vertex.z()) / 2;
+        if (!step->carves(vertex.asVec3d(), 1)) {
+            if (step->frees(vertex.asVec3d())) return std::nullopt;
+            continue;
+        }
+        vertex[axis] +=
+            step->warps() ? static_cast<int>(std::lround(step->soft()->entry(entry, lateral, vertex.z()))) : step->displacement(entry, lateral, vertex.z()) / 2;
     }
     return vertex;
 }
@@ -39,12 +43,24 @@ std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
 bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
     const auto moves_end = [&](int axis) {
         return std::ranges::any_of(map.steps(), [&](const CarveStep& step) {
-            return step.axis() == axis && (rim.high ? step.last() != step.last_before() : step.start() != step.origin());
+            const auto [begin, end] = step.common();
+            return step.axis() == axis && (rim.high ? std::max<double>(step.last(), step.last_before()) > end : std::min(step.start(), step.origin()) < begin);
         });
     };
     for (int axis = 0; axis < 2; ++axis)
         if (by[axis] != 0 && (axis == rim.axis ? moves_end(axis) : !map.fades())) return true;
     return false;
+}
+
+/// The entry at a column's end. A warp ends elsewhere in each column.
+int rim_entry(const CarveMap& map, const openvdb::CoordBBox& carved, const Rim& rim, const Coord& column) {
+    int out = (rim.high ? carved.max() : carved.min())[rim.axis];
+    for (const auto& step : map.steps()) {
+        if (!step.warps() || step.axis() != rim.axis || !step.has_column(column[step.lateral_axis()], column.z())) continue;
+        const auto [begin, end] = step.ends(column.asVec3d(), 1);
+        out = std::clamp(static_cast<int>(rim.high ? std::floor(end) : std::ceil(begin)), step.start(), step.last());
+    }
+    return out;
 }
 
 template <class GridT>
@@ -63,10 +79,10 @@ double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map, 
     const double beyond = std::max(1.0, grid.voxelSize().x() / lattice.spacing);
     int all = 0, torn = 0;
     Coord vertex;
-    vertex[rim.axis] = (rim.high ? carved.max() : carved.min())[rim.axis];
     for (vertex[a] = carved.min()[a]; vertex[a] <= carved.max()[a]; vertex[a] += stride)
         for (vertex[b] = carved.min()[b]; vertex[b] <= carved.max()[b]; vertex[b] += stride) {
             ++all;
+            vertex[rim.axis] = rim_entry(map, carved, rim, vertex);
             const auto from = origin_of(map, vertex);
             if (!from || !jumps(map, rim, *from - vertex)) continue;
             const auto inside = from->asVec3d();

@@ -82,7 +82,7 @@ public:
         for (const auto& step : map_.steps()) {
             const double u = to[step.axis()];
             // An insertion writes over what lies beyond the lattice's ends.
-            if (step.holds(to) && (u < step.origin() || u > step.last_before()) && step.carves(u, step.scale(to))) return;
+            if (step.holds(to) && (u < step.origin() || u > step.last_before()) && step.carves(to, step.scale(to))) return;
             to[step.axis()] = carved_coordinate(step, to);
             if (step.holds(to) && to[step.axis()] != u) pressed *= slope(step, to);
         }
@@ -134,7 +134,8 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         places.push_back(u);
         rooms.emplace_back(u, u);
     };
-    const double scale = step.scale(at), first = step.begin(scale), last = step.end(scale);
+    const double scale = step.scale(at);
+    const auto [first, last] = step.ends(at, scale);
     if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) || u > std::max<double>(last, step.last_before())) return stay();
     if (u < step.origin() || u > step.last_before()) return;  // an insertion writes over it
 

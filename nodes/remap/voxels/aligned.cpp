@@ -76,18 +76,20 @@ private:
             bool freed = false;
         };
         std::array<Source, 8> sources;
-        const int step_low = step.low(), step_high = step.high(), start = step.start(), last = step.last(), origin = step.origin(),
-                  last_before = step.last_before(), soft_first = soft.first(), soft_last = soft.last();
+        const auto [begin, end] = carved ? step.ends(vertex.asVec3d(), 1) : CarveStep::Ends{};
+        const int step_low = step.low(), step_high = step.high(), origin = step.origin(), last_before = step.last_before(), soft_first = soft.first(),
+                  soft_last = soft.last();
         int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
         for (int n = 0; n < 8; ++n) {
             const int entry = first + n;
             auto& source = sources[static_cast<std::size_t>(n)];
             source.below = entry;
             if (carved && entry >= step_low && entry <= step_high) {
-                source.freed = entry < start || entry > last;
+                const bool held = entry >= begin && entry <= end;
+                source.freed = !held && entry >= origin && entry <= last_before;
                 if (source.freed) continue;
-                const float by = column[static_cast<std::size_t>(std::clamp(entry, soft_first, soft_last) - soft_first)];
-                const float d = std::clamp(by, static_cast<float>(origin - entry), static_cast<float>(last_before - entry));
+                const float by = held ? column[static_cast<std::size_t>(std::clamp(entry, soft_first, soft_last) - soft_first)] : 0;
+                const float d = held ? std::clamp(by, static_cast<float>(origin - entry), static_cast<float>(last_before - entry)) : 0;
                 const int towards_0 = static_cast<int>(d), below = towards_0 - (static_cast<float>(towards_0) > d ? 1 : 0);
                 source.below += below;
                 source.part = d - static_cast<float>(below);

@@ -86,8 +86,9 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         if (!meets) continue;
         table.fill(step);
         const int axis = step.axis();
-        const bool frees =
-            (step.start() > step.origin() && range.min()[axis] < step.start()) || (step.last() < step.last_before() && range.max()[axis] > step.last());
+        const bool frees = step.may_free(range.min()[axis], range.max()[axis]);
+        // A warp ends elsewhere in each column.
+        within = within && (!step.warps() || (range.min()[axis] >= step.common().begin && range.max()[axis] <= step.common().end));
         if (table.low == 0 && table.high == 0 && !frees) continue;
         moved = true;
         frees_ = frees_ || frees;

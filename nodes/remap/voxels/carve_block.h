@@ -124,7 +124,7 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const int axis = step.axis();
         if (!step.holds(at)) continue;
         const double scale = step.scale(at);
-        if (!step.carves(at[axis], scale)) return std::nullopt;
+        if (!step.carves(at, scale)) return std::nullopt;
         const auto& table = tables_[n];
         if (step.soft()) {
             const double by = smooth(n, at), source = at[axis] + scale * by, held = step.held(source);

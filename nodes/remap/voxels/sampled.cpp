@@ -247,8 +247,8 @@ private:
             if (!step.holds(l)) continue;
             const double scale = step.scale(l);
             if (scale < 1) fades_ = true;
-            if (!step.carves(u, scale)) {
-                if (step.inserts()) continue;
+            if (!step.carves(l, scale)) {
+                if (!step.frees(l)) continue;
                 return out.add(nothing, false, weight);
             }
             if (step.soft()) {

@@ -11,8 +11,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-bool freed(const CarveStep& step, const Vec3d& at) { return at[step.axis()] < step.start() || at[step.axis()] > step.last(); }
-
 CoordBBox within(const CarveStep& step, CoordBBox vertices) {
     auto &low = vertices.min(), &high = vertices.max();
     const auto clip = [&](int dimension, int first, int last) {
@@ -64,7 +62,7 @@ bool stays(const CarveStep& step, const CoordBBox& vertices) {
 bool along_seam(const CarveMap& map, Vec3d at) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
         if (!step->holds(at)) continue;
-        if (freed(*step, at)) return false;
+        if (!step->carves(at, 1)) return false;
         const auto displacement = common_displacement(*step, corners(*step, {at, at}));
         if (!displacement) return true;
         // A whole number of vertices: an inserted entry, half a vertex off, differs from its neighbours.
@@ -91,7 +89,10 @@ bool may_hold_seam(const CarveMap& map, BBoxd range) {
 bool is_moved(const CarveMap& map, const Vec3d& at) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
         if (!step->holds(at)) continue;
-        if (freed(*step, at)) return true;
+        if (!step->carves(at, 1)) {
+            if (step->frees(at)) return true;
+            continue;
+        }
         if (!stays(*step, within(*step, {Coord::floor(at), Coord::ceil(at)}))) return true;
     }
     return false;

@@ -4,6 +4,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 namespace fluidcarve {
 
 namespace {
@@ -18,19 +20,48 @@ struct Places {
     }
 };
 
-std::uint16_t mean_energy(std::uint16_t a, std::uint16_t b) {
+// Both mix two codes. @param part  of the second one, above 0
+std::uint16_t mixed_energy(std::uint16_t a, std::uint16_t b, float part) {
     for (const auto mark : {protected_code, attracted_code})
         if (a == mark || b == mark) return mark;
-    return encode_energy(0.5f * (decode_energy(a) + decode_energy(b)));
+    return encode_energy((1 - part) * decode_energy(a) + part * decode_energy(b));
 }
 
-std::uint16_t mean_field(std::uint16_t a, std::uint16_t b) { return encode_field(0.5f * (decode_field(a) + decode_field(b))); }
+std::uint16_t mixed_field(std::uint16_t a, std::uint16_t b, float part) { return encode_field((1 - part) * decode_field(a) + part * decode_field(b)); }
 
-template <class Mean>
+/// Calls `visit(from, part)` for each entry of a column that seams leave: its content comes from entry `from` and, by a part, from the next.
+template <class Visit>
+void each_seam_source(const CarveStep& step, int lateral, int k, const Visit& visit) {
+    const auto bounds = step.bounds(lateral, k);
+    std::size_t passed = 0;
+    for (int entry = step.start(); entry <= step.last(); ++entry) {
+        while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
+        const int twice = 2 * (entry - step.origin()) + step.displacement(entry, passed, bounds);
+        visit(twice / 2, twice % 2 == 0 ? 0.0f : 0.5f);
+    }
+}
+
+/// The same for a warp. `from` is -1 where there is no content.
+template <class Visit>
+void each_warp_source(const CarveStep& step, int lateral, int k, const Visit& visit) {
+    const auto [begin, end] = step.ends(openvdb::Vec3d(vertex_of<double>(static_cast<Axis>(step.axis()), 0, lateral, k).data()), 1);
+    for (int entry = step.start(); entry <= step.last(); ++entry) {
+        if (entry < begin || entry > end) {
+            visit(-1, 0.0f);
+            continue;
+        }
+        const double source = step.held(entry + static_cast<double>(step.soft()->entry(entry, lateral, k))) - step.origin();
+        const int from = static_cast<int>(source);
+        visit(from, static_cast<float>(source - from));
+    }
+}
+
+template <class Mix>
 std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step,
-                                 const Mean& mean) {
+                                 const Mix& mix) {
     std::vector<std::uint16_t> out(size);
     const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis());
+    const std::uint16_t nothing = 0;
     tbb::parallel_for(0, step.slices(), [&](int k) {
         for (int lateral = 0; lateral < step.laterals(); ++lateral) {
             const auto column = [&](const Places& places) {
@@ -38,26 +69,25 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
             };
             const auto* const source = from.data() + column(before);
             auto* target = out.data() + column(after);
-            const auto bounds = step.bounds(step.first_lateral() + lateral, k);
-            std::size_t passed = 0;
-            for (int entry = step.start(); entry <= step.last(); ++entry, target += after.stride[along]) {
-                while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
-                const int twice = 2 * (entry - step.origin()) + step.displacement(entry, passed, bounds);
-                const auto* const low = source + before.stride[along] * static_cast<std::size_t>(twice / 2);
-                *target = twice % 2 == 0 ? *low : mean(*low, low[before.stride[along]]);
-            }
+            const auto set = [&](int entry, float part) {
+                const auto* const low = source + before.stride[along] * static_cast<std::size_t>(std::max(entry, 0));
+                *target = entry < 0 ? nothing : part == 0 ? *low : mix(*low, low[before.stride[along]], part);
+                target += after.stride[along];
+            };
+            if (step.warps()) each_warp_source(step, step.first_lateral() + lateral, k, set);
+            else each_seam_source(step, step.first_lateral() + lateral, k, set);
         }
     });
     return out;
 }
 
-template <class Mean>
-std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mean& mean) {
+template <class Mix>
+std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mix& mix) {
     for (const auto& step : steps) {
         const Places before(shape, axis);
         shape[static_cast<std::size_t>(step.axis())] = step.after();
         const auto size = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
-        codes = carve(codes, before, Places(shape, axis), size, step, mean);
+        codes = carve(codes, before, Places(shape, axis), size, step, mix);
     }
     return codes;
 }
@@ -65,11 +95,11 @@ std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<in
 }  // namespace
 
 std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(codes), shape, axis, steps, mean_energy);
+    return carve(std::move(codes), shape, axis, steps, mixed_energy);
 }
 
 std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(codes), shape, axis, steps, mean_field);
+    return carve(std::move(codes), shape, axis, steps, mixed_field);
 }
 
 }  // namespace fluidcarve

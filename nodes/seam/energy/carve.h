@@ -9,8 +9,9 @@
 
 namespace fluidcarve {
 
-/// Carves one frame's energy into the space that earlier seams leave. Removed entries disappear. An inserted entry is the mean of its
-/// neighbours (METHOD 4), and marked if either of them is.
+/// Carves one frame's energy into the space that earlier seams and warps leave. Removed entries disappear. An inserted entry is the mean of
+/// its neighbours (METHOD 4), and marked if either of them is. Under a warp an entry lies between two vertices, and is marked if either of
+/// them is; an entry without content has no energy.
 /// @param codes   energy codes, laid out as by sample_energy()
 /// @param shape  I, J, K of the frame; the steps carve it in order
 /// @param axis   along which the codes are contiguous; the steps' own axes may differ

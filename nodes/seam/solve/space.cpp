@@ -12,17 +12,17 @@ CarvedSpace::CarvedSpace(const std::vector<Ref<Lattice>>& lattices, const std::v
     carve_map(0);
 }
 
-std::array<int, 3> CarvedSpace::shape() const { return after_.empty() ? lattices_.front()->shape : after_.back()->shape_after(after_.back()->seams.size()); }
+std::array<int, 3> CarvedSpace::shape() const { return after_.empty() ? lattices_.front()->shape : after_.back()->shape_after(after_.back()->size()); }
 
 CarveMap CarvedSpace::carve_map(std::size_t t) const { return {*lattices_[place(t)], after_, frames_[t], std::nullopt}; }
 
 std::string CarvedSpace::extension_fault(const Seams& found) const {
     if (found.paired()) return {};
     const auto axis = dimension(found.axis);
-    int first = found.shift_after(found.seams.size());
+    int first = found.shift_after(found.size());
     for (const auto& set : after_)
-        if (set->axis == found.axis) first += set->shift_after(set->seams.size());
-    const int end = first + found.shape_after(found.seams.size())[axis];
+        if (set->axis == found.axis) first += set->shift_after(set->size());
+    const int end = first + found.shape_after(found.size())[axis];
     Extension extension;
     for (std::size_t t = 0; t < lattices_.size(); ++t)
         extension.add(*lattices_[t], found.axis, std::max(0, -first), std::max(0, end - lattices_[t]->shape[axis]), frames_[t]);

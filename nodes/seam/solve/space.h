@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// The space in which seams are found: the lattices of a sequence, and what the seam sets of `after` leave of them. It refers to the lists
+/// The space in which seams are found: the lattices of a sequence, and what the seams and warps of `after` leave of them. It refers to the lists
 /// that it is made from.
 class CarvedSpace {
 public:

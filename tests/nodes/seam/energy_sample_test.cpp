@@ -136,10 +136,10 @@ TEST_CASE("frames over the memory budget go to a file that leaves no trace") {
     CHECK(!FrameStore(3, 1000, 6000, folder).on_disk());
     CHECK(failure_of([&] {
               FrameStore(1, 5'000'000, 1, "/proc/nowhere");
-          }).starts_with("10.0 MB of energies or seams exceed the memory budget and can't be stored in the work folder"));
+          }).starts_with("10.0 MB of energies, seams or displacements exceed the memory budget and can't be stored in the work folder"));
 }
 
 TEST_CASE("more energy than any memory holds is refused, not wrapped around") {
     CHECK_THROWS_WITH(FrameStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
-                      "262144 frames of 35184372088832 energies each are more than any memory holds; use a coarser or smaller lattice");
+                      "262144 frames of 35184372088832 values each are more than any memory holds; use a coarser or smaller lattice");
 }
