@@ -60,15 +60,14 @@ public:
         if (task.pair_window) windows_.push_back(points_in(*task.pair_window, warp));
     }
 
-    FoundWarp run() {
+    int run() {
         start_evenly();
         for (const auto& window : windows_) systems_.push_back(std::make_unique<WarpSystem>(warp_, weights_, window, task_.stiffness));
         solve(tolerance, most_cycles);
         // The solution hardly ever turns back anywhere; without that, no amount draws out what another one squeezes.
         ease_all([](double moved) { return moved < 0 ? -1.0 : 1.0; }, 0);
         warp_.set_scale(task_.amount);
-        found_.steepest = steepest(task_.amount);
-        if (found_.steepest <= most_squeezed) return found_;
+        if (steepest(task_.amount) <= most_squeezed) return cycles_;
         warp_.set_linear(false);
         each_column(warp_, [&](std::size_t t, std::size_t c) {
             for (auto& value : column(t, c)) value *= static_cast<float>(task_.amount);
@@ -76,8 +75,7 @@ public:
         warp_.set_scale(1);
         for (int n = 0; n < most_raises && steepest(1) > most_squeezed; ++n) raise();
         ease_all([](double) { return 1.0; }, -most_squeezed);
-        found_.steepest = steepest(1);
-        return found_;
+        return cycles_;
     }
 
 private:
@@ -106,7 +104,7 @@ private:
             double first = 0;
             for (int n = 0; n < most; ++n) {
                 const double change = system->cycle();
-                ++found_.cycles;
+                ++cycles_;
                 if (n == 0) first = change;
                 tick_(change > 0 && first > to ? std::clamp(std::log(change / first) / std::log(to / first), 0.0, 1.0) : 1.0);
                 if (change <= to) break;
@@ -197,7 +195,7 @@ private:
     const std::function<void(double)>& tick_;
     std::vector<Window> windows_;  ///< in points
     std::vector<std::unique_ptr<WarpSystem>> systems_;
-    FoundWarp found_;
+    int cycles_ = 0;
 };
 
 /// The room of one column, and where it is.
@@ -259,7 +257,7 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
                   found.of};
 }
 
-FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick) {
+int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick) {
     return Search(task, warp, weights, tick).run();
 }
 

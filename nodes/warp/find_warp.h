@@ -40,19 +40,14 @@ struct NoRoom {
 /// @return the column with the least room for its amount; nothing: there is room everywhere
 std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const FrameStore& weights);
 
-/// What came of a search.
-struct FoundWarp {
-    int cycles = 0;       ///< of multigrid
-    double steepest = 0;  ///< greatest share by which space is squeezed, 0 to most_squeezed
-};
-
 /// Finds a warp, and sets its scale: its displacements are scale() times its values. As long as nothing is squeezed by more than
 /// `most_squeezed`, the warp is linear: its values are the solution for an amount of 1. Else the values are those of this amount: weights are
 /// raised where it is too tight, until it is not.
 /// @param warp     its values are overwritten; its bounds are not found
 /// @param weights  may be raised
 /// @param tick     is called between cycles with the share that is done, 0 to 1
-FoundWarp find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick);
+/// @return the number of multigrid cycles
+int find_warp(const WarpTask& task, Warp& warp, FrameStore& weights, const std::function<void(double)>& tick);
 
 /// The greatest amount of a sign, by bounds() of the warp, up to which a linear warp squeezes nothing by more than `most_squeezed`, vertices from 0 on;
 /// infinite if it squeezes nothing.

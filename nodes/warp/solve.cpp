@@ -58,13 +58,16 @@ private:
     static constexpr double first = 2, zero = 0x1p33, most = 0x1p33;
 };
 
+/// The greatest share by which a warp squeezes space.
+double steepest(const Warp& warp) { return std::max(0.0, -static_cast<double>(warp.scaled(warp.bounds().slope).least)); }
+
 /// What a finished warp is reported by.
-Json report_of(const Seams& set, const WarpAmount* curve, double steepest) {
+Json report_of(const Seams& set, const WarpAmount* curve) {
     Json out{{"axis", to_text(set.axis)}, {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
     if (curve && curve->varies()) out["amount"] = ParamTraits<WarpAmount>::text(*curve);
     else out["amount"] = set.warp ? set.warp->scale() : 0.0;
     if (set.warp) out["factor"] = set.warp->factor();
-    out["steepest"] = steepest;
+    out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
     return out;
 }
 
@@ -125,7 +128,7 @@ struct WarpSolve {
         auto set = found_before ? *before_ : empty_set(params, space);
         auto report = entry_;
         if (!found_before) {
-            report = report_of(set, &params.amount, 0);
+            report = report_of(set, &params.amount);
             if (!nothing) report = solve(params, space, set, context);
         }
         if (const auto fault = space.extension_fault(set); !fault.empty()) context.warn(fault);
@@ -156,7 +159,7 @@ struct WarpSolve {
         const auto set = std::make_shared<Seams>(*result.as<Seams>());
         if (count == Reach::nothing) {
             set->warp.reset();
-            entry = report_of(*set, nullptr, 0);
+            entry = report_of(*set, nullptr);
         } else if (set->warp && set->warp->linear()) {
             auto& warp = *set->warp;
             warp.set_scale(Reach::amount(count, set->pair_window.has_value(), warp.scale()));
@@ -167,9 +170,6 @@ struct WarpSolve {
     }
 
 private:
-    /// The greatest share by which a linear warp squeezes space.
-    static double steepest(const Warp& warp) { return std::max(0.0, -static_cast<double>(warp.scaled(warp.bounds().slope).least)); }
-
     static Seams empty_set(const Params& params, const CarvedSpace& space) {
         SeamTask task;
         task.axis = params.axis;
@@ -237,7 +237,7 @@ private:
         find_weights(taken.energy, taken.typical, {params.field_weight, params.evenness, params.empty}, warp, weights);
         const auto task = task_of(params, set, warp);
         if (const auto none = no_room(task, warp, weights)) throw Failure(why(*none, params, set, space));
-        const auto found = find_warp(task, warp, weights, [&](double done) {
+        const int cycles = find_warp(task, warp, weights, [&](double done) {
             context.check_cancelled();
             context.progress(done);
         });
@@ -245,10 +245,10 @@ private:
         if (params.amount.varies()) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();
-        auto report = report_of(set, &params.amount, found.steepest);
+        auto report = report_of(set, &params.amount);
         if (!params.amount.varies()) report["amount"] = task.amount;
         report["linear"] = warp.linear();
-        report["cycles"] = found.cycles;
+        report["cycles"] = cycles;
         if (const auto& marks = gathered_.marks(); marks.protect || marks.attract) {
             if (marks.protect) report["protected"] = *marks.protect;
             if (marks.attract) report["attracted"] = *marks.attract;
