@@ -220,9 +220,11 @@ private:
             place += fmt::format(", which begins at ({:g}, {:g}, {:g}),", at.x(), at.y(), at.z());
         }
         return fmt::format(
-            "{}window [{}, {}]: an amount of {:.6g} is possible, but no more: {} column {} has {} of {} intervals that are not protected, and each gives at "
-            "most {:g} of itself; ask for less, widen the window or protect less",
-            none.pair ? "pair_" : "", window.first, window.last, none.possible, frame, place, none.free, none.of, most_squeezed);
+            "{}window [{}, {}]: {}: {} column {} has {} of {} intervals that are not protected, and each gives at most {:g} of itself; ask for less, widen the "
+            "window or protect less",
+            none.pair ? "pair_" : "", window.first, window.last,
+            none.possible == 0 ? "no amount is possible" : fmt::format("an amount of {:.6g} is possible, but no more", none.possible), frame, place, none.free,
+            none.of, most_squeezed);
     }
 
     /// Finds the warp of a set. @return its report
