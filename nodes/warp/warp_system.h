@@ -15,11 +15,11 @@ namespace fluidcarve {
 /// How stiffly a warp resists shear, as a share of how stiffly it resists squeezing.
 struct WarpStiffness {
     double space = 0.25;  ///< between neighbours across the axis
-    double time = 0.5;    ///< from frame to frame; values of one place
+    double time = 1;      ///< from frame to frame; values of one place
 };
 
 /// The equations of a warp (METHOD 11): of all displacements with given values at both ends of a window, the one of least
-///     sum w (S_u^2 + space (S_v^2 + S_w^2) + time S_t^2)
+///     sum w (D_u^2 + space (D_v^2 + D_w^2) + time D_t^2)
 /// at the points of a warp. Multigrid solves them without a matrix: a line of points along the axis is solved at once, every second line at a
 /// time; coarser levels have fewer lines, as long as those of the finest. The result does not depend on the number of threads.
 class WarpSystem {
