@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -69,28 +70,64 @@ private:
     }
     double depth(const Vec3d& at) const { return at[static_cast<int>(view_)] - plane_; }
 
-    /// Coordinates along the carved axis, in the uncarved lattice, of all seams of a window in one column.
-    void entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<std::uint16_t>& out) {
+    /// Where a column crosses a surface.
+    struct Crossing {
+        std::pair<int, int> surface;  ///< tells surfaces apart
+        double at;                    ///< along the carved axis, in the uncarved lattice
+        bool operator<(const Crossing& other) const { return surface < other.surface; }
+    };
+
+    /// All seams of a window in one column.
+    void cross_seams(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<Crossing>& out) {
         const auto column = static_cast<std::size_t>(laterals_.column(lateral)) +
                             static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(slices_.column(k)) + t_ * seams_.columns_per_frame();
+        entries_.clear();
+        for (const auto& seam : seams) entries_.push_back(seam.at[column]);
+        if (kind == Seams::Kind::remove) to_original(entries_, sorted_);
+        const double behind = kind == Seams::Kind::insert ? 0.5 : 0;
         out.clear();
-        for (const auto& seam : seams) out.push_back(seam.at[column]);
-        if (kind == Seams::Kind::remove) to_original(out, sorted_);
+        for (std::size_t n = 0; n < entries_.size(); ++n) out.push_back({{static_cast<int>(n), 0}, entries_[n] + behind});
+    }
+
+    /// The places of a column from which on the warp moves another whole vertex further: where it moves by a whole number and a half. It may
+    /// do so several times.
+    void cross_warp(int lateral, int k, std::vector<Crossing>& out) {
+        shifts_.resize(static_cast<std::size_t>(seams_.carved()));
+        seams_.warp->column(t_, laterals_.column(lateral), slices_.column(k), shifts_);
+        out.clear();
+        for (std::size_t u = 0; u + 1 < shifts_.size(); ++u) {
+            const double from = shifts_[u], to = shifts_[u + 1];
+            const int low = static_cast<int>(std::floor(std::min(from, to) + 0.5)), high = static_cast<int>(std::floor(std::max(from, to) + 0.5));
+            for (int level = low; level < high; ++level) {
+                const auto before = std::ranges::count_if(out, [&](const Crossing& other) { return other.surface.first == level; });
+                out.push_back({{level, static_cast<int>(before)}, static_cast<double>(u) + (level + 0.5 - from) / (to - from)});
+            }
+        }
+        std::ranges::sort(out, std::less<>());
     }
 
     void cross(int lateral, int k) {
-        cross(seams_.seams, seams_.kind, lateral, k);
-        cross(seams_.pairs, opposite(seams_.kind), lateral, k);
+        if (seams_.warp) return cross(lateral, k, [this](int j, int slice, auto& out) { cross_warp(j, slice, out); });
+        cross(lateral, k, [this](int j, int slice, auto& out) { cross_seams(seams_.seams, seams_.kind, j, slice, out); });
+        cross(lateral, k, [this](int j, int slice, auto& out) { cross_seams(seams_.pairs, opposite(seams_.kind), j, slice, out); });
     }
 
-    /// Intersects all seams of a window between four neighbouring columns, each as two triangles.
-    void cross(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k) {
+    /// Intersects all surfaces between four neighbouring columns, each as two triangles.
+    /// @param crossings  finds those of a column, in the order of their surfaces
+    template <class Crossings>
+    void cross(int lateral, int k, const Crossings& crossings) {
         constexpr std::array<std::array<int, 2>, 4> corners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-        for (std::size_t c = 0; c < 4; ++c) entries(seams, kind, lateral + corners[c][0], k + corners[c][1], entries_[c]);
-        const double behind = kind == Seams::Kind::insert ? 0.5 : 0;
-        for (std::size_t n = 0; n < seams.size(); ++n) {
+        for (std::size_t c = 0; c < 4; ++c) crossings(lateral + corners[c][0], k + corners[c][1], crossings_[c]);
+        for (const auto& first : crossings_[0]) {
             std::array<Vec3d, 4> at;
-            for (std::size_t c = 0; c < 4; ++c) at[c] = place(entries_[c][n] + behind, lateral + corners[c][0], k + corners[c][1]);
+            bool all = true;
+            for (std::size_t c = 0; c < 4; ++c) {
+                const auto found = std::ranges::lower_bound(crossings_[c], first, std::less<>());
+                all = all && found != crossings_[c].end() && found->surface == first.surface;
+                if (all) at[c] = place(found->at, lateral + corners[c][0], k + corners[c][1]);
+            }
+            // A surface of a warp may end between columns.
+            if (!all) continue;
             cross(at[0], at[1], at[2]);
             cross(at[0], at[2], at[3]);
         }
@@ -118,8 +155,9 @@ private:
     View view_;
     int plane_;
     Rimmed laterals_, slices_;
-    std::array<std::vector<std::uint16_t>, 4> entries_;
-    std::vector<std::uint16_t> sorted_;
+    std::array<std::vector<Crossing>, 4> crossings_;
+    std::vector<std::uint16_t> entries_, sorted_;
+    std::vector<float> shifts_;
     std::vector<PictureLine> lines_;
 };
 

@@ -20,7 +20,8 @@ bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transfor
 
 /// The lines in which seams cross a plane, at their places in the uncarved lattice: at removed vertices, or half a vertex after doubled
 /// vertices, where new ones are inserted. A seam is the surface through its vertices, extended straight by half a vertex beyond the rims
-/// of the lattice, where the voxels there end.
+/// of the lattice, where the voxels there end. Of a warp, the surfaces where it moves content by a whole number of vertices and a half: they
+/// lie close together where it squeezes or widens much.
 /// @param frame  frame number
 /// @param space  transform of the picture and the plane, mostly that of the grid shown
 /// @param plane  index coordinate along the view

@@ -31,6 +31,7 @@ std::string size_text(const openvdb::CoordBBox& box) {
 }
 
 std::string seams_text(const Seams& seams) {
+    if (seams.warp) return fmt::format("a warp across {}", to_text(seams.axis));
     const bool removes = seams.kind == Seams::Kind::remove;
     return fmt::format("{} {} across {}{}", counted(seams.seams.size(), "seam"), removes ? "removed" : "inserted", to_text(seams.axis),
                        !seams.paired() ? ""
@@ -160,7 +161,8 @@ std::string SheetRows::name_of(const Kind& kind) const {
         case Kind::What::difference: return "difference";
         case Kind::What::energy: break;
     }
-    return frames_.front().data.seams && wish_.seams ? "seams over energy" : "energy";
+    const auto& seams = frames_.front().data.seams;
+    return !seams || !wish_.seams ? "energy" : seams->warp ? "warp over energy" : "seams over energy";
 }
 
 std::string SheetRows::text_of(const Kind& kind, int plane) const {
@@ -174,7 +176,7 @@ std::string SheetRows::text_of(const Kind& kind, int plane) const {
     if (face_) return slice + "; seams face this view, choose another axis";
     const auto& panels = panels_.back();
     const bool crossed = std::any_of(panels.begin(), panels.end(), [](const SheetPanel& panel) { return !panel.seams.empty(); });
-    return crossed ? slice : slice + "; no seam crosses it";
+    return crossed ? slice : slice + (frames_.front().data.seams->warp ? "; the warp moves nothing by a whole vertex there" : "; no seam crosses it");
 }
 
 SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& progress) {

@@ -2,6 +2,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/seams_through.h"
 #include "tests/support/sheets.h"
+#include "tests/support/warped.h"
 
 #include <catch2/catch.hpp>
 
@@ -113,4 +114,17 @@ TEST_CASE("seams of another lattice or without the frame shown are a failure") {
     CHECK(failure_of([&] { require_seams(other, seams, 1); }) ==
           "the seams were found in another lattice: theirs is a box of 10 x 1 x 4 vertices from (0, 5, 0) to (9, 5, 3), spacing 1, axes xyz (" + lattice.hash +
               "), this one a box of 10 x 1 x 4 vertices from (0, 6, 0) to (9, 6, 3), spacing 1, axes xyz (" + other.hash + ")");
+}
+
+TEST_CASE("a warp is drawn where it moves content by a whole number of vertices and a half") {
+    const auto lattice = row_lattice();
+    const auto space = openvdb::math::Transform::createLinearTransform(1);
+    // By 0 to -4.5 along u: -0.5 at vertex 1, -1.5 at vertex 3 and so on.
+    const auto even = warped(lattice, evenly(lattice, -4.5), Axis::u, {1, 2, 3});
+    CHECK(rounded(crossings(seam_lines(lattice, even, 2, *space, View::y, 5), 2.25)) == Doubles{1.5, 3.5, 5.5, 7.5});
+    // It goes and comes back, and only up to plane 1.
+    const auto bump = warped(lattice, [](int entry, int, int k, int) { return k > 1 ? 0.0 : entry < 5 ? 0.4 * entry : 0.4 * (9 - entry); }, Axis::u, {1, 2, 3});
+    const auto lines = seam_lines(lattice, bump, 2, *space, View::y, 5);
+    CHECK(rounded(crossings(lines, 0.75)) == Doubles{1.75, 4.25, 5.75, 8.25});
+    CHECK(crossings(lines, 2.75).empty());
 }
