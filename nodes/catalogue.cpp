@@ -71,6 +71,7 @@
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
 #include "nodes/usd/write.h"
+#include "nodes/warp/solve.h"
 
 namespace fluidcarve {
 
@@ -141,6 +142,7 @@ Registry builtin_registry() {
     out.add(seam_graph_cut());
     out.add(seam_greedy());
     out.add(seam_pyramid());
+    out.add(warp_solve());
     out.add(seams_write());
     out.add(seams_read());
     out.add(remap_grids());

@@ -22,6 +22,7 @@ void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
 void write_warp(const Warp& warp, BinaryWriter& out) {
     out.value(warp.factor());
     out.value(warp.scale());
+    out.value(warp.linear());
     out.value(std::uint64_t{warp.frames()});
     for (std::size_t t = 0; t < warp.frames(); ++t) out.list(warp.values(t));
 }
@@ -31,6 +32,7 @@ Warp read_warp(BinaryReader& in, const Seams& seams) {
     const int factor = in.value<int>();
     in.require((factor == 1 || factor == 2 || factor == 4) && seams.carved() >= 1);
     const double scale = in.value<double>();
+    const bool linear = in.value<bool>();
     const auto frames = in.value<std::uint64_t>();
     in.require(frames >= 1 && (frames == 1 || frames == seams.frames.size()));
     auto values = in.list<float>();
@@ -47,6 +49,7 @@ Warp read_warp(BinaryReader& in, const Seams& seams) {
     }
     out.find_bounds();
     out.set_scale(scale);
+    out.set_linear(linear);
     in.require(out.scaled(out.bounds().slope).least > -1);
     return out;
 }

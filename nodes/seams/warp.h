@@ -50,6 +50,9 @@ public:
     double scale() const { return scale_; }
     void set_scale(double scale) { scale_ = scale; }  ///< the displacement is linear in it
 
+    bool linear() const { return linear_; }  ///< whether each scale gives the solution for an amount of its own; else only the present one does
+    void set_linear(bool linear) { linear_ = linear; }
+
     /// Scaled displacements of a column's vertices. Where all values around a vertex are 0, its displacement is exactly 0.
     /// @param lateral, k  vertices
     /// @param out         vertices()[0] of them; vertices
@@ -87,6 +90,7 @@ private:
     bool closed_;
     int factor_;
     double scale_ = 1;
+    bool linear_ = true;
     Bounds bounds_;
     std::shared_ptr<FloatFrameStore> values_;
 };

@@ -166,17 +166,20 @@ void price_empty_space(Document& document, Value& seams, const std::string& fiel
     set(document.nodes, "look_energy", std::move(energy));
 }
 
+/// Takes away what a node's type does not have.
+void keep_what_is_of(const NodeType& type, Value& node) {
+    std::erase_if(node.fields,
+                  [&](const Value::Field& field) { return !find_field(common_fields, field.name) && !type.input(field.name) && !type.param(field.name); });
+}
+
 /// Gives each solver and each carve the settings of classical seam carving, of those that its type has.
 void make_classical(Document& document, const Registry& registry) {
     auto& seams = node_of(document, "seams");
     set(seams, "type", "seam.greedy");
     const auto* const field = seams.find("field");
     const auto seen = field ? field->value.text : std::string();
-    const auto& greedy = *registry.node("seam.greedy");
-    std::erase_if(seams.fields, [&](const Value::Field& field) {
-        const bool of_forward_cost = field.name == "field" || field.name == "field_weight" || field.name == "empty";
-        return of_forward_cost || (!find_field(common_fields, field.name) && !greedy.input(field.name) && !greedy.param(field.name));
-    });
+    std::erase_if(seams.fields, [&](const Value::Field& field) { return field.name == "field" || field.name == "field_weight" || field.name == "empty"; });
+    keep_what_is_of(*registry.node("seam.greedy"), seams);
     if (!seen.empty()) price_empty_space(document, node_of(document, "seams"), seen);
     for (auto& [name, mark, node] : document.nodes.fields) {
         const auto type = text_of(node, "type");
@@ -318,6 +321,19 @@ Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice
         run(document, registry, "out", scratch);
         from = to;
     }
+}
+
+Carved carve_by_warp(const Shot& shot, const std::string& count) {
+    const Scratch scratch;
+    auto document = document_of(shot, shot.files, count, "");
+    const auto registry = registry_of_looks();
+    auto& seams = node_of(document, "seams");
+    set(seams, "type", "warp.solve");
+    set(seams, "amount", count);
+    keep_what_is_of(*registry.node("warp.solve"), seams);
+    auto out = record(document, registry, shot.scene.input, scratch);
+    out.windows = windows_of(document);
+    return out;
 }
 
 Samples samples_before(const Scene& scene, const Carved& carved) { return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]); }

@@ -41,6 +41,10 @@ struct Carved {
 /// @param count  as a pipeline states it
 Carved carve_as_shipped(const Shot& shot, const std::string& count);
 
+/// The shipped pipeline, with a warp in place of its seams.
+/// @param count  as a pipeline states it
+Carved carve_by_warp(const Shot& shot, const std::string& count);
+
 /// The paper's way: multi-greedy seams of backward energy, whole vertices move. To narrow, each seam is carved before the next
 /// is looked for, in the lattice that is left of the first. To widen, all are found at once: one after the other, the same
 /// seam would be doubled again and again.

@@ -36,6 +36,7 @@ constexpr auto about =
     "- the paper's: the same energy carved by the paper's method. Empty space gets a price by a mask (0.5, content 0.3 more than its energy). Multi-greedy "
     "seams pay backward costs, whole vertices move. To narrow, each seam is carved "
     "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
+    "- warp: the shipped pipeline with warp.solve in place of its solver.\n"
     "- liblqr's: images carved by liblqr as it comes.\n"
     "\n"
     "Each figure is a share: below 1 is better than even scaling to the same visible width. Samples stand at the lattice's vertices.\n"
@@ -166,6 +167,7 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     };
     if (loop) add("the paper's", samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
     if (scene.pipeline == "image") add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
+    add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
     const auto even = add("shipped", samples_after(scene, shipped, grown));
     out.samples.insert(out.samples.begin() + 1, even);
     out.names.insert(out.names.begin() + 1, "scaled evenly");

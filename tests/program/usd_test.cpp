@@ -112,7 +112,7 @@ TEST_CASE("every shipped shot of volumes can be written as a stage") {
         CHECK(checked.err == "");
         CHECK(checked.code == 0);
     };
-    for (const auto* const pipeline : {"plume", "plume_wide", "plume_path", "vortex", "bonfire_hot"}) check(pipeline);
+    for (const auto* const pipeline : {"plume", "plume_wide", "plume_ramp", "plume_path", "vortex", "bonfire_hot"}) check(pipeline);
     check("bonfire", "params: {moved: {default: out/firepit.usda}}\n", ", pit: \"${moved}\"");
     check("river", "params: {shore: {default: out/riverbank.####.usda}}\n", ", bank: \"${shore}\"");
 }

@@ -6,6 +6,7 @@
 #include "tests/support/node_bench.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <functional>

@@ -3,7 +3,6 @@
 #include "graph/text/problem.h"
 #include "nodes/field/active_range.h"
 #include "nodes/seam/energy/carve.h"
-#include "nodes/seam/energy/prices.h"
 #include "nodes/seam/solve/report.h"
 
 #include <fmt/format.h>
@@ -102,17 +101,17 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverP
     return out;
 }
 
-EnergyVolume GatheredEnergy::whole(const SolverParams& params) {
+GatheredEnergy::Taken GatheredEnergy::whole() {
     auto out = std::move(*energy_);
     for (auto t = lattices_.size(); t < out.frames(); ++t) {
         std::ranges::copy(out.codes(0), out.codes(t).begin());
         if (out.has_field()) std::ranges::copy(out.field(0), out.field(t).begin());
     }
-    set_prices(out, Typical::of(out), prices_of(params, forward_));
-    return out;
+    const auto typical = Typical::of(out);
+    return {std::move(out), typical};
 }
 
-EnergyVolume GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space, const Context& context) {
+GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const CarvedSpace& space, const Context& context) {
     auto from = std::move(*energy_);
     const auto& shape = lattices_.front()->shape;
     const auto held = from.columns_per_frame() * from.stride() * from.frames() * sizeof(std::uint16_t), all = budget(context);
@@ -125,16 +124,22 @@ EnergyVolume GatheredEnergy::carved(const SolverParams& params, const CarvedSpac
         if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps()), out.field(t).begin());
     }
     // Typical values of the whole lattice also hold for the space that earlier seams leave.
-    set_prices(out, Typical::of(from), prices_of(params, forward_));
+    return {std::move(out), Typical::of(from)};
+}
+
+GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params, const CarvedSpace& space, const Context& context) {
+    auto out = space.carved() ? carved(params, space, context) : whole();
+    energy_.reset();
     return out;
 }
 
 EnergyVolume GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space, const Context& context) {
-    auto out = space.carved() ? carved(params, space, context) : whole(params);
-    energy_.reset();
+    auto taken = take_unpriced(params, space, context);
+    auto& out = taken.energy;
+    set_prices(out, taken.typical, prices_of(params, forward_));
     if (out.has_field()) out.count_edges(context.memory_budget() / 3, context.work_folder());
     if (marks_.protect || marks_.attract) out.find_marks();
-    return out;
+    return std::move(out);
 }
 
 }  // namespace fluidcarve

@@ -5,6 +5,7 @@
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/frame.h"
 #include "nodes/seam/energy/marks.h"
+#include "nodes/seam/energy/prices.h"
 #include "nodes/seam/energy/volume.h"
 #include "nodes/seam/solve/params.h"
 #include "nodes/seam/solve/space.h"
@@ -41,16 +42,24 @@ public:
     /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore
     EnergyVolume take(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
+    /// Energies and fields as they were sampled, and what is typical of them.
+    struct Taken {
+        EnergyVolume energy;
+        Typical typical;
+    };
+    /// The same without anything that seams pay, for who finds no seams. Marks are among the codes, but not counted.
+    Taken take_unpriced(const SolverParams& params, const CarvedSpace& space, const Context& context);
+
 private:
     /// A volume whose energies, and field if there is one, are all 0.
     /// @param budget  bytes of energies that may be held in memory, and as many of the field
     EnergyVolume room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const;
     /// Bytes of the memory budget for the energies. The field, and the energies without its edges, take as much each.
     std::uint64_t budget(const Context& context) const { return context.memory_budget() / (forward_ ? 3 : 1); }
-    /// The energy of the whole lattice with its prices, repeated in the frames that share it.
-    EnergyVolume whole(const SolverParams& params);
-    /// The energy with its prices in the space that earlier seams leave.
-    EnergyVolume carved(const SolverParams& params, const CarvedSpace& space, const Context& context);
+    /// The energy of the whole lattice, repeated in the frames that share it.
+    Taken whole();
+    /// The energy in the space that earlier seams leave.
+    Taken carved(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
     std::vector<Ref<Lattice>> lattices_;
     std::optional<EnergyVolume> energy_;  ///< of the whole lattice

@@ -1,0 +1,94 @@
+#include "nodes/warp/params.h"
+
+#include "graph/text/problem.h"
+#include "graph/types/node_type.h"
+#include "nodes/seams/seams.h"
+#include "nodes/warp/find_warp.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace fluidcarve {
+
+namespace {
+
+/// Curves of a ring must meet within this, in vertices.
+constexpr double most_gap = 1e-3;
+
+/// Requires that a window can be squeezed by so many vertices.
+/// @param name  of the window's parameter
+void require_squeezable(const std::string& name, const Window& window, double squeezed, const std::string& where) {
+    const double room = most_squeezed * (window.size() - 1);
+    if (squeezed <= room) return;
+    throw Failure(fmt::format("the amount squeezes {} [{}, {}] by {:.6g} vertices{}, but at most {:.6g} are possible, {:g} of its {} intervals; ask for less{}",
+                              name, window.first, window.last, squeezed, where, room, most_squeezed, window.size() - 1,
+                              name == "window" ? " or widen the window" : " or widen it"));
+}
+
+}  // namespace
+
+void check_params(const WarpParams& params, NodeCheck& check) {
+    if (params.anchor.vertex < 0)
+        check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+    if (params.pair_window && check.stated("anchor")) check.fault("anchor", "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
+    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
+        if (!window) continue;
+        if (std::floor(window->low) != window->low || std::floor(window->high) != window->high)
+            check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, window_text(*window)));
+        else if (window->low == window->high) check.fault(name, fmt::format("{} {} has one vertex; a warp wants at least two", name, window_text(*window)));
+    }
+    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' wants a 'window' beside it, below it on the axis");
+    if (params.pair_window && params.window && params.pair_window->low < params.window->high)
+        check.fault("pair_window",
+                    fmt::format("pair_window {} {} window {}; it wants to begin at vertex {:g} or above", window_text(*params.pair_window),
+                                params.pair_window->high <= params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
+    if (params.static_ && params.amount.varies_along(WarpAmount::Along::time))
+        check.fault("static", "a static warp is the same in all frames, but 'amount' changes over time; leave one of the two out");
+    if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
+        check.fault("factor", fmt::format("parameter 'factor' wants auto, 1, 2 or 4, not {}", *params.factor));
+    if (check.stated("field_weight") && check.connections("field") == 0)
+        check.fault("field_weight", "parameter 'field_weight' wants a `field`, in which edges are seen");
+}
+
+Window window_of(const Auto<Interval>& window, int size) {
+    return window ? Window{static_cast<int>(window->low), static_cast<int>(window->high)} : Window{0, size - 1};
+}
+
+double place_along(int k, int slices, bool closed) {
+    const int planes = closed ? slices : slices - 1;
+    return planes > 0 ? static_cast<double>(k) / planes : 0;
+}
+
+void require_fits(const WarpParams& params, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames, const std::string& space) {
+    const int size = shape[dimension(params.axis)];
+    const auto vertices = fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(params.axis), space, size - 1);
+    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
+        if (window && window->high > size - 1) throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices));
+    if (params.anchor.vertex > size - 1) throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices));
+    if (size < 2) throw Failure(fmt::format("a warp wants two vertices along {}{}, but there is one", to_text(params.axis), space));
+    const auto& amount = params.amount;
+    const bool ring = closed && amount.varies_along(WarpAmount::Along::w);
+    for (const int frame : frames) {
+        for (int k = 0; k < shape[2]; ++k) {
+            const double wanted = amount.at(place_along(k, shape[2], closed), frame, size);
+            const auto where = amount.varies() ? fmt::format(" at plane {} in frame {}", k, frame) : std::string();
+            require_squeezable("window", window_of(params.window, size), -wanted, where);
+            if (params.pair_window) require_squeezable("pair_window", window_of(params.pair_window, size), wanted, where);
+            else if (size + wanted > most_vertices)
+                throw Failure(fmt::format("an amount of {:.6g}{} makes more than {} vertices along {}; ask for less", wanted, where, most_vertices,
+                                          to_text(params.axis)));
+            if (!amount.varies_along(WarpAmount::Along::w)) break;
+        }
+        const double first = amount.at(0, frame, size), last = amount.at(1, frame, size);
+        if (ring && std::abs(first - last) > most_gap)
+            throw Failure(fmt::format(
+                "the lattice is closed, but 'amount' is {:.6g} where it begins and {:.6g} where it ends, which is the same plane, in frame {}; give the "
+                "curve the same amount at 0 and at 1",
+                first, last, frame));
+        if (!amount.varies_along(WarpAmount::Along::time)) break;
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "nodes/seam/solve/params.h"
+#include "nodes/seams/window.h"
+#include "nodes/warp/amount.h"
+
+#include <array>
+
+namespace fluidcarve {
+
+class NodeCheck;
+
+/// The parameters of `warp.solve`. Its declaration says what each means.
+struct WarpParams {
+    Axis axis = Axis::u;
+    WarpAmount amount;
+    Auto<Interval> window, pair_window;
+    bool static_ = false;
+    Anchor anchor;
+    float field_weight = 0.25f;
+    float evenness = 0.3f;
+    float empty = 0.8f;
+    float stiffness = 0.25f;
+    float stiffness_time = 1;
+    Auto<int> factor;
+};
+
+/// Finds parameters that do not go together.
+void check_params(const WarpParams& params, NodeCheck& check);
+
+/// Requires that what is asked for fits into a lattice. Masks may leave less room than that.
+/// @param shape   I, J, K of the space that is carved
+/// @param frames  frame numbers
+/// @param space   what its vertices are vertices of, for messages: empty, or " once the seams of `after` are carved"
+/// @throws Failure if a window, the anchor or the amount leaves the lattice, or if a ring's amounts do not meet
+void require_fits(const WarpParams& params, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames, const std::string& space);
+
+/// The window, or all vertices.
+Window window_of(const Auto<Interval>& window, int size);
+
+/// The place of a plane along the lattice, 0 to 1, as curves count it. In a ring 1 is plane 0 again.
+double place_along(int k, int slices, bool closed);
+
+}  // namespace fluidcarve
