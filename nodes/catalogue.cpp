@@ -1,6 +1,7 @@
 #include "nodes/catalogue.h"
 
 #include "nodes/compare/files.h"
+#include "nodes/draft/draft.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -86,6 +87,7 @@ Registry builtin_registry() {
     add_energy_payload(out);
     out.add(vdb_inspector());
     out.add(ProvenanceReader{&read_provenance});
+    out.add(PipelineDrafter{&draft_pipeline});
     out.add(image_inspector());
     out.add(geometry_inspector());
     out.add(volume_comparer());
