@@ -48,6 +48,7 @@
 #include "nodes/points/payload_type.h"
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
+#include "nodes/preview/contact_sheet.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/provenance/read_provenance.h"
 #include "nodes/remap/grids.h"
@@ -87,7 +88,8 @@ Registry builtin_registry() {
     add_energy_payload(out);
     out.add(vdb_inspector());
     out.add(ProvenanceReader{&read_provenance});
-    out.add(PipelineDrafter{&draft_pipeline});
+    out.add(PipelineDrafter{&draft_pipeline, &draft_preview});
+    out.add(ContactSheetWriter{&write_contact_sheet});
     out.add(image_inspector());
     out.add(geometry_inspector());
     out.add(volume_comparer());

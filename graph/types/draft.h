@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <functional>
 #include <string>
@@ -26,10 +26,14 @@ struct DraftRequest {
     Fields remap_fields;   ///< of the nodes that carve
 };
 
-/// Writes pipelines for `fluidcarve init` and `fluidcarve carve`.
+struct Pipeline;
+
+/// Writes pipelines for `fluidcarve init` and `carve`, and what `wedge` adds to them.
 struct PipelineDrafter {
     /// The commented text of a pipeline. @throws Failure if the files hold nothing that can be carved, or not what is to be protected
     std::function<std::string(const DraftRequest& request)> text;
+    /// The fields of a node, without its path, that draws what a pipeline carves; none if it carves nothing that can be drawn.
+    std::function<DraftRequest::Fields(const Pipeline& pipeline)> preview;
 };
 
 }  // namespace fluidcarve

@@ -11,4 +11,7 @@ namespace fluidcarve {
 /// @throws Failure (input) if the files hold nothing that can be carved; Failure if they lack what is to be protected
 std::string draft_pipeline(const DraftRequest& request);
 
+/// The fields of a preview.sheet, without its path, of the first grids that a pipeline carves: before and after. None if it carves no grids.
+DraftRequest::Fields draft_preview(const Pipeline& pipeline);
+
 }  // namespace fluidcarve
