@@ -2,7 +2,7 @@
 
 #include "graph/build_pipeline.h"
 #include "graph/text/words.h"
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 #include "graph/views/provenance.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
@@ -150,7 +150,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     state_provenance(pipeline, document, registry);
     auto request = arguments.run.read(pipeline);
     if (!request) return exit_code::usage;
-    request->origins = origins_of(document, registry);
+    request->sources = value_sources_of(document, registry);
     const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }

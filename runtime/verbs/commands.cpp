@@ -22,6 +22,7 @@
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
+#include "runtime/verbs/wedge.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -148,6 +149,9 @@ void add_examples(CLI::App& app) {
          "  fluidcarve carve smoke.####.vdb -20% -o out/smoke.####.vdb --axis y --protect density=0.7 --sheet out/sheet.png\n"
          "  fluidcarve carve beach.jpg -20% -o narrow.jpg\n"
          "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb --print-pipeline > shot.yaml"},
+        {"wedge",
+         "  fluidcarve wedge shot.yaml --over count=-4,-8,-12\n"
+         "  fluidcarve wedge shot.yaml --over count=-8,-16 --over seams.type=seam.greedy,seam.pyramid --out wedges/seams"},
         {"init", "  fluidcarve init smoke.####.vdb -o shot.yaml\n  fluidcarve init /shots/sh010      the one sequence in a folder"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
         {"nodes",
@@ -229,6 +233,11 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
             ->type_name("FILE")
             ->expected(1)
             ->take_all();
+    WedgeArguments wedge_arguments;
+    auto* const wedge_verb =
+        app.add_subcommand("wedge", "Run a pipeline with several values of its params, and show the results side by side; takes the options of `run`");
+    pipeline.declare(*wedge_verb);
+    wedge_arguments.declare(*wedge_verb);
     CarveArguments carve_arguments;
     auto* const carve_verb = app.add_subcommand("carve", "Carve files in the box around them, without a pipeline of your own; takes the options of `run`");
     carve_arguments.declare(*carve_verb);
@@ -283,6 +292,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
     if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
+    if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
     if (*carve_verb) return carve_files(carve_arguments, registry);
     if (*init_verb) return init_pipeline(init_arguments, registry);
     if (*new_node_verb) return write_new_node(new_node, registry);
