@@ -69,6 +69,7 @@
 #include "nodes/seam/graph_cut.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
+#include "nodes/seams/curves.h"
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
@@ -146,6 +147,7 @@ Registry builtin_registry() {
     out.add(seam_greedy());
     out.add(seam_pyramid());
     out.add(seams_write());
+    out.add(seams_curves());
     out.add(seams_read());
     out.add(remap_grids());
     out.add(remap_mesh());
