@@ -19,13 +19,13 @@ constexpr Canvas::Type label_type{14, true, sheet_bright};
 constexpr Canvas::Type result_type{12, false, sheet_dim};
 constexpr double sheet_margin = 20;
 constexpr double sheet_header = 56;
-constexpr double between = 24;  // neighbouring cells
+constexpr double gap_of_cells = 24;  // neighbouring cells
 constexpr double label_height = 19;
 constexpr double result_height = 16;
 constexpr double beside_picture = 8;  // above and below it
 constexpr double widest = 640;        // of a picture
 constexpr double empty_height = 120;  // of a cell without a picture
-constexpr double most_pixels = 30000;  // of the sheet, to each side
+constexpr double most_sheet_pixels = 30000;  // of the sheet, to each side
 
 /// A text cut to a width, with dots.
 std::string fitted(Canvas& canvas, std::string text, const Canvas::Type& type, double room) {
@@ -46,18 +46,18 @@ public:
         for (const auto& cell : cells) pictures_.push_back(cell.png.empty() ? Picture{} : read_png(cell.png));
         double most = 320;
         for (const auto& picture : pictures_) most = std::max(most, static_cast<double>(picture.width));
-        width_ = std::min({most, widest, (most_pixels - sheet_margin) / static_cast<double>(columns_) - between});
-        if (const auto all = height(); all > most_pixels) width_ = std::max(width_ * most_pixels / all, 16.0);
+        width_ = std::min({most, widest, (most_sheet_pixels - sheet_margin) / static_cast<double>(columns_) - gap_of_cells});
+        if (const auto all = height(); all > most_sheet_pixels) width_ = std::max(width_ * most_sheet_pixels / all, 16.0);
     }
 
     void write(const std::string& path) {
-        const auto across = sheet_margin + static_cast<double>(columns_) * (width_ + between);
+        const auto across = sheet_margin + static_cast<double>(columns_) * (width_ + gap_of_cells);
         Canvas canvas(static_cast<int>(std::ceil(std::max(across, 400.0))), static_cast<int>(std::ceil(height())), sheet_paper);
         canvas.text(sheet_margin, 36, fitted(canvas, title_, sheet_title, canvas.width() - 2 * sheet_margin), sheet_title);
         double y = sheet_header;
         for (std::size_t row = 0; row < rows(); ++row) {
             for (auto n = row * columns_; n < std::min((row + 1) * columns_, cells_.size()); ++n)
-                draw(canvas, n, sheet_margin + static_cast<double>(n - row * columns_) * (width_ + between), y, row);
+                draw(canvas, n, sheet_margin + static_cast<double>(n - row * columns_) * (width_ + gap_of_cells), y, row);
             y += row_height(row);
         }
         canvas.write_png(path);
@@ -82,7 +82,7 @@ private:
     }
     double row_height(std::size_t row) const {
         const auto results = most_in(row, [&](std::size_t n) { return result_height * static_cast<double>(cells_[n].results.size()); });
-        return labels_height(row) + most_in(row, [&](std::size_t n) { return picture_height(n); }) + results + 2 * beside_picture + between;
+        return labels_height(row) + most_in(row, [&](std::size_t n) { return picture_height(n); }) + results + 2 * beside_picture + gap_of_cells;
     }
     double height() const {
         double out = sheet_header + sheet_margin;

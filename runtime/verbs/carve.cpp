@@ -37,7 +37,7 @@ bool is_count(std::string_view text) {
 }
 
 /// What is wrong with the arguments, beside what the pipeline's check finds; empty: nothing.
-std::string fault_of(const CarveArguments& arguments, const DraftFiles& files) {
+std::string wrong_output(const CarveArguments& arguments, const DraftFiles& files) {
     const auto& input = files.sequence.path.text();
     const PathPattern out(arguments.out);
     const auto ending = ending_of(input);
@@ -134,7 +134,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     std::vector<std::string> words;
     try {
         const auto files = look_at_draft_files(arguments.files, half_of_memory(), registry);
-        if (const auto fault = fault_of(arguments, files); !fault.empty()) return wrong(fault);
+        if (const auto fault = wrong_output(arguments, files); !fault.empty()) return wrong(fault);
         source->name = "carve " + std::filesystem::path(files.sequence.path.text()).filename().string();
         source->text = registry.drafter().text(request_of(arguments, files));
         words = words_of(arguments, files);

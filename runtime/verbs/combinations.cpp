@@ -28,7 +28,7 @@ std::vector<std::string> split(std::string_view text) {
     return out;
 }
 
-Varied read(const std::string& text) {
+Varied varied_of(const std::string& text) {
     const auto sign = text.find('=');
     if (sign == std::string::npos || sign == 0)
         throw Failure(fmt::format("--over wants PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not '{}'", text));
@@ -50,7 +50,7 @@ std::vector<Varied> read_varied(const std::vector<std::string>& texts) {
     std::vector<std::size_t> sizes;
     std::size_t count = 1;
     for (const auto& text : texts) {
-        auto varied = read(text);
+        auto varied = varied_of(text);
         if (std::ranges::find(out, varied.target, &Varied::target) != out.end())
             throw Failure(fmt::format("--over {} is there twice; put all of its values into one", varied.target));
         count = std::min(count, std::size_t{1'000'000}) * varied.values.size();
