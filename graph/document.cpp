@@ -394,8 +394,7 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
 }
 
 /// The document of a file, or of a text, that was read.
-Document document_of(const std::string& name, const std::vector<std::string>& settings, Reader& reader, const Value& root, TextRoom& room,
-                     Problems& problems) {
+Document document_of(const std::string& name, const std::vector<std::string>& settings, Reader& reader, const Value& root, TextRoom& room, Problems& problems) {
     const auto part = [&](const char* name, Value::Kind kind) {
         const auto* const field = root.find(name);
         if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;

@@ -101,7 +101,8 @@ const Selection* Registry::selection(std::type_index from, std::type_index to) c
 
 const FileInspector* Registry::inspector(const std::string& path) const {
     const auto ending = ending_of(path);
-    const auto found = std::ranges::find_if(inspectors_, [&](const FileInspector& each) { return std::ranges::find(each.endings, ending) != each.endings.end(); });
+    const auto found =
+        std::ranges::find_if(inspectors_, [&](const FileInspector& each) { return std::ranges::find(each.endings, ending) != each.endings.end(); });
     return found == inspectors_.end() ? nullptr : &*found;
 }
 

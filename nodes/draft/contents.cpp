@@ -190,8 +190,8 @@ Contents contents_of_geometry(const std::vector<Facts>& files) {
     const auto size = out.box.extents();
     const auto longest = std::max({size.x(), size.y(), size.z()});
     // In liquids, particles are about half a voxel apart.
-    const auto apart = std::cbrt(std::max(size.x(), longest / 100) * std::max(size.y(), longest / 100) * std::max(size.z(), longest / 100) /
-                                 counted.get<double>());
+    const auto apart =
+        std::cbrt(std::max(size.x(), longest / 100) * std::max(size.y(), longest / 100) * std::max(size.z(), longest / 100) / counted.get<double>());
     out.voxel = mesh ? longest / voxels_of_mesh : std::max(2 * apart, longest / 500);
     if (!mesh) out.identified = part_of(first.at("attributes"), "id") != nullptr;
     return out;

@@ -12,16 +12,16 @@ namespace fluidcarve {
 struct Contents {
     enum class Matter { smoke, fire, level_set, particles, image, mesh };
     Matter matter = Matter::smoke;
-    std::string main;          ///< name of the grid or channel that is looked at; of particles in a volume, of their grid
-    std::string flame;         ///< of fire: name of the grid of flames; may be `main`
-    std::string velocity;      ///< name of the grid of velocities, on the voxels of `main` or of the particles; empty: none
-    bool vectors = false;      ///< `main` holds vectors
-    bool in_volume = false;    ///< the files are VDB files
-    bool alone = false;        ///< particles: no other grids lie beside them
-    bool identified = false;   ///< particles: they have an `id`
-    double voxel = 1;          ///< edge of a voxel, or of one that suits particles or a mesh; world units
-    std::string profile;       ///< name of the application's profile; empty: unknown
-    openvdb::BBoxd box;        ///< around the content, in the files' world
+    std::string main;                 ///< name of the grid or channel that is looked at; of particles in a volume, of their grid
+    std::string flame;                ///< of fire: name of the grid of flames; may be `main`
+    std::string velocity;             ///< name of the grid of velocities, on the voxels of `main` or of the particles; empty: none
+    bool vectors = false;             ///< `main` holds vectors
+    bool in_volume = false;           ///< the files are VDB files
+    bool alone = false;               ///< particles: no other grids lie beside them
+    bool identified = false;          ///< particles: they have an `id`
+    double voxel = 1;                 ///< edge of a voxel, or of one that suits particles or a mesh; world units
+    std::string profile;              ///< name of the application's profile; empty: unknown
+    openvdb::BBoxd box;               ///< around the content, in the files' world
     std::vector<std::string> floats;  ///< names of all float grids or channels that every file has
 };
 

@@ -68,7 +68,9 @@ private:
         const auto param = [&](const char* name, const char* type, const std::string& value, const char* doc) {
             if (!value.empty()) out += fmt::format("  {}: {{type: {}, default: {}, doc: \"{}\"}}\n", name, type, value, doc);
         };
-        const auto path = [&](const char* name, const std::string& value, const char* doc) { param(name, "path", value.empty() ? value : text_value(value), doc); };
+        const auto path = [&](const char* name, const std::string& value, const char* doc) {
+            param(name, "path", value.empty() ? value : text_value(value), doc);
+        };
         path("sim", request_.input, request_.frames.empty() ? "Input file." : "Input sequence.");
         param("count", "count", request_.count, "Seams, or a share of the size: negative removes, positive inserts.");
         path("out", request_.out, "What was carved.");
@@ -242,8 +244,9 @@ private:
         masks(field);
         box(field);
         const auto& seen = both ? flame : field;
-        comment(fmt::format("`field` is what is looked at: seams pay for the edges that they leave in it. More of the carve goes through the {} with a higher `empty`.",
-                            fire ? "flame" : "smoke"));
+        comment(fmt::format(
+            "`field` is what is looked at: seams pay for the edges that they leave in it. More of the carve goes through the {} with a higher `empty`.",
+            fire ? "flame" : "smoke"));
         solver({{"field", seen}});
         nodes_ += "\n";
         carve("carved", "remap.grids", "sim", {});

@@ -22,9 +22,9 @@ constexpr double sheet_header = 56;
 constexpr double gap_of_cells = 24;  // neighbouring cells
 constexpr double label_height = 19;
 constexpr double result_height = 16;
-constexpr double beside_picture = 8;  // above and below it
-constexpr double widest = 640;        // of a picture
-constexpr double empty_height = 120;  // of a cell without a picture
+constexpr double beside_picture = 8;         // above and below it
+constexpr double widest = 640;               // of a picture
+constexpr double empty_height = 120;         // of a cell without a picture
 constexpr double most_sheet_pixels = 30000;  // of the sheet, to each side
 
 /// A text cut to a width, with dots.

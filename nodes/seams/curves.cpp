@@ -54,7 +54,9 @@ public:
     }
 
 private:
-    std::size_t column(int lateral, int k) const { return static_cast<std::size_t>(lateral) + static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(k); }
+    std::size_t column(int lateral, int k) const {
+        return static_cast<std::size_t>(lateral) + static_cast<std::size_t>(seams_.lateral()) * static_cast<std::size_t>(k);
+    }
 
     /// Adds the vertices of all seams of a window in a column. @param first, step  of their places in `out`
     void place(const std::vector<Seams::Seam>& seams, Seams::Kind kind, int lateral, int k, std::vector<SeamCurves>& out, std::size_t first, std::size_t step) {

@@ -12,7 +12,7 @@ namespace fluidcarve {
 
 /// The curves of one seam in one frame: lines along the surface that it is.
 struct SeamCurves {
-    std::vector<openvdb::Vec3d> vertices;            ///< world positions
+    std::vector<openvdb::Vec3d> vertices;             ///< world positions
     std::vector<std::array<std::uint32_t, 2>> edges;  ///< pairs of indices in `vertices`
     std::array<std::uint8_t, 3> colour{};             ///< sRGB
 };

@@ -45,7 +45,8 @@ std::string grid_result(const std::string& node, const std::string& name, const 
 
 std::vector<std::string> wedge_results(const WedgeJson& report) {
     std::vector<std::string> out;
-    for (const auto& failure : report.at("failures")) out.push_back(fmt::format("failed: {}: {}", failure.at("node").get<std::string>(), failure.at("message").get<std::string>()));
+    for (const auto& failure : report.at("failures"))
+        out.push_back(fmt::format("failed: {}: {}", failure.at("node").get<std::string>(), failure.at("message").get<std::string>()));
     for (const auto& [name, entry] : report.at("seams").items()) {
         if (!entry.contains("energy")) continue;
         const auto energy = entry["energy"].get<std::vector<double>>();

@@ -2,8 +2,8 @@
 
 #include "graph/build_pipeline.h"
 #include "graph/text/words.h"
-#include "graph/views/value_sources.h"
 #include "graph/views/provenance.h"
+#include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
@@ -100,11 +100,14 @@ void CarveArguments::declare(CLI::App& verb) {
         ->required()
         ->type_name("COUNT");
     verb.add_option("-o,--out", out, "The carved files; with a frame token such as #### if there are several")->required()->type_name("FILES");
-    verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider")->check(CLI::IsMember({"x", "y", "z"}))->capture_default_str();
+    verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider")
+        ->check(CLI::IsMember({"x", "y", "z"}))
+        ->capture_default_str();
     verb.add_option("--solver", solver, "What finds the seams, a type of the family `seam`")->capture_default_str()->type_name("SOLVER");
-    verb.add_option("--protect", protect,
-                    "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid has at least this value; or a closed mesh; of images, a picture "
-                    "that is white there; may be repeated")
+    verb.add_option(
+            "--protect", protect,
+            "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid has at least this value; or a closed mesh; of images, a picture "
+            "that is white there; may be repeated")
         ->type_name("GRID=VALUE|FILE")
         ->expected(1)
         ->take_all();
@@ -127,7 +130,8 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         complain(message + "\n");
         return exit_code::usage;
     };
-    if (!is_count(arguments.count)) return wrong(fmt::format("COUNT wants a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
+    if (!is_count(arguments.count))
+        return wrong(fmt::format("COUNT wants a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
     const auto solver = "seam." + arguments.solver;
     if (!registry.node(solver)) return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
     auto source = std::make_shared<Source>();

@@ -58,8 +58,8 @@ std::vector<Varied> read_varied(const std::vector<std::string>& texts) {
         out.push_back(std::move(varied));
     }
     if (count > most_combinations)
-        throw Failure(fmt::format("--over: {} are {} combinations, and a wedge has at most {}; name fewer values", fmt::join(sizes, " x "), count,
-                                  most_combinations));
+        throw Failure(
+            fmt::format("--over: {} are {} combinations, and a wedge has at most {}; name fewer values", fmt::join(sizes, " x "), count, most_combinations));
     return out;
 }
 

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 /// The one sequence in a folder: of those whose files the first inspector that fits any of them looks at.
 FileSequence only_sequence_in(const std::string& folder, const Registry& registry) {
     std::size_t others = 0;
-    const auto all = sequences_in(folder, [&](const std::string& path) { return registry.inspector(path) != nullptr; }, others);
+    const auto all = sequences_in(
+        folder, [&](const std::string& path) { return registry.inspector(path) != nullptr; }, others);
     for (const auto& inspector : registry.inspectors()) {
         std::vector<FileSequence> found;
         for (const auto& each : all)

@@ -226,8 +226,7 @@ void show(const std::string& name, const std::string& folder, const std::vector<
         cells.push_back(std::move(cell));
         results.push_back(run.result);
     }
-    const auto columns =
-        varied.size() > 1 ? varied.back().values.size() : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(runs.size()))));
+    const auto columns = varied.size() > 1 ? varied.back().values.size() : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(runs.size()))));
     registry.contact_sheet().write(fmt::format("{}: {}", name, fmt::join(targets, ", ")), cells, columns, folder + "/wedge.png");
     OutputFile::write(folder + "/wedge.html", wedge_page(name, fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr))), results));
     print(fmt::format("{}/wedge.png, {}/wedge.html\n", folder, folder));
