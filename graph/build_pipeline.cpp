@@ -2,6 +2,7 @@
 
 #include "graph/confinement.h"
 #include "graph/file_claims.h"
+#include "graph/frames_of_inputs.h"
 #include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
@@ -68,13 +69,13 @@ public:
         Pipeline out;
         out.name = document_.name;
         for (const auto& source : document_.sources) out.files.push_back(source.source->name);
-        out.frames = read_frames();
         if (document_.provenance.kind != Value::Kind::null) {
             ValueReader reader(problems_, "'provenance'", any_number());
             out.provenance = ParamTraits<bool>::parse(document_.provenance, reader).value_or(true);
         }
         drafts_.reserve(document_.nodes.fields.size());
         for (const auto& field : document_.nodes.fields) read_node(field);
+        out.frames = read_frames();
         for (auto& draft : drafts_) connect(draft);
         if (!order()) return out;
         infer_rates();
@@ -88,11 +89,24 @@ public:
 private:
     FrameSet read_frames() {
         if (document_.frames.kind == Value::Kind::null || document_.frames.kind == Value::Kind::unresolved) return FrameSet({1});
+        if (document_.frames.kind == Value::Kind::scalar && document_.frames.text == "auto") return auto_frames();
         std::string fault = "wants a frame set such as 1001-1084, not " + document_.frames.describe();
         if (document_.frames.kind == Value::Kind::scalar)
             if (auto frames = FrameSet::parse(document_.frames.text, fault)) return *frames;
         add(problems_, document_.frames.mark, "frames: " + fault);
         return FrameSet({1});
+    }
+
+    FrameSet auto_frames() {
+        std::vector<FramedInput> inputs;
+        for (const auto& draft : drafts_) {
+            if (!draft.node.params) return FrameSet({1});
+            for (const auto& spec : draft.node.type->params)
+                if (spec.shape.kind == Shape::Kind::input_path)
+                    if (const auto& path = spec.path(draft.node.params.get()); path.per_frame())
+                        inputs.push_back({draft.node.name, path, draft.value->find(spec.name)->value.mark});
+        }
+        return frames_of_inputs(inputs, document_.frames.mark, problems_).value_or(FrameSet({1}));
     }
 
     void read_node(const Value::Field& field) {

@@ -75,6 +75,16 @@ public:
 
         const auto source = open(path, from);
         if (!source) return nothing;
+        loading_.push_back(file);
+        Value out = load(source, from);
+        loading_.pop_back();
+        return out;
+    }
+
+    /// Reads a text and merges it over the files that it extends. Returns a map even if it is no pipeline.
+    Value load(const std::shared_ptr<const Source>& source, const Mark& from) {
+        Value nothing;
+        nothing.kind = Value::Kind::map;
         const auto before = problems_.size();
         Value root = read_yaml(source, problems_, room_);
         if (from.source && !is_pipeline(root)) return refuse_unshown(*source, from, before, root.kind), nothing;
@@ -92,11 +102,9 @@ public:
         if (!extends) return root;
         if (extends->value.kind != Value::Kind::scalar)
             return add(problems_, extends->value.mark, "'extends' wants the path of a pipeline file, not " + extends->value.describe()), root;
-        loading_.push_back(file);
         auto base_path = fs::path(extends->value.text);
         if (base_path.is_relative()) base_path = fs::path(source->folder) / base_path;
         Value merged = load(base_path.lexically_normal().string(), extends->value.mark);
-        loading_.pop_back();
         put_before(root, merged, "plugins");
         merge(merged, root, 3);
         return merged;
@@ -385,12 +393,8 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
     return of_params;
 }
 
-}  // namespace
-
-Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
-    TextRoom room;
-    Reader reader(problems, room);
-    Value root = reader.load(path, {});
+/// The document of a file, or of a text, that was read.
+Document document_of(const std::string& name, const std::vector<std::string>& settings, Reader& reader, const Value& root, TextRoom& room, Problems& problems) {
     const auto part = [&](const char* name, Value::Kind kind) {
         const auto* const field = root.find(name);
         if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
@@ -400,7 +404,7 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
         return out;
     };
     Document out;
-    out.name = path;
+    out.name = name;
     out.mark = root.mark;
     out.sources = std::move(reader.sources);
     out.frames = part("frames", Value::Kind::null);
@@ -422,6 +426,22 @@ Document read_document(const std::string& path, const std::vector<std::string>& 
     known.replace(out.provenance);
     out.insertions = std::move(known.insertions);
     return out;
+}
+
+}  // namespace
+
+Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
+    TextRoom room;
+    Reader reader(problems, room);
+    const Value root = reader.load(path, {});
+    return document_of(path, settings, reader, root, room, problems);
+}
+
+Document read_document(const std::shared_ptr<const Source>& text, const std::vector<std::string>& settings, Problems& problems) {
+    TextRoom room;
+    Reader reader(problems, room);
+    const Value root = reader.load(text, {});
+    return document_of(text->name, settings, reader, root, room, problems);
 }
 
 }  // namespace fluidcarve

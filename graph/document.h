@@ -2,6 +2,7 @@
 
 #include "graph/text/value.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,14 @@ struct Document {
     Value provenance;           ///< null: written files state what made them
     Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
+    std::vector<std::string> command;  ///< the words of the command line that stands for the document; empty: `run NAME`
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
 /// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or `frames=value`
 /// @param problems  receives all faults of the text
 Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems);
+/// The same of a text that is no file. Its name is that of the document.
+Document read_document(const std::shared_ptr<const Source>& text, const std::vector<std::string>& settings, Problems& problems);
 
 }  // namespace fluidcarve

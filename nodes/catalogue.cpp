@@ -1,6 +1,7 @@
 #include "nodes/catalogue.h"
 
 #include "nodes/compare/files.h"
+#include "nodes/draft/draft.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -47,6 +48,7 @@
 #include "nodes/points/payload_type.h"
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
+#include "nodes/preview/contact_sheet.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/provenance/read_provenance.h"
 #include "nodes/remap/grids.h"
@@ -67,6 +69,7 @@
 #include "nodes/seam/graph_cut.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
+#include "nodes/seams/curves.h"
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
@@ -87,6 +90,8 @@ Registry builtin_registry() {
     add_energy_payload(out);
     out.add(vdb_inspector());
     out.add(ProvenanceReader{&read_provenance});
+    out.add(PipelineDrafter{&draft_pipeline, &draft_preview});
+    out.add(ContactSheetWriter{&write_contact_sheet});
     out.add(image_inspector());
     out.add(geometry_inspector());
     out.add(volume_comparer());
@@ -144,6 +149,7 @@ Registry builtin_registry() {
     out.add(seam_pyramid());
     out.add(warp_solve());
     out.add(seams_write());
+    out.add(seams_curves());
     out.add(seams_read());
     out.add(remap_grids());
     out.add(remap_mesh());

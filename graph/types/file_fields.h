@@ -23,7 +23,7 @@ inline constexpr std::array top_fields{
     FileField{"env", "Environment variables that ${NAME} may name."},
     FileField{"extends", "A pipeline file that this one changes, by name: params, nodes and their fields."},
     FileField{"provenance", "false: written files do not state what made them."},
-    FileField{"frames", "The sequence: 1001-1084, 1-10,20-30, 1-100x2. Without it there is one frame, 1."},
+    FileField{"frames", "The sequence: 1001-1084, 1-10,20-30, 1-100x2; auto: the frames that all inputs have. Without it there is one frame, 1."},
     FileField{"nodes", "name: {type: ..., <port or parameter>: ...}"}};
 
 /// Fields of a param.

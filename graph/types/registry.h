@@ -1,5 +1,7 @@
 #pragma once
 
+#include "graph/types/contact_sheet.h"
+#include "graph/types/draft.h"
 #include "graph/types/file_comparer.h"
 #include "graph/types/node_type.h"
 
@@ -42,6 +44,8 @@ public:
     void add(Selection selection);
     void add(FileInspector inspector) { inspectors_.push_back(std::move(inspector)); }
     void add(ProvenanceReader reader) { provenance_reader_ = std::move(reader); }
+    void add(PipelineDrafter drafter) { drafter_ = std::move(drafter); }
+    void add(ContactSheetWriter writer) { contact_sheet_ = std::move(writer); }
     void add(FileComparer comparer) { comparers_.push_back(std::move(comparer)); }
 
     const NodeType* node(std::string_view name) const;
@@ -51,7 +55,11 @@ public:
     const std::map<std::string, NodeType, std::less<>>& nodes() const { return nodes_; }
     const std::vector<PayloadType>& payloads() const { return payloads_; }
     const std::vector<FileInspector>& inspectors() const { return inspectors_; }
+    /// The inspector for a file, by its ending; null: none.
+    const FileInspector* inspector(const std::string& path) const;
     const ProvenanceReader& provenance_reader() const { return provenance_reader_; }
+    const PipelineDrafter& drafter() const { return drafter_; }
+    const ContactSheetWriter& contact_sheet() const { return contact_sheet_; }
     const std::vector<FileComparer>& comparers() const { return comparers_; }
 
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
@@ -70,6 +78,8 @@ private:
     std::vector<Selection> selections_;
     std::vector<FileInspector> inspectors_;
     ProvenanceReader provenance_reader_;
+    PipelineDrafter drafter_;
+    ContactSheetWriter contact_sheet_;
     std::vector<FileComparer> comparers_;
 };
 

@@ -150,7 +150,9 @@ private:
     }
 
     std::string command() const {
-        std::string out = "fluidcarve run " + shell_word(portable(pipeline_.name));
+        std::string out = "fluidcarve";
+        for (const auto& word : document_.command) out += " " + shell_word(portable(word));
+        if (document_.command.empty()) out += " run " + shell_word(portable(pipeline_.name));
         if (plugins_) out += " --allow-plugins";
         std::set<std::string> said;
         const auto put = [&](const std::string& setting) {

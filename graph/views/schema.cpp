@@ -180,7 +180,7 @@ Json param_of(bool whole) {
 
 std::string schema(const Registry& registry) {
     const auto map_of = [](const std::string& definition) { return Json{{"additionalProperties", defined(definition)}}; };
-    constexpr auto frames = "^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?)*\\s*$";
+    constexpr auto frames = "^auto$|^\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?(\\s*,\\s*-?[0-9]+(--?[0-9]+([xy:]-?[0-9]+)?)?)*\\s*$";
 
     Json definitions{
         {"insertion",

@@ -38,6 +38,21 @@ std::optional<Canvas::Line> cut(const Canvas::Line& line, const Canvas::Rect& wi
 
 }  // namespace
 
+Picture read_png(const std::string& path) {
+    const Surface image(cairo_image_surface_create_from_png(path.c_str()));
+    if (const auto status = cairo_surface_status(image.get()))
+        throw Failure(fmt::format("cannot read the picture {}: {}", path, cairo_status_to_string(status)), Failure::Kind::input);
+    Picture out{cairo_image_surface_get_width(image.get()), cairo_image_surface_get_height(image.get()), {}};
+    out.pixels.reserve(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    const auto* row = cairo_image_surface_get_data(image.get());
+    for (int y = 0; y < out.height; ++y, row += cairo_image_surface_get_stride(image.get()))
+        for (int x = 0; x < out.width; ++x) {
+            const auto pixel = reinterpret_cast<const std::uint32_t*>(row)[x];
+            out.pixels.push_back({static_cast<std::uint8_t>(pixel >> 16), static_cast<std::uint8_t>(pixel >> 8), static_cast<std::uint8_t>(pixel)});
+        }
+    return out;
+}
+
 struct Canvas::Page {
     Surface surface;
     std::unique_ptr<cairo_t, Destroy> context;

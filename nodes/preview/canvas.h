@@ -16,6 +16,9 @@ struct Picture {
     std::vector<Colour> pixels;  ///< `[y][x]`, y down
 };
 
+/// Reads a PNG file, opacity left out. @throws Failure (input) if it can't be read
+Picture read_png(const std::string& path);
+
 /// A page in memory to draw on, which can be written as PNG. Lengths in pixels, y down from the top left.
 class Canvas {
 public:

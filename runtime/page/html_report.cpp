@@ -5,7 +5,7 @@
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
 #include "runtime/page/grid_rows.h"
-#include "runtime/page/html_style.h"
+#include "runtime/page/html_parts.h"
 #include "runtime/page/plot.h"
 
 #include <fmt/format.h>
@@ -26,19 +26,6 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t most_picture_bytes = 24 << 20;
 constexpr double least_gap = 5e-5;  ///< smaller gaps are rounding errors
 
-std::string base64(const std::string& bytes) {
-    static constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t n = 0; n < bytes.size(); n += 3) {
-        std::uint32_t three = 0;
-        const auto count = std::min<std::size_t>(3, bytes.size() - n);
-        for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < count ? static_cast<unsigned char>(bytes[n + i]) : 0U);
-        for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[three >> (18 - 6 * i) & 63U] : '=';
-    }
-    return out;
-}
-
 std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }
 
 /// A value of the report as short text; lists are joined by commas.
@@ -57,23 +44,6 @@ std::string plain(const Json& value) {
 std::string words(std::string name) {
     std::replace(name.begin(), name.end(), '_', ' ');
     return name;
-}
-
-std::string element(const std::string& open, const std::string& words) {
-    return fmt::format("<{}>{}</{}>", open, xml_text(words), open.substr(0, open.find(' ')));
-}
-
-/// @param rows  `[row][column]`; the first cell of a row is its name
-std::string wide_table(const std::vector<std::string>& heads, const std::vector<std::vector<std::string>>& rows) {
-    std::string out = "<div class=\"scroll\"><table class=\"wide\"><thead><tr>";
-    for (std::size_t n = 0; n < heads.size(); ++n) out += element(n == 0 ? "th" : "th class=\"number\"", heads[n]);
-    out += "</tr></thead><tbody>\n";
-    for (const auto& row : rows) {
-        out += "<tr>";
-        for (std::size_t n = 0; n < row.size(); ++n) out += element(n == 0 ? "th" : "td class=\"number\"", row[n]);
-        out += "</tr>\n";
-    }
-    return out + "</tbody></table></div>\n";
 }
 
 std::vector<double> numbers(const Json& entry, const std::string& field) {
@@ -146,11 +116,7 @@ private:
     }
 
     void head() {
-        out_ =
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n";
-        out_ += element("title", pipeline_.name + " – fluidcarve") + "\n<style>" + html_style + "</style>\n</head>\n<body>\n";
+        out_ = page_begin(pipeline_.name);
         out_ += element("p class=\"eyebrow\"", fmt::format("fluidcarve {}, {}", report_.at("fluidcarve").get<std::string>(), when_)) + "\n";
         out_ += element("h1", pipeline_.name) + "\n";
         out_ += element(report_.at("exit") == 0 ? "p class=\"outcome\"" : "p class=\"outcome bad\"", outcome()) + "\n<dl class=\"facts\">\n";
@@ -219,10 +185,7 @@ private:
                 out_ += element("p class=\"muted\"", fmt::format("{} writes {}, which {}.", picture.node, picture.path, picture.fault)) + "\n";
                 continue;
             }
-            out_ += fmt::format(
-                "<figure><label class=\"picture\"><input type=\"checkbox\" aria-label=\"full size\"><span class=\"scroll\"><img alt=\"{}\" "
-                "src=\"data:image/png;base64,{}\"></span></label>{}</figure>\n",
-                xml_text(caption), base64(picture.png), element("figcaption", caption + (picture.earlier ? " in an earlier run" : "")));
+            out_ += picture_figure(caption + (picture.earlier ? " in an earlier run" : ""), picture.png);
         }
     }
 

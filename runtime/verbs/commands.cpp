@@ -15,12 +15,15 @@
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/verbs/arguments.h"
+#include "runtime/verbs/carve.h"
 #include "runtime/verbs/diff.h"
 #include "runtime/verbs/explain.h"
 #include "runtime/verbs/farm.h"
+#include "runtime/verbs/init.h"
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
+#include "runtime/verbs/wedge.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -145,6 +148,15 @@ void add_examples(CLI::App& app) {
          "  fluidcarve farm local shot.yaml -j 4\n"
          "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
+        {"carve",
+         "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb\n"
+         "  fluidcarve carve smoke.####.vdb -20% -o out/smoke.####.vdb --axis y --protect density=0.7 --sheet out/sheet.png\n"
+         "  fluidcarve carve beach.jpg -20% -o narrow.jpg\n"
+         "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb --print-pipeline > shot.yaml"},
+        {"wedge",
+         "  fluidcarve wedge shot.yaml --over count=-4,-8,-12\n"
+         "  fluidcarve wedge shot.yaml --over count=-8,-16 --over seams.type=seam.greedy,seam.pyramid --out wedges/seams"},
+        {"init", "  fluidcarve init smoke.####.vdb -o shot.yaml\n  fluidcarve init /shots/sh010      the one sequence in a folder"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
         {"nodes",
          "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
@@ -229,6 +241,17 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
             ->type_name("FILE")
             ->expected(1)
             ->take_all();
+    WedgeArguments wedge_arguments;
+    auto* const wedge_verb =
+        app.add_subcommand("wedge", "Run a pipeline with several values of its params, and show the results side by side; takes the options of `run`");
+    pipeline.declare(*wedge_verb);
+    wedge_arguments.declare(*wedge_verb);
+    CarveArguments carve_arguments;
+    auto* const carve_verb = app.add_subcommand("carve", "Carve files in the box around them, without a pipeline of your own; takes the options of `run`");
+    carve_arguments.declare(*carve_verb);
+    InitArguments init_arguments;
+    auto* const init_verb = app.add_subcommand("init", "Look at files, and write the commented pipeline that carves them");
+    init_arguments.declare(*init_verb);
     NewNode new_node;
     auto* const new_node_verb = app.add_subcommand("new-node", "Write a plugin with a node type of your own: source, test, build files, a pipeline");
     new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")
@@ -278,6 +301,9 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
+    if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
+    if (*carve_verb) return carve_files(carve_arguments, registry);
+    if (*init_verb) return init_pipeline(init_arguments, registry);
     if (*new_node_verb) return write_new_node(new_node, registry);
     if (!load_or_complain(plugins, registry)) return exit_code::usage;
     if (*nodes_verb) return nodes(type, json, markdown, registry);

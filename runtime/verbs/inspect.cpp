@@ -27,21 +27,13 @@ using Json = nlohmann::ordered_json;
 /// Not fmt::print: it throws if the output is a file on a full disk.
 void tell(std::FILE* where, const std::string& text) { std::fwrite(text.data(), 1, text.size(), where); }
 
-const FileInspector* inspector_of(const std::string& path, const Registry& registry) {
-    const auto& all = registry.inspectors();
-    const auto ending = ending_of(path);
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&](const auto& each) { return std::find(each.endings.begin(), each.endings.end(), ending) != each.endings.end(); });
-    return found == all.end() ? nullptr : &*found;
-}
-
 /// The verb at work: prints what it looks at, and keeps it for JSON.
 class Inspection {
 public:
     Inspection(bool json, std::uint64_t memory, const Registry& registry) : json_(json), memory_(memory), registry_(registry) {}
 
     void look_at(const FileSequence& sequence) {
-        const auto& inspector = *inspector_of(sequence.path.text(), registry_);
+        const auto& inspector = *registry_.inspector(sequence.path.text());
         std::vector<LookedAt> seen;
         std::vector<std::string> paths;
         for (const int frame : sequence.frames.frames()) paths.push_back(sequence.path.at(frame));
@@ -133,7 +125,7 @@ private:
 int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory, const Registry& registry) {
     std::vector<std::string> endings, files;
     for (const auto& inspector : registry.inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
-    const auto known = [&](const std::string& path) { return inspector_of(path, registry) != nullptr; };
+    const auto known = [&](const std::string& path) { return registry.inspector(path) != nullptr; };
     std::error_code ignored;
     for (const auto& path : paths)
         if (!std::filesystem::is_directory(path, ignored) && !known(path)) {

@@ -1,6 +1,7 @@
 #include "runtime/verbs/sequences.h"
 
 #include "graph/text/problem.h"
+#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 
@@ -57,18 +58,6 @@ std::optional<FileSequence> as_one(const std::vector<std::string>& paths) {
 
 FileSequence alone(const std::string& path) { return {PathPattern::literal(path)}; }
 
-/// Paths of the files right in a folder.
-std::vector<std::string> files_in(const std::string& folder) {
-    std::error_code fault;
-    std::vector<std::string> out;
-    for (fs::directory_iterator at(folder.empty() ? "." : folder, fault), end; !fault && at != end; at.increment(fault)) {
-        std::error_code ignored;
-        if (at->is_regular_file(ignored)) out.push_back((fs::path(folder) / at->path().filename()).string());
-    }
-    if (fault) throw Failure(fmt::format("cannot read the folder {}: {}", folder, fault.message()), Failure::Kind::input);
-    return out;
-}
-
 }  // namespace
 
 std::string FileSequence::text() const { return per_frame() ? fmt::format("{} {}", path.text(), frames.text()) : path.text(); }
@@ -109,18 +98,9 @@ FileSequence named_sequence(const std::string& argument) {
     const PathPattern pattern(argument);
     if (!pattern.bad_token().empty()) throw Failure(fmt::format("{} has '{}', which is no frame token; write #### or %04d", argument, pattern.bad_token()));
     if (!pattern.per_frame()) return alone(argument);
-    std::vector<int> frames;
-    const auto ends = pattern.name_ends();
-    if (!ends) throw Failure(fmt::format("{} has a frame token in its folder; name the files of one folder", argument));
-    const auto folder = fs::path(argument).parent_path().string();
-    if (!fs::is_directory(folder.empty() ? "." : folder, ignored)) return {pattern, {}};
-    for (const auto& path : files_in(folder)) {
-        const auto name = fs::path(path).filename().string();
-        if (!name.starts_with(ends->begin) || name.size() <= ends->begin.size()) continue;
-        const auto frame = number_in(std::string_view(name).substr(ends->begin.size()));
-        if (frame && fs::path(pattern.at(*frame)).filename() == name) frames.push_back(*frame);
-    }
-    return {pattern, FrameSet(std::move(frames))};
+    auto frames = frames_there(pattern);
+    if (!frames) throw Failure(fmt::format("{} has a frame token in its folder; name the files of one folder", argument));
+    return {pattern, std::move(*frames)};
 }
 
 }  // namespace fluidcarve

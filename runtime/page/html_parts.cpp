@@ -1,0 +1,57 @@
+#include "runtime/page/html_parts.h"
+
+#include "graph/text/xml_text.h"
+#include "runtime/page/html_style.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace fluidcarve {
+
+std::string base64(const std::string& bytes) {
+    static constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t n = 0; n < bytes.size(); n += 3) {
+        std::uint32_t three = 0;
+        const auto count = std::min<std::size_t>(3, bytes.size() - n);
+        for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < count ? static_cast<unsigned char>(bytes[n + i]) : 0U);
+        for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[three >> (18 - 6 * i) & 63U] : '=';
+    }
+    return out;
+}
+
+std::string element(const std::string& open, const std::string& words) {
+    return fmt::format("<{}>{}</{}>", open, xml_text(words), open.substr(0, open.find(' ')));
+}
+
+std::string wide_table(const std::vector<std::string>& heads, const std::vector<std::vector<std::string>>& rows) {
+    std::string out = "<div class=\"scroll\"><table class=\"wide\"><thead><tr>";
+    for (std::size_t n = 0; n < heads.size(); ++n) out += element(n == 0 ? "th" : "th class=\"number\"", heads[n]);
+    out += "</tr></thead><tbody>\n";
+    for (const auto& row : rows) {
+        out += "<tr>";
+        for (std::size_t n = 0; n < row.size(); ++n) out += element(n == 0 ? "th" : "td class=\"number\"", row[n]);
+        out += "</tr>\n";
+    }
+    return out + "</tbody></table></div>\n";
+}
+
+std::string page_begin(const std::string& title) {
+    return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n" +
+           element("title", title + " – fluidcarve") + "\n<style>" + html_style + "</style>\n</head>\n<body>\n";
+}
+
+std::string picture_figure(const std::string& caption, const std::string& png) {
+    return fmt::format(
+        "<figure><label class=\"picture\"><input type=\"checkbox\" aria-label=\"full size\"><span class=\"scroll\"><img alt=\"{}\" "
+        "src=\"data:image/png;base64,{}\"></span></label>{}</figure>\n",
+        xml_text(caption), base64(png), element("figcaption", caption));
+}
+
+}  // namespace fluidcarve

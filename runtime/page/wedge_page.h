@@ -1,0 +1,28 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluidcarve {
+
+/// One of the runs of a wedge.
+struct WedgeResult {
+    std::vector<std::pair<std::string, std::string>> differs;  ///< what it differs in, and its values
+    std::vector<std::string> results;                          ///< wedge_results() of its report
+    bool failed = false;
+    std::string picture;  ///< path of its PNG file; empty: none
+    std::string report;   ///< path of its own page, from that of the wedge
+};
+
+/// What a run did, in lines: its failures; of each solver its seams and their energy; of each carved volume how much smaller or larger its
+/// first grid became, and its mass. @param report  as Report::to_json returns it
+std::vector<std::string> wedge_results(const nlohmann::ordered_json& report);
+
+/// All runs of a wedge as one page: a table, and the picture of each. Self-contained and without scripts.
+/// @param when  time of the runs, as text
+std::string wedge_page(const std::string& pipeline, const std::string& when, const std::vector<WedgeResult>& results);
+
+}  // namespace fluidcarve

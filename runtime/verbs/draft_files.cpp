@@ -1,0 +1,88 @@
+#include "runtime/verbs/draft_files.h"
+
+#include "graph/text/one_line.h"
+#include "graph/text/problem.h"
+#include "runtime/verbs/read_confined.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The one sequence in a folder: of those whose files the first inspector that fits any of them looks at.
+FileSequence only_sequence_in(const std::string& folder, const Registry& registry) {
+    std::size_t others = 0;
+    const auto all = sequences_in(
+        folder, [&](const std::string& path) { return registry.inspector(path) != nullptr; }, others);
+    for (const auto& inspector : registry.inspectors()) {
+        std::vector<FileSequence> found;
+        for (const auto& each : all)
+            if (registry.inspector(each.path.text()) == &inspector) found.push_back(each);
+        if (found.size() == 1) return found.front();
+        if (found.empty()) continue;
+        std::vector<std::string> texts;
+        for (const auto& each : found) texts.push_back(each.path.text());
+        throw Failure(fmt::format("{} holds {} sequences; name one of them: {}", folder, found.size(), fmt::join(texts, ", ")));
+    }
+    throw Failure(fmt::format("{} holds no volumes, images, particles or meshes", folder), Failure::Kind::input);
+}
+
+FileSequence sequence_of(const std::string& argument, const Registry& registry) {
+    std::error_code ignored;
+    if (fs::is_directory(argument, ignored)) return only_sequence_in(argument, registry);
+    auto out = named_sequence(argument);
+    if (out.frames.frames().empty()) throw Failure(fmt::format("{}: there is no file of any frame", argument), Failure::Kind::input);
+    if (!out.per_frame() && !fs::exists(argument, ignored)) throw Failure(fmt::format("{}: there is no such file", argument), Failure::Kind::input);
+    if (registry.inspector(argument)) return out;
+    std::vector<std::string> endings;
+    for (const auto& inspector : registry.inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
+    throw Failure(fmt::format("{}: files to carve end in {}", argument, fmt::join(std::set(endings.begin(), endings.end()), ", ")));
+}
+
+}  // namespace
+
+std::string DraftFiles::stem() const {
+    const auto ends = sequence.path.name_ends();
+    auto out = sequence.per_frame() ? ends->begin : fs::path(sequence.path.text()).stem().string();
+    while (!out.empty() && std::string_view("._-").find(out.back()) != std::string_view::npos) out.pop_back();
+    return out.empty() ? "carved" : out;
+}
+
+DraftRequest DraftFiles::request(const std::string& folder) const {
+    DraftRequest out;
+    out.input = sequence.path.text();
+    if (!folder.empty() && fs::path(out.input).is_relative()) {
+        std::error_code fault;
+        const auto path = fs::proximate(fs::absolute(out.input), fs::absolute(folder), fault).string();
+        if (!fault) out.input = path;
+    }
+    if (sequence.per_frame()) out.frames = sequence.frames.text();
+    out.facts = facts;
+    return out;
+}
+
+DraftFiles look_at_draft_files(const std::string& argument, std::uint64_t memory, const Registry& registry) {
+    DraftFiles out{sequence_of(argument, registry), {}, {}};
+    const auto& inspector = *registry.inspector(out.sequence.path.text());
+    constexpr std::size_t most = 5;
+    const auto& frames = out.sequence.frames.frames();
+    const auto count = std::min(most, frames.size());
+    std::vector<std::string> paths;
+    for (std::size_t n = 0; n < count; ++n) paths.push_back(out.sequence.path.at(frames[count == 1 ? 0 : n * (frames.size() - 1) / (count - 1)]));
+    for (auto& [facts, fault] : read_confined(paths, inspector.look, memory)) {
+        if (!facts) throw Failure(one_line(fault), Failure::Kind::input);
+        out.facts.push_back(std::move(*facts));
+    }
+    out.notes = inspector.compare(out.facts);
+    return out;
+}
+
+}  // namespace fluidcarve

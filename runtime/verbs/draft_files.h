@@ -1,0 +1,30 @@
+#pragma once
+
+#include "graph/types/registry.h"
+#include "runtime/verbs/sequences.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The files that a pipeline is drafted for.
+struct DraftFiles {
+    FileSequence sequence;
+    std::vector<nlohmann::ordered_json> facts;  ///< of some frames, from the first to the last (FileInspector::look)
+    std::vector<std::string> notes;             ///< what is wrong between them, for people
+
+    /// "plume" of "sim/plume.####.vdb".
+    std::string stem() const;
+    /// A request with these files, and all else as it is by default. @param folder  base of the input's path; empty: the current folder
+    DraftRequest request(const std::string& folder) const;
+};
+
+/// Looks at up to five files of a sequence, in processes with limits.
+/// @param argument  a file, a path with frame tokens, or a folder that holds one sequence of volumes, images, particles or meshes
+/// @param memory    limit of the memory for reading files, bytes
+/// @throws Failure (input) if there is no such file, or one that can't be read; Failure if the argument is no such path
+DraftFiles look_at_draft_files(const std::string& argument, std::uint64_t memory, const Registry& registry);
+
+}  // namespace fluidcarve

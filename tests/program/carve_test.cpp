@@ -1,0 +1,143 @@
+#include "tests/support/program.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <vector>
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::string plume = "tests/data/plume/plume.####.vdb";
+
+/// Copies some frames of the plume into a folder. @return their path with a frame token
+std::string plume_in(const Scratch& scratch, const std::vector<int>& frames) {
+    for (const int frame : frames)
+        fs::copy_file(SOURCE_ROOT "/tests/data/plume/plume.00" + std::to_string(frame) + ".vdb", scratch / ("plume.00" + std::to_string(frame) + ".vdb"));
+    return scratch / "plume.####.vdb";
+}
+
+/// The extent of a grid along x, before and after, in the report of a run.
+std::pair<double, double> widths(const std::string& report, const std::string& node, const std::string& grid) {
+    const auto entry = Json::parse(Scratch::read(report))["grids"][node][grid];
+    const auto width = [&](const char* when) { return entry[when]["box"][1][0].get<double>() - entry[when]["box"][0][0].get<double>(); };
+    return {width("before"), width("after")};
+}
+
+}  // namespace
+
+TEST_CASE("carve narrows a sequence with gaps in one line, and its files say how") {
+    const Scratch scratch;
+    const auto input = plume_in(scratch, {51, 53, 54});
+    const auto ran = fluidcarve_program("carve " + input + " -12 -o " + (scratch / "out/c.####.vdb") + " --report " + (scratch / "r.json"));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    for (const auto* const frame : {"51", "53", "54"}) CHECK(fs::exists(scratch / (std::string("out/c.00") + frame + ".vdb")));
+    CHECK_FALSE(fs::exists(scratch / "out/c.0052.vdb"));
+    const auto [before, after] = widths(scratch / "r.json", "carved", "density");
+    CHECK(after < before * 0.8);
+    const auto made = fluidcarve_program("explain " + (scratch / "out/c.0053.vdb")).out;
+    CHECK_THAT(made, Catch::Contains("command:  fluidcarve carve plume.####.vdb -12 -o c.####.vdb\n"));
+    CHECK_THAT(made, Catch::Contains("frames: '51,53,54'") || Catch::Contains("frames: 51,53,54"));
+}
+
+TEST_CASE("the pipeline that carve prints makes the same files") {
+    const Scratch scratch;
+    const auto carve = "carve " + plume + " -10% --protect density=0.7 --axis y --soft 2 -f 51 -o " + (scratch / "a.####.vdb");
+    const auto printed = fluidcarve_program(carve + " --print-pipeline");
+    INFO(printed.err);
+    REQUIRE(printed.code == 0);
+    CHECK_FALSE(fs::exists(scratch / "a.0051.vdb"));
+    const auto work = " --work " + (scratch / "w");
+    REQUIRE(fluidcarve_program(carve + work).code == 0);
+    scratch.write("p.yaml", printed.out);
+    REQUIRE(fluidcarve_program("run " + (scratch / "p.yaml") + " -f 51 --set out=" + (scratch / "b.####.vdb") + work).code == 0);
+    CHECK(fluidcarve_program("diff " + (scratch / "a.0051.vdb") + " " + (scratch / "b.0051.vdb")).code == 0);
+}
+
+TEST_CASE("carve takes images") {
+    const Scratch scratch;
+    const auto ran = fluidcarve_program("carve tests/data/images/rocket.jpg -5% -o " + (scratch / "r.png"));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    const auto facts = Json::parse(fluidcarve_program("inspect --json " + (scratch / "r.png")).out)["files"][0];
+    const auto before = Json::parse(fluidcarve_program("inspect --json tests/data/images/rocket.jpg").out)["files"][0];
+    CHECK(facts["height"] == before["height"]);
+    CHECK(facts["width"].get<double>() == Approx(before["width"].get<double>() * 0.95).margin(1));
+}
+
+TEST_CASE("carve says what is wrong with its words before it reads much") {
+    const Scratch scratch;
+    const auto wrong = [&](const std::string& arguments, int code) {
+        const auto ran = fluidcarve_program("carve " + arguments);
+        CHECK(ran.code == code);
+        CHECK(ran.out == "");
+        return ran.err;
+    };
+    const auto out = " -o " + (scratch / "o.####.vdb");
+    CHECK(wrong(plume + " many" + out, 2) == "COUNT wants a number of seams such as -12 or 12, or a share such as -20%, not 'many'\n");
+    CHECK(wrong(plume + " -12 -o out/o.vdb", 2) ==
+          "-o: " + plume + " is a sequence, and each frame needs a file of its own: name them as in out/plume.####.vdb\n");
+    CHECK(wrong("nowhere.####.vdb -12" + out, 3) == "nowhere.####.vdb: there is no file of any frame\n");
+    CHECK_THAT(wrong(plume + " -12 --solver piramid" + out, 2), Catch::Contains("there is no node type 'seam.piramid'; did you mean 'seam.pyramid'?"));
+    CHECK_THAT(wrong(plume + " -12 --protect densty=1" + out, 2), Catch::Contains("no float grid 'densty'") && Catch::Contains("did you mean 'density'?"));
+    CHECK_THAT(wrong(plume + " -12 --protect density" + out, 2), Catch::Contains("'density' is neither GRID=VALUE"));
+    CHECK_THAT(wrong(plume + " -12 --empty much" + out, 2), Catch::Contains("seam.pyramid parameter 'empty' wants a number"));
+}
+
+TEST_CASE("init writes a pipeline that passes the check, runs and narrows") {
+    const Scratch scratch;
+    const auto input = plume_in(scratch, {51, 52});
+    const auto made = fluidcarve_program("init " + input + " -o " + (scratch / "shot.yaml"));
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    const auto text = Scratch::read(scratch / "shot.yaml");
+    // Paths start at the pipeline's folder, so that both may move together.
+    CHECK_THAT(text, Catch::Contains("default: plume.####.vdb") && Catch::Contains("frames: auto") && Catch::Contains("profile: blender"));
+    const auto checked = fluidcarve_program("check " + (scratch / "shot.yaml"));
+    CHECK(checked.code == 0);
+    CHECK_THAT(checked.out, Catch::Contains("2 frames"));
+    const auto outputs = " --set out=" + (scratch / "o.####.vdb") + " --set seams=" + (scratch / "s.vdb") + " --set sheet=" + (scratch / "s.png");
+    REQUIRE(fluidcarve_program("run " + (scratch / "shot.yaml") + outputs + " --report " + (scratch / "r.json")).code == 0);
+    const auto [before, after] = widths(scratch / "r.json", "carved", "density");
+    CHECK(after < before * 0.9);
+
+    const auto again = fluidcarve_program("init " + input + " -o " + (scratch / "shot.yaml"));
+    CHECK(again.code == 2);
+    CHECK(again.err == "-o: " + (scratch / "shot.yaml") + " exists already; name another file\n");
+}
+
+TEST_CASE("the rig in the comments of init may stand in place of the box") {
+    const Scratch scratch;
+    auto text = fluidcarve_program("init " + plume).out;
+    const auto box = text.find("  box: {type: lattice.box");
+    REQUIRE(box != std::string::npos);
+    text.replace(box, 2, "  # ");
+    for (const std::string commented : {"  # rig: {", "  # box: {type: lattice.build"}) {
+        const auto at = text.find(commented);
+        REQUIRE(at != std::string::npos);
+        text.erase(at + 2, 2);
+    }
+    scratch.write("rig.yaml", text);
+    const auto checked = call_shell("cp -r tests/data " + (scratch / "data") + " && " FLUIDCARVE_PROGRAM " check " + (scratch / "rig.yaml"));
+    INFO(checked.err);
+    CHECK(checked.code == 0);
+}
+
+TEST_CASE("init knows fire, particles and images, and a folder with one sequence") {
+    const auto drafted = [](const std::string& files) {
+        const auto out = fluidcarve_program("init " + files);
+        INFO(out.err);
+        CHECK(out.code == 0);
+        return out.out;
+    };
+    CHECK_THAT(drafted("tests/data/bonfire"), Catch::Contains("terms: [smoke, flames]") && Catch::Contains("field: sim.flame"));
+    CHECK_THAT(drafted("tests/data/river/meander.####.vdb"), Catch::Contains("points.write") && Catch::Contains("jitter: 0"));
+    CHECK_THAT(drafted("tests/data/images/rocket.jpg"), Catch::Contains("image.write") && !Catch::Contains("frames:"));
+    const auto many = fluidcarve_program("init tests/data/images");
+    CHECK(many.code == 2);
+    CHECK_THAT(many.err, Catch::Contains("name one of them: "));
+}
