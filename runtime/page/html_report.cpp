@@ -1,6 +1,7 @@
 #include "runtime/page/html_report.h"
 
 #include "graph/input_file.h"
+#include "graph/text/base64.h"
 #include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
@@ -25,19 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t most_picture_bytes = 24 << 20;
 constexpr double least_gap = 5e-5;  ///< smaller gaps are rounding errors
-
-std::string base64(const std::string& bytes) {
-    static constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t n = 0; n < bytes.size(); n += 3) {
-        std::uint32_t three = 0;
-        const auto count = std::min<std::size_t>(3, bytes.size() - n);
-        for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < count ? static_cast<unsigned char>(bytes[n + i]) : 0U);
-        for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[three >> (18 - 6 * i) & 63U] : '=';
-    }
-    return out;
-}
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", share * 100, share < 0.0995 ? 2 : share < 0.995 ? 1 : 0); }
 

@@ -1,0 +1,89 @@
+#include "nodes/page/page_grid.h"
+
+#include "graph/text/problem.h"
+#include "nodes/field/extent.h"
+#include "nodes/preview/lines_of_sight.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+namespace fluidcarve {
+
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+namespace {
+
+float finite(float value) { return std::isfinite(value) ? value : 0; }
+
+/// Calls `value(place)` for all voxels of a page, plane by plane.
+template <class Make>
+std::vector<float> each_voxel(const PageGrid& page, const Make& make) {
+    std::vector<float> out(page.count());
+    tbb::parallel_for(0, page.size[2], [&](int z) {
+        auto value = make();
+        auto* to = out.data() + static_cast<std::ptrdiff_t>(z) * page.size[1] * page.size[0];
+        for (int y = 0; y < page.size[1]; ++y)
+            for (int x = 0; x < page.size[0]; ++x) *to++ = value(Coord(x, y, z));
+    });
+    return out;
+}
+
+template <class GridT>
+float shown_value(const typename GridT::ConstAccessor& values, const Coord& at) {
+    if constexpr (std::is_same_v<GridT, MaskGrid>) return values.isValueOn(at) ? 1.0f : 0.0f;
+    else return finite(seen_value(values.getValue(at)));
+}
+
+template <class GridT>
+std::vector<float> values_of(const GridT& grid, const PageGrid& page) {
+    const bool same = grid.transform() == *page.space;
+    return each_voxel(page, [&] {
+        return [&grid, &page, same, values = grid.getConstAccessor()](const Coord& at) {
+            if (!same) {
+                const auto place = grid.transform().worldToIndex(page.world(at.asVec3d()));
+                if (!voxel_at(place)) return 0.0f;
+                if constexpr (std::is_same_v<GridT, MaskGrid>) return shown_value<GridT>(values, *voxel_at(place));
+                else return finite(seen_value(openvdb::tools::BoxSampler::sample(values, place)));
+            }
+            const auto low = page.first + Coord(at.x() * page.step, at.y() * page.step, at.z() * page.step);
+            double sum = 0;
+            for (int x = 0; x < page.step; ++x)
+                for (int y = 0; y < page.step; ++y)
+                    for (int z = 0; z < page.step; ++z) sum += shown_value<GridT>(values, low.offsetBy(x, y, z));
+            return static_cast<float>(sum / (static_cast<double>(page.step) * page.step * page.step));
+        };
+    });
+}
+
+}  // namespace
+
+PageGrid page_grid(openvdb::math::Transform::ConstPtr space, const openvdb::CoordBBox& box, int voxels) {
+    PageGrid out{std::move(space), box.min(), 1, {}};
+    const auto extents = extents_of(box);
+    out.step = static_cast<int>((std::max({extents[0], extents[1], extents[2]}) + voxels - 1) / voxels);
+    for (std::size_t n = 0; n < 3; ++n) out.size[n] = static_cast<int>((extents[n] + out.step - 1) / out.step);
+    return out;
+}
+
+std::vector<float> page_values(const openvdb::GridBase& grid, const PageGrid& page) {
+    if (grid.isType<FloatGrid>()) return values_of(static_cast<const FloatGrid&>(grid), page);
+    if (grid.isType<VectorGrid>()) return values_of(static_cast<const VectorGrid&>(grid), page);
+    if (grid.isType<MaskGrid>()) return values_of(static_cast<const MaskGrid&>(grid), page);
+    throw Failure(fmt::format("grid '{}' holds {} values; a page shows grids of floats or vectors, and masks", grid.getName(), grid.valueType()));
+}
+
+std::vector<std::uint8_t> page_bytes(std::span<const float> values, float from, float to) {
+    std::vector<std::uint8_t> out;
+    out.reserve(values.size());
+    for (const auto value : values) out.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp((value - from) / (to - from), 0.0f, 1.0f))));
+    return out;
+}
+
+}  // namespace fluidcarve
