@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/field/extent.h"
+#include "nodes/grid_types.h"
 #include "nodes/preview/lines_of_sight.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 namespace fluidcarve {
 
@@ -22,10 +22,10 @@ namespace {
 
 float finite(float value) { return std::isfinite(value) ? value : 0; }
 
-/// Calls `value(place)` for all voxels of a page, plane by plane.
+/// The results of `make()(place)` for all voxels of a page. `make` is called for each plane.
 template <class Make>
-std::vector<float> each_voxel(const PageGrid& page, const Make& make) {
-    std::vector<float> out(page.count());
+auto each_voxel(const PageGrid& page, const Make& make) {
+    std::vector<decltype(make()(Coord()))> out(page.count());
     tbb::parallel_for(0, page.size[2], [&](int z) {
         auto value = make();
         auto* to = out.data() + static_cast<std::ptrdiff_t>(z) * page.size[1] * page.size[0];
@@ -36,12 +36,6 @@ std::vector<float> each_voxel(const PageGrid& page, const Make& make) {
 }
 
 template <class GridT>
-float shown_value(const typename GridT::ConstAccessor& values, const Coord& at) {
-    if constexpr (std::is_same_v<GridT, MaskGrid>) return values.isValueOn(at) ? 1.0f : 0.0f;
-    else return finite(seen_value(values.getValue(at)));
-}
-
-template <class GridT>
 std::vector<float> values_of(const GridT& grid, const PageGrid& page) {
     const bool same = grid.transform() == *page.space;
     return each_voxel(page, [&] {
@@ -49,15 +43,24 @@ std::vector<float> values_of(const GridT& grid, const PageGrid& page) {
             if (!same) {
                 const auto place = grid.transform().worldToIndex(page.world(at.asVec3d()));
                 if (!voxel_at(place)) return 0.0f;
-                if constexpr (std::is_same_v<GridT, MaskGrid>) return shown_value<GridT>(values, *voxel_at(place));
-                else return finite(seen_value(openvdb::tools::BoxSampler::sample(values, place)));
+                return finite(seen_value(openvdb::tools::BoxSampler::sample(values, place)));
             }
             const auto low = page.first + Coord(at.x() * page.step, at.y() * page.step, at.z() * page.step);
             double sum = 0;
             for (int x = 0; x < page.step; ++x)
                 for (int y = 0; y < page.step; ++y)
-                    for (int z = 0; z < page.step; ++z) sum += shown_value<GridT>(values, low.offsetBy(x, y, z));
+                    for (int z = 0; z < page.step; ++z) sum += finite(seen_value(values.getValue(low.offsetBy(x, y, z))));
             return static_cast<float>(sum / (static_cast<double>(page.step) * page.step * page.step));
+        };
+    });
+}
+
+template <class GridT>
+std::vector<std::uint8_t> active_of(const GridT& mask, const PageGrid& page) {
+    return each_voxel(page, [&] {
+        return [&mask, &page, values = mask.getConstAccessor()](const Coord& at) {
+            const auto voxel = voxel_at(mask.transform().worldToIndex(page.world(at.asVec3d())));
+            return static_cast<std::uint8_t>(voxel && values.isValueOn(*voxel) ? 255 : 0);
         };
     });
 }
@@ -75,8 +78,15 @@ PageGrid page_grid(openvdb::math::Transform::ConstPtr space, const openvdb::Coor
 std::vector<float> page_values(const openvdb::GridBase& grid, const PageGrid& page) {
     if (grid.isType<FloatGrid>()) return values_of(static_cast<const FloatGrid&>(grid), page);
     if (grid.isType<VectorGrid>()) return values_of(static_cast<const VectorGrid&>(grid), page);
-    if (grid.isType<MaskGrid>()) return values_of(static_cast<const MaskGrid&>(grid), page);
-    throw Failure(fmt::format("grid '{}' holds {} values; a page shows grids of floats or vectors, and masks", grid.getName(), grid.valueType()));
+    throw Failure(fmt::format("grid '{}' holds {} values; a page shows grids of floats or vectors", grid.getName(), grid.valueType()));
+}
+
+std::vector<std::uint8_t> page_mask(const openvdb::GridBase& mask, const PageGrid& page) {
+#define FLUIDCARVE_TRY(GridT) \
+    if (mask.isType<GridT>()) return active_of(static_cast<const GridT&>(mask), page);
+    FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
+#undef FLUIDCARVE_TRY
+    throw Failure(fmt::format("grid '{}' is of type {}, which is no mask for a page", mask.getName(), mask.type()));
 }
 
 std::vector<std::uint8_t> page_bytes(std::span<const float> values, float from, float to) {

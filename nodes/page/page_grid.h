@@ -30,9 +30,14 @@ struct PageGrid {
 PageGrid page_grid(openvdb::math::Transform::ConstPtr space, const openvdb::CoordBBox& box, int voxels);
 
 /// The values of a grid in the page's voxels, `[z][y][x]`: means over each cube; of a grid with another transform, the values at the centres.
-/// Of vectors the length; of masks 1 and 0. Values that are not finite count as 0.
-/// @throws Failure if the grid holds other values
+/// Of vectors the length. Values that are not finite count as 0.
+/// @throws Failure if the grid holds neither floats nor vectors of floats
 std::vector<float> page_values(const openvdb::GridBase& grid, const PageGrid& page);
+
+/// A mask in the page's voxels, `[z][y][x]`: 255 where the voxel at the centre is active, else 0.
+/// @param mask  of any type that can be carved
+/// @throws Failure naming the type of another grid
+std::vector<std::uint8_t> page_mask(const openvdb::GridBase& mask, const PageGrid& page);
 
 /// Values as bytes: `from` becomes 0, `to` becomes 255, evenly between and held beyond. `from` may be above `to`.
 std::vector<std::uint8_t> page_bytes(std::span<const float> values, float from, float to);

@@ -51,7 +51,7 @@ struct PreviewPage {
         Optional<FloatGrid> energy;
         Optional<Lattice> lattice;
         Optional<Rig> rig;
-        OptionalNamed<MaskGrid> masks;
+        OptionalNamed<AnyGrid> masks;
         OptionalList<Seams> seams;
     };
 
@@ -86,7 +86,7 @@ struct PreviewPage {
         frame.energy = io.energy;
         frame.lattice = io.lattice;
         frame.rig = io.rig;
-        for (const auto& [name, mask] : io.masks) frame.masks.emplace_back(name, mask);
+        for (const auto& [name, mask] : io.masks) frame.masks.emplace_back(name, mask->grid);
         frame.seams = io.seams;
         if (frame.lattice && frame.lattice->closed_form) context.warn("the page carves by the lattice's true inverse, not by `mapping: closed_form`");
         // Refuses seams of another lattice, and a count or a softness that the carve refuses.
@@ -172,7 +172,8 @@ NodeType preview_page() {
         .input("energy", &PreviewPage::Ports::energy, "The energy in which the seams are found, to show over `before`.")
         .input("lattice", &PreviewPage::Ports::lattice, "The lattice in which the seams were found, or one to place. Cells that fold are red.")
         .input("rig", &PreviewPage::Ports::rig, "A rig to draw, mostly that of the lattice.")
-        .input("masks", &PreviewPage::Ports::masks, "Masks to show, by name, such as what a solver protects: `masks: {protect: face}`.")
+        .input("masks", &PreviewPage::Ports::masks,
+               "Masks to show, or the active voxels of any grid, by name, such as what a solver protects: `masks: {protect: face}`.")
         .input("seams", &PreviewPage::Ports::seams, "Seams, or a list of seam sets in the order of carving. The slider is for the last one.")
         .param("grid", &PreviewPage::Params::grid,
                "Name of the grid to show. Vectors are shown by their length. auto is `density`, or the first grid of floats or vectors.")

@@ -225,7 +225,7 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
         std::vector<std::uint8_t> bytes;
         append_differences(bytes, page_bytes(values[n], from, to));
         if (frame.energy) append_differences(bytes, page_bytes(energies[n], 0, energy.high));
-        for (const auto& [name, mask] : frame.masks) append_differences(bytes, page_bytes(page_values(*mask, page), 0, 1));
+        for (const auto& [name, mask] : frame.masks) append_differences(bytes, page_mask(*mask, page));
         each["voxels"] = packed(bytes);
         list.push_back(std::move(each));
     }

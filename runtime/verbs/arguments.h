@@ -41,7 +41,7 @@ struct PipelineArguments {
     std::optional<Pipeline> read_or_complain(Registry& registry) const;
 };
 
-/// Arguments of the verbs `run` and `plan`.
+/// Arguments of the verbs that run a pipeline: `run`, `plan` and `view`.
 struct RunArguments {
     std::string frames;
     std::string only;
@@ -55,6 +55,8 @@ struct RunArguments {
     const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a farm's script), which is an error, from no -f
 
     void declare(CLI::App& verb);
+    /// Declares only those about threads, memory, the work folder and what is printed.
+    void declare_limits(CLI::App& verb);
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
     std::optional<RunRequest> read(const Pipeline& pipeline);

@@ -20,6 +20,7 @@
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
+#include "runtime/verbs/view.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -140,6 +141,10 @@ void add_examples(CLI::App& app) {
          "  fluidcarve check shot.yaml\n  fluidcarve check theirs.yaml --confine /shots/sh010\n  fluidcarve check shot.yaml -v        where each value comes "
          "from, and where the files lie"},
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
+        {"view",
+         "  fluidcarve view pipelines/plume.yaml                            after `run`: a slider for the count\n"
+         "  fluidcarve view shot.yaml -o shot.html                          before: where rig, lattice, masks and energy lie\n"
+         "  fluidcarve view shot.yaml --solve --set count=-40"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"clean", "  fluidcarve clean --work /shared/sh010/work"},
         {"nodes",
@@ -204,6 +209,10 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     pipeline.declare(*plan_verb);
     plan_arguments.declare(*plan_verb);
     plan_verb->add_flag("--json", json, "Print as JSON");
+    ViewArguments view;
+    auto* const view_verb = app.add_subcommand("view", "Write a page for a browser: before and after, with a slider for the number of seams");
+    pipeline.declare(*view_verb);
+    view.declare(*view_verb);
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
     auto* const status_verb = app.add_subcommand("status", "Show how far the runs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
@@ -267,6 +276,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*run_verb) return run(pipeline, run_arguments, registry);
     if (*check_verb) return check(pipeline, json, verbose, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
+    if (*view_verb) return view_pipeline(pipeline, view, registry);
     if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*new_node_verb) return write_new_node(new_node, registry);
