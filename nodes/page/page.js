@@ -42,7 +42,7 @@ function carveShown() {
 
 function project(at) {
     const shown = kind();
-    return shown === 'volume' ? volume.project(at, turn) : picture.project(shown, at, turn);
+    return shown === 'volume' ? volume.project(at, turn, canvases.picture) : picture.project(shown, at, turn);
 }
 
 function draw() {
@@ -175,10 +175,11 @@ function play(on) {
 
 function resize() {
     const area = byId('view').getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
-    // A volume of many pixels is slow to draw, and shows no more.
-    for (const canvas of Object.values(canvases)) {
-        canvas.width = Math.max(1, Math.round(area.width * ratio));
-        canvas.height = Math.max(1, Math.round(area.height * ratio));
+    // A volume of more pixels is slow to draw, and shows no more.
+    const most = Math.min(ratio, Math.sqrt(5e5 / (area.width * area.height)));
+    for (const [name, scale] of [['volume', most], ['picture', ratio]]) {
+        canvases[name].width = Math.max(1, Math.round(area.width * scale));
+        canvases[name].height = Math.max(1, Math.round(area.height * scale));
     }
     refresh();
 }

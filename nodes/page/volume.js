@@ -102,7 +102,7 @@ class VolumeView {
     camera({yaw, pitch, zoom}) {
         const forward = [-Math.cos(yaw) * Math.cos(pitch), -Math.sin(yaw) * Math.cos(pitch), -Math.sin(pitch)];
         const right = [-Math.sin(yaw), Math.cos(yaw), 0], up = cross(right, forward);
-        return {forward, right, up, eye: forward.map(x => -4 * x), zoom: 2.9 * zoom};
+        return {forward, right, up, eye: forward.map(x => -4 * x), zoom: 3.3 * zoom};
     }
     draw(turn, {wipe, brightness, ground, smoke}) {
         const gl = this.gl, camera = this.camera(turn), {width, height} = this.canvas;
@@ -122,9 +122,9 @@ class VolumeView {
         gl.uniform3fv(this.place('smoke'), smoke);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
-    /** The pixel at which a place in voxels is seen. */
-    project(at, turn) {
-        const {forward, right, up, eye, zoom} = this.camera(turn), {width, height} = this.canvas;
+    /** The pixel of a canvas of the same shape at which a place in voxels is seen. */
+    project(at, turn, {width, height}) {
+        const {forward, right, up, eye, zoom} = this.camera(turn);
         const from = at.map((x, n) => ((x + 0.5) / this.size[n] * 2 - 1) * this.halfSize[n] - eye[n]), depth = dot(from, forward);
         const scale = Math.min(width, height) / 2 * zoom / depth;
         return [width / 2 + scale * dot(from, right), height / 2 - scale * dot(from, up)];
