@@ -237,11 +237,7 @@ class CarveStep {
                     line[reach - n] = mirrored(now, from, size, -n, span);
                     line[reach + size - 1 + n] = mirrored(now, from, size, size - 1 + n, span);
                 }
-                for (let n = 0; n < size; ++n) {
-                    let sum = weights[0] * line[reach + n];
-                    for (let i = 1; i <= reach; ++i) sum += weights[i] * (line[reach + n - i] + line[reach + n + i]);
-                    now[from + n] = nearWhole(sum);
-                }
+                sumRows(weights, line, i => reach + i, size, now, from);
             }
         }
         if (reach === 0) return now;
@@ -292,24 +288,31 @@ function mirrored(table, from, size, n, span) {
     return add + sign * table[from + n];
 }
 
+/** Writes the weighted sum of rows, rounded where a whole number is near. @param start  distance, both signs, to the start of a row in `from` */
+function sumRows(weights, from, start, size, out, to) {
+    const reach = weights.length - 1, middle = start(0), w0 = weights[0];
+    // Three distances at a time: mostly these are all.
+    for (let i = 1; i <= reach || i === 1; i += 3) {
+        const near = n => Math.min(n, reach), weight = n => n <= reach ? weights[n] : 0, first = i === 1, done = i + 3 > reach;
+        const w1 = weight(i), w2 = weight(i + 1), w3 = weight(i + 2), a1 = start(-near(i)), b1 = start(near(i));
+        const a2 = start(-near(i + 1)), b2 = start(near(i + 1)), a3 = start(-near(i + 2)), b3 = start(near(i + 2));
+        for (let e = 0; e < size; ++e) {
+            const sum = (first ? w0 * from[middle + e] : out[to + e]) + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) +
+                w3 * (from[a3 + e] + from[b3 + e]);
+            out[to + e] = done ? nearWhole(sum) : sum;
+        }
+    }
+}
+
 /** Smooths whole columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart. */
 function smoothAcross(table, weights, entries, count, lines, stride, between, closed) {
     if (count === 1) return table;
-    const out = new Float32Array(table.length), reach = weights.length - 1;
+    const out = new Float32Array(table.length);
     for (let line = 0; line < lines; ++line)
         for (let at = 0; at < count; ++at) {
             const base = line * between, to = base + at * stride;
             const row = near => base + stride * (closed ? ((near % count) + count) % count : clamp(near, 0, count - 1));
-            // Three distances at a time: most weights are read once.
-            for (let i = 1; i <= reach || i === 1; i += 3) {
-                const [w1, w2, w3] = [i, i + 1, i + 2].map(n => weights[n] ?? 0), first = i === 1, done = i + 3 > reach;
-                const a1 = row(at - i), b1 = row(at + i), a2 = row(at - i - 1), b2 = row(at + i + 1), a3 = row(at - i - 2), b3 = row(at + i + 2);
-                for (let e = 0; e < entries; ++e) {
-                    const sum = (first ? weights[0] * table[to + e] : out[to + e]) + w1 * (table[a1 + e] + table[b1 + e]) +
-                        w2 * (table[a2 + e] + table[b2 + e]) + w3 * (table[a3 + e] + table[b3 + e]);
-                    out[to + e] = done ? nearWhole(sum) : sum;
-                }
-            }
+            sumRows(weights, table, i => row(at + i), entries, out, to);
         }
     return out;
 }

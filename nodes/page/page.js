@@ -176,7 +176,7 @@ function play(on) {
 function resize() {
     const area = byId('view').getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
     // A volume of more pixels is slow to draw, and shows no more.
-    const most = Math.min(ratio, Math.sqrt(5e5 / (area.width * area.height)));
+    const most = Math.min(ratio, Math.sqrt(3e5 / (area.width * area.height)));
     for (const [name, scale] of [['volume', most], ['picture', ratio]]) {
         canvases[name].width = Math.max(1, Math.round(area.width * scale));
         canvases[name].height = Math.max(1, Math.round(area.height * scale));

@@ -12,7 +12,7 @@ const tints = {energy: [230, 120, 40], seams: [0, 190, 200], masks: [200, 60, 18
  * @param shown  names of overlays
  * @returns null if nothing is shown */
 function tinter(scene, frame, shown, count) {
-    const {places} = frame, set = scene.sets[0], order = set && scene.sets.length === 1 && frame.orders[0][0];
+    const {places} = frame, set = scene.sets[0], order = set && scene.sets.length === 1 && frame.orders[0][frame.orders[0].length >> 1];
     const seams = shown.has('seams') && order && count > 0, window = shown.has('window') && set && set.window;
     const energy = shown.has('energy') && frame.energy, masks = shown.has('masks') ? frame.masks : [];
     if (!seams && !window && !energy && masks.length === 0) return null;
@@ -31,7 +31,7 @@ function tinter(scene, frame, shown, count) {
             const v = places[3 * n + 1], entry = Math.round(axis === 0 ? u : v), lateral = Math.round(axis === 0 ? v : u);
             if (entry >= 0 && entry < before && lateral >= 0 && lateral < laterals) {
                 const seam = seams ? Math.abs(order[((Math.round(places[3 * n + 2]) % slices) * laterals + lateral) * before + entry]) : 0;
-                if (seam > 0 && seam <= count) return paint(out, to, tints.seams, 255);
+                if (seam > 0 && seam <= count) return paint(out, to, tints.seams, 200);
                 for (const [first, last] of windows)
                     if (entry >= first && entry <= last) paint(out, to, tints.window, 60);
             }
