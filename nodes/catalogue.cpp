@@ -44,6 +44,7 @@
 #include "nodes/mesh/payload_type.h"
 #include "nodes/mesh/read.h"
 #include "nodes/mesh/write.h"
+#include "nodes/page/page_node.h"
 #include "nodes/points/keep_out.h"
 #include "nodes/points/payload_type.h"
 #include "nodes/points/read.h"
@@ -155,6 +156,7 @@ Registry builtin_registry() {
     out.add(remap_mesh());
     out.add(remap_points());
     out.add(filter_seam());
+    out.add(preview_page());
     out.add(preview_sheet());
     out.add(usd_write());
     return out;

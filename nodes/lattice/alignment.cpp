@@ -54,4 +54,15 @@ std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Tran
     return out;
 }
 
+Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform) {
+    const auto first = transform.indexToWorld(alignment.origin);
+    std::array<Vec3d, 3> step;
+    for (std::size_t n = 0; n < 3; ++n) step[n] = transform.indexToWorld(alignment.origin + alignment.step[n]) - first;
+    auto out = lattice;
+    out.spacing = step[0].length();
+    for (std::size_t k = 0; k < out.planes.size(); ++k)
+        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0].unit(), step[1].unit(), step[2].unit()};
+    return out;
+}
+
 }  // namespace fluidcarve

@@ -32,4 +32,8 @@ struct Alignment {
 ///   (the tolerance allows for rounded corners of a stated box)
 std::optional<Alignment> align(const Lattice& lattice, const openvdb::math::Transform& transform);
 
+/// The lattice with its vertices moved exactly onto their voxels.
+/// @param alignment  of the lattice with the transform; one_to_one()
+Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform);
+
 }  // namespace fluidcarve

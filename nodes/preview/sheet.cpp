@@ -3,6 +3,7 @@
 #include "graph/text/words.h"
 #include "nodes/io/file_sequence.h"
 #include "nodes/preview/sheet_rows.h"
+#include "nodes/preview/shown_frames.h"
 
 #include <fmt/format.h>
 
@@ -69,16 +70,6 @@ std::vector<SheetWish::Show> shows_of(const Several<Rows>& rows) {
         if (each == Rows::slice || each == Rows::both) out.push_back(Show::slice);
     }
     return out;
-}
-
-/// Whether a sheet shows a frame: the first, the last, and others in even steps between; a single one is the middle frame.
-/// @param place  index of the frame in the sequence
-bool shown(std::size_t place, std::size_t total, int wanted) {
-    const auto count = std::min(total, static_cast<std::size_t>(wanted));
-    if (count <= 1) return place == total / 2;
-    for (std::size_t n = 0; n < count; ++n)
-        if ((2 * n * (total - 1) + count - 1) / (2 * (count - 1)) == place) return true;
-    return false;
 }
 
 /// @param there  names of the grids of the input
@@ -151,14 +142,14 @@ struct Sheet {
         const auto total = survey.frames().size();
         const auto has = [&](const char* input) {
             return survey_grids(
-                input, survey, [&](std::size_t place) { return shown(place, total, params.frames); },
+                input, survey, [&](std::size_t place) { return is_shown(place, total, params.frames); },
                 [&](const auto& there) { require_grid(input, params.grid, there); });
         };
         // What `before` lacks, `after` mostly lacks too.
         if (has("before")) has("after");
     }
 
-    static bool wants(const Params& params, const Context& context) { return shown(context.place(), context.frames().size(), params.frames); }
+    static bool wants(const Params& params, const Context& context) { return is_shown(context.place(), context.frames().size(), params.frames); }
 
     void add(const Params& params, const Ports& io, Context& context) {
         if (context.per_frame() && !wants(params, context)) return;

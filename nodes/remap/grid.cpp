@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <optional>
 
 namespace fluidcarve {
@@ -22,18 +21,6 @@ namespace {
 std::optional<Alignment> one_to_one(const Lattice& lattice, const openvdb::math::Transform& transform) {
     auto out = align(lattice, transform);
     if (out && !out->one_to_one()) out.reset();
-    return out;
-}
-
-/// The lattice with its vertices moved exactly onto their voxels.
-Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const openvdb::math::Transform& transform) {
-    const auto first = transform.indexToWorld(alignment.origin);
-    std::array<openvdb::Vec3d, 3> step;
-    for (std::size_t n = 0; n < 3; ++n) step[n] = transform.indexToWorld(alignment.origin + alignment.step[n]) - first;
-    auto out = lattice;
-    out.spacing = step[0].length();
-    for (std::size_t k = 0; k < out.planes.size(); ++k)
-        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0].unit(), step[1].unit(), step[2].unit()};
     return out;
 }
 

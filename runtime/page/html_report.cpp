@@ -1,6 +1,7 @@
 #include "runtime/page/html_report.h"
 
 #include "graph/input_file.h"
+#include "graph/text/base64.h"
 #include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"
@@ -187,6 +188,9 @@ private:
             }
             out_ += picture_figure(caption + (picture.earlier ? " in an earlier run" : ""), picture.png);
         }
+        for (const auto& page : files_.pages)
+            out_ += fmt::format("<p>Before and after, with a slider for the count: <a href=\"{}\">{}</a>, written by {}</p>\n", xml_text(page.address),
+                                xml_text(page.path), xml_text(page.node));
     }
 
     static constexpr std::array<double, 5> heats{0, 0.02, 0.1, 0.25, 0.5};  ///< least share of the total time (0..1) for each heat colour
@@ -413,9 +417,20 @@ void read(PagePicture& picture) {
 
 bool is_picture(const std::string& path) { return ending_of(path) == ".png"; }
 
+/// The address of a file in a link of a page.
+std::string address_from(const fs::path& page, const fs::path& file) {
+    std::error_code error;
+    const auto folder = fs::absolute(page).parent_path();
+    std::string out;
+    for (const char each : fs::proximate(fs::absolute(file), folder, error).string())
+        if (std::string_view(" %#?\"<>").find(each) == std::string_view::npos) out += each;
+        else out += fmt::format("%{:02X}", static_cast<unsigned char>(each));
+    return out;
+}
+
 }  // namespace
 
-WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const Json& report, fs::file_time_type start) {
+WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const Json& report, fs::file_time_type start, const fs::path& page) {
     WrittenFiles out;
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) {
@@ -428,8 +443,9 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
                 if (const auto bytes = fs::file_size(pattern.at(frame), error); !error) out.bytes[node.name] += bytes;
             }
             const auto path = pattern.at(frames.front());
-            if (!is_picture(path)) continue;
             std::error_code error;
+            if (ending_of(path) == ".html" && fs::exists(path, error)) out.pages.push_back({node.name, path, address_from(page, path)});
+            if (!is_picture(path)) continue;
             const auto& nodes = report.at("nodes");
             const bool current = nodes.contains(node.name) && nodes.at(node.name).at("cached").get<std::size_t>() > 0;
             const auto written = fs::last_write_time(path, error);

@@ -22,9 +22,17 @@ struct PagePicture {
     bool earlier = false;  ///< written by an earlier run, and not checked by this one
 };
 
+/// A page that a node of the pipeline writes: an HTML file to open beside the report.
+struct PageLink {
+    std::string node;
+    std::string path;
+    std::string address;  ///< from the report page
+};
+
 /// The files of a pipeline's writers, for the report page.
 struct WrittenFiles {
     std::vector<PagePicture> pictures;
+    std::vector<PageLink> pages;                 ///< those that are there
     std::map<std::string, std::uint64_t> bytes;  ///< node name to the bytes of its existing files
 };
 
@@ -32,8 +40,9 @@ struct WrittenFiles {
 /// @param delivered  frame numbers
 /// @param report     the run's report, as returned by Report::to_json
 /// @param start      start of the run. Older files count as written by an earlier run, unless this run found them up to date
+/// @param page       the report page
 WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& delivered, const nlohmann::ordered_json& report,
-                           std::filesystem::file_time_type start);
+                           std::filesystem::file_time_type start, const std::filesystem::path& page);
 
 /// The report of a run as one self-contained HTML page, without scripts or external files. For wide and narrow, light and dark screens.
 /// @param sources  the sources of the pipeline's values

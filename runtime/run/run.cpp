@@ -106,7 +106,7 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
         code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
     if (!request.profile_path.empty()) code = write_file("profile", request.profile_path, profile.text(), code);
     if (request.html_path.empty()) return code;
-    const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start);
+    const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start, request.html_path);
     const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
     return write_file("page", request.html_path, to_html(pipeline, registry, request.sources, summary, files, when), code);
 }

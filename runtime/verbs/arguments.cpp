@@ -111,6 +111,26 @@ void RunArguments::declare(CLI::App& verb) {
         ->type_name("NODE")
         ->excludes(to)
         ->excludes(from);
+    declare_limits(verb);
+    verb.add_option("--report", request.report_path, "Write a report of the run")->type_name("FILE.json");
+    verb.add_option("--html", request.html_path, "Write a report of the run as a page: pictures, times, seams, the origin of each value")
+        ->type_name("FILE.html");
+    verb.add_option("--profile", request.profile_path, "Write a trace for chrome://tracing or Perfetto: when each node ran, and on which thread")
+        ->type_name("FILE.json");
+    verb.add_option("--manifest", request.manifest_path,
+                    "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
+        ->type_name("FILE");
+    verb.add_option("--wait", request.wait,
+                    "Seconds to wait for results of other runs in the work folder, such as a farm's earlier steps; fail if they do not come")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("SECONDS");
+    verb.add_option("--task", request.task, "Record this run as a task of a farm's job, and put its name into those of --report, --html and --profile")
+        ->type_name("JOB/STEP");
+    verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
+    verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
+}
+
+void RunArguments::declare_limits(CLI::App& verb) {
     threads_option = verb.add_option("--threads", threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str()->envname("FLUIDCARVE_THREADS");
     verb.add_option("--in-flight", in_flight, "Frames in memory at once (default: threads + 1)")->check(CLI::Range(1, 100000));
     verb.add_option("--memory", memory,
@@ -125,25 +145,9 @@ void RunArguments::declare(CLI::App& verb) {
     verb.add_option("--cache-size", cache_size, "Size of the cached results that remain after a run; the least recently used are removed (default: 50G)")
         ->type_name("SIZE")
         ->envname("FLUIDCARVE_CACHE_SIZE");
-    verb.add_option("--report", request.report_path, "Write a report of the run")->type_name("FILE.json");
-    verb.add_option("--html", request.html_path, "Write a report of the run as a page: pictures, times, seams, the origin of each value")
-        ->type_name("FILE.html");
-    verb.add_option("--profile", request.profile_path, "Write a trace for chrome://tracing or Perfetto: when each node ran, and on which thread")
-        ->type_name("FILE.json");
-    verb.add_option("--manifest", request.manifest_path,
-                    "Compare each input file with its hash in this file before it is read, and add the files that it does not list")
-        ->type_name("FILE");
     verb.add_option("--progress", progress, "How to show progress")
         ->check(CLI::IsMember({"auto", "bar", "json", "plain", "openjd", "none"}))
         ->capture_default_str();
-    verb.add_option("--wait", request.wait,
-                    "Seconds to wait for results of other runs in the work folder, such as a farm's earlier steps; fail if they do not come")
-        ->check(CLI::NonNegativeNumber)
-        ->type_name("SECONDS");
-    verb.add_option("--task", request.task, "Record this run as a task of a farm's job, and put its name into those of --report, --html and --profile")
-        ->type_name("JOB/STEP");
-    verb.add_flag("--sync", request.options.sync, "Wait until each written file is on the disk, so that it is whole or absent after a power cut, too");
-    verb.add_flag("--keep-going", request.options.keep_going, "Run the other frames when one fails");
     const auto quiet = verb.add_flag("-q,--quiet", request.quiet, "Print failures only");
     verb.add_flag("-v,--verbose", request.verbose, "Show the plan, where the files lie, and the time of each node")->excludes(quiet);
 }
@@ -176,7 +180,7 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
         if (!size) return wrong(fmt::format("--memory wants a size such as 8G, not '{}'", memory));
         request.options.memory = *size;
     }
-    if (frames_option->count() > 0) {
+    if (frames_option && frames_option->count() > 0) {
         std::string fault;
         request.deliver = FrameSet::parse(frames, fault);
         if (!request.deliver) return wrong("-f: " + fault);

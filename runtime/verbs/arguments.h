@@ -43,7 +43,7 @@ struct PipelineArguments {
     std::optional<Pipeline> read_or_complain(Registry& registry) const;
 };
 
-/// Arguments of the verbs `run` and `plan`.
+/// Arguments of the verbs that run a pipeline: `run`, `plan` and `view`.
 struct RunArguments {
     std::string frames;
     std::string only;
@@ -60,6 +60,8 @@ struct RunArguments {
     void declare(CLI::App& verb);
     /// The words of a command line that say the same, but for the part of the pipeline to run, and for frames.
     std::vector<std::string> words() const;
+    /// Declares only those about threads, memory, the work folder and what is printed.
+    void declare_limits(CLI::App& verb);
 
     /// Checks the arguments. Prints a message and returns nothing if one is wrong.
     std::optional<RunRequest> read(const Pipeline& pipeline);

@@ -24,6 +24,7 @@
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
 #include "runtime/verbs/wedge.h"
+#include "runtime/verbs/view.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -147,6 +148,10 @@ void add_examples(CLI::App& app) {
         {"farm",
          "  fluidcarve farm local shot.yaml -j 4\n"
          "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each"},
+        {"view",
+         "  fluidcarve view pipelines/plume.yaml                            after `run`: a slider for the count\n"
+         "  fluidcarve view shot.yaml -o shot.html                          before: where rig, lattice, masks and energy lie\n"
+         "  fluidcarve view shot.yaml --solve --set count=-40"},
         {"status", "  fluidcarve status --work /shared/sh010/work"},
         {"carve",
          "  fluidcarve carve smoke.####.vdb -12 -o out/smoke.####.vdb\n"
@@ -224,6 +229,10 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     RunArguments farm_run_arguments;
     auto* const farm_verb = app.add_subcommand("farm", "Run a pipeline as steps on many machines, or as processes on this one; takes the options of `run`");
     farm_arguments.declare(*farm_verb, pipeline, farm_run_arguments);
+    ViewArguments view;
+    auto* const view_verb = app.add_subcommand("view", "Write a page for a browser: before and after, with a slider for the number of seams");
+    pipeline.declare(*view_verb);
+    view.declare(*view_verb);
     std::string status_folder = RunOptions().work_folder, clean_folder = status_folder;
     auto* const status_verb = app.add_subcommand("status", "Show how far the runs and farm jobs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
@@ -300,6 +309,8 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
+    if (*view_verb) return view_pipeline(pipeline, view, registry);
+    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
     if (*carve_verb) return carve_files(carve_arguments, registry);

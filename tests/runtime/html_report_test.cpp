@@ -229,7 +229,7 @@ TEST_CASE("pictures are in the page to the last byte, and what is not there is s
     Bench bench;
     CHECK_THAT(section(bench.page(), "Pictures"), Catch::Contains("preview.sheet"));
     const auto start = std::filesystem::file_time_type::clock::now();
-    const auto look = [&] { return bench.files = written_files(bench.pipeline, {2, 3}, bench.report, start); };
+    const auto look = [&] { return bench.files = written_files(bench.pipeline, {2, 3}, bench.report, start, "report.html"); };
     REQUIRE(look().pictures.size() == 1);
     CHECK_THAT(section(bench.page(), "Pictures"), Catch::Contains("out writes out.02.png, which is not there.") && !Catch::Contains("<img"));
     CHECK(bench.files.bytes.empty());

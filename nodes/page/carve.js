@@ -1,0 +1,479 @@
+'use strict';
+// The carve of remap.grids, in the page: the lattice's map (METHOD 3), seams as displacements (METHOD 4), and their smoothing (METHOD 10).
+// Positions are voxels of the page. Volumes are `[z][y][x]`, x fastest. Lattice coordinates are vertices of the lattice as it was given, so
+// what an anchored insertion adds lies below 0. Displacements are vertices; an inserted entry has a half.
+
+const snapWidth = 1e-5, rimSlack = 1e-4;  // as nodes/lattice/snap.h
+const rounded = x => x + 6755399441055744 - 6755399441055744;  // 1.5 * 2^52 leaves no bits for a fraction: quicker than Math.round
+const snapped = x => { const whole = rounded(x); return Math.abs(x - whole) <= snapWidth ? whole : x; };
+const clamp = (x, low, high) => x < low ? low : x > high ? high : x;
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const along = (a, by, c) => [a[0] + c * by[0], a[1] + c * by[1], a[2] + c * by[2]];
+
+/** A lattice in the page's voxels. */
+class Lattice {
+    /** @param planes  per plane 12 numbers: position of vertex (0, 0), then the steps to the next vertex along u, v and w */
+    constructor({shape, closed, box}, planes) {
+        Object.assign(this, {shape, closed, box});
+        this.planes = [];
+        for (let n = 0; n < planes.length; n += 12) {
+            const part = at => Array.from(planes.subarray(n + at, n + at + 3));
+            this.planes.push({origin: part(0), u: part(3), v: part(6), w: part(9)});
+        }
+        this.hand = dot(cross(this.planes[0].u, this.planes[0].v), this.planes[0].w) < 0 ? -1 : 1;
+        // `[plane][u, v][x, y, z]`; in a closed lattice the first plane follows the last.
+        this.steps = Float64Array.from([...this.planes, this.planes[0]].flatMap(plane => [...plane.u, ...plane.v]));
+        this.slabs = box ? 0 : this.planes.length - (closed ? 0 : 1);
+    }
+    plane(k) { return this.planes[k % this.planes.length]; }
+    /** World-to-page position of a vertex or of a point between two planes; straight on beyond the ends. */
+    position(u, v, w) {
+        if (this.box || this.slabs < 1) return along(along(along(this.planes[0].origin, this.planes[0].u, u), this.planes[0].v, v), this.planes[0].w, w);
+        const below = Math.floor(w), k = this.closed ? ((below % this.slabs) + this.slabs) % this.slabs : clamp(below, 0, this.slabs - 1);
+        const a = this.plane(k), b = this.plane(k + 1), c = this.closed ? w - below : w - k;
+        const mix = name => along(a[name], minus(b[name], a[name]), c);
+        return along(along(mix('origin'), mix('u'), u), mix('v'), v);
+    }
+    /** The lattice coordinates of all voxels, three each; NaN outside.
+     * @param first, last  the lowest and highest coordinates along u and v that count as inside */
+    locate(size, first, last) {
+        const out = new Float32Array(3 * size[0] * size[1] * size[2]).fill(NaN);
+        if (this.box) this.locateInBox(size, first, last, out);
+        else this.locateInSlabs(size, first, last, out);
+        return out;
+    }
+    locateInBox(size, first, last, out) {
+        const {origin, u, v, w} = this.planes[0];
+        const volume = dot(u, cross(v, w)), gradients = [cross(v, w), cross(w, u), cross(u, v)].map(g => g.map(x => x / volume));
+        const low = [first[0], first[1], 0], high = [last[0], last[1], this.shape[2] - 1];
+        for (let z = 0, to = 0; z < size[2]; ++z)
+            for (let y = 0; y < size[1]; ++y)
+                for (let x = 0; x < size[0]; ++x, to += 3) {
+                    const from = [x - origin[0], y - origin[1], z - origin[2]];
+                    let inside = true;
+                    for (let n = 0; n < 3; ++n) {
+                        const at = dot(from, gradients[n]);
+                        inside = inside && at >= low[n] - rimSlack && at <= high[n] + rimSlack;
+                        out[to + n] = clamp(snapped(at), low[n], high[n]);
+                    }
+                    if (!inside) out[to] = NaN;
+                }
+    }
+    locateInSlabs(size, first, last, out) {
+        const own = new Uint8Array(size[0] * size[1] * size[2]);  // 1: in cells beyond the lattice's own, 2: in its own
+        for (let k = 0; k < this.slabs; ++k) {
+            const low = this.plane(k), high = this.plane(k + 1), o = low.origin, u = low.u, v = low.v;
+            const chord = minus(high.origin, o), du = minus(high.u, u), dv = minus(high.v, v);
+            const scaled = a => a.map(x => this.hand * x);
+            // The normal U(c) x V(c), by powers of c.
+            const normals = [scaled(cross(u, v)), scaled(cross(u, dv).map((x, n) => x + cross(du, v)[n])), scaled(cross(du, dv))];
+            const from = !this.closed && k === 0 ? -rimSlack : 0, to = !this.closed && k + 1 === this.slabs ? 1 + rimSlack : 1;
+            const normal = c => along(along(normals[0], normals[1], c), normals[2], c * c);
+            const lowSide = [normal(from), along(o, chord, from)], highSide = [normal(to), along(o, chord, to)];
+            const box = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+            for (const c of [from, to])
+                for (const a of [first[0] - rimSlack, last[0] + rimSlack])
+                    for (const b of [first[1] - rimSlack, last[1] + rimSlack]) {
+                        const corner = along(along(along(o, chord, c), along(u, du, c), a), along(v, dv, c), b);
+                        for (let n = 0; n < 3; ++n) {
+                            box[0][n] = Math.min(box[0][n], corner[n]);
+                            box[1][n] = Math.max(box[1][n], corner[n]);
+                        }
+                    }
+            const begin = box[0].map(x => Math.max(0, Math.ceil(x - 1e-6))), end = box[1].map((x, n) => Math.min(size[n] - 1, Math.floor(x + 1e-6)));
+            // Products with the place of a voxel rise evenly along x: with the normal's powers, the sides, and U and V by powers of c.
+            const vectors = [...normals, lowSide[0], highSide[0], u, du, v, dv], ofChord = vectors.map(each => dot(each, chord));
+            const ofSide = [dot(lowSide[0], minus(lowSide[1], o)), dot(highSide[0], minus(highSide[1], o))];
+            const uu = [dot(u, u), 2 * dot(u, du), dot(du, du)], uv = [dot(u, v), dot(u, dv) + dot(v, du), dot(du, dv)];
+            const vv = [dot(v, v), 2 * dot(v, dv), dot(dv, dv)], q = [0, 0, 0, 0], by = vectors.map(each => each[0]);
+            const power = (of, c) => of[0] + c * (of[1] + c * of[2]);
+            for (let z = begin[2]; z <= end[2]; ++z)
+                for (let y = begin[1]; y <= end[1]; ++y) {
+                    const from0 = vectors.map(each => dot(each, minus([0, y, z], o)));
+                    for (let x = begin[0], voxel = x + size[0] * (y + size[1] * z); x <= end[0]; ++x, ++voxel) {
+                        if (from0[3] + x * by[3] < ofSide[0] || from0[4] + x * by[4] >= ofSide[1] || own[voxel] === 2) continue;
+                        q[0] = from0[0] + x * by[0];
+                        q[1] = from0[1] + x * by[1] - ofChord[0];
+                        q[2] = from0[2] + x * by[2] - ofChord[1];
+                        q[3] = -ofChord[2];
+                        const c = cubicRoot(q, from, to);
+                        const ru = from0[5] + x * by[5] + c * (from0[6] + x * by[6] - ofChord[5] - c * ofChord[6]);
+                        const rv = from0[7] + x * by[7] + c * (from0[8] + x * by[8] - ofChord[7] - c * ofChord[8]);
+                        const pp = power(uu, c), pq = power(uv, c), qq = power(vv, c), scale = 1 / (pp * qq - pq * pq);
+                        const a = (ru * qq - rv * pq) * scale, b = (rv * pp - ru * pq) * scale;
+                        if (!(a >= first[0] - rimSlack && a <= last[0] + rimSlack && b >= first[1] - rimSlack && b <= last[1] + rimSlack)) continue;
+                        const alongU = clamp(snapped(a), first[0], last[0]), alongV = clamp(snapped(b), first[1], last[1]);
+                        const inner = alongU >= 0 && alongV >= 0 && alongU <= this.shape[0] - 1 && alongV <= this.shape[1] - 1;
+                        if (!inner && own[voxel] === 1) continue;
+                        own[voxel] = inner ? 2 : 1;
+                        const w = Math.max(0, snapped(k + c));
+                        out[3 * voxel] = alongU;
+                        out[3 * voxel + 1] = alongV;
+                        out[3 * voxel + 2] = w < this.slabs ? w : this.closed ? 0 : this.slabs;
+                    }
+                }
+        }
+    }
+}
+
+/** As cubic_root of nodes/lattice/cubic_root.h. */
+function cubicRoot(q, from, to) {
+    let low = from - 1e-9, high = to + 1e-9, c = q[0] / -(q[1] + q[2] + q[3]);
+    if (!(c >= low && c <= high)) c = (low + high) / 2;
+    for (let n = 0; n < 100; ++n) {
+        const value = ((q[3] * c + q[2]) * c + q[1]) * c + q[0], slope = (3 * q[3] * c + 2 * q[2]) * c + q[1];
+        if (value >= 0) low = c;
+        else high = c;
+        const step = value / slope, next = c - step;
+        if (!(next >= low && next <= high)) {
+            c = (low + high) / 2;
+            if (high - low <= 1e-13) break;
+            continue;
+        }
+        c = next;
+        if (Math.abs((3 * q[3] * c + q[2]) * step * step) <= 1e-13 * Math.abs(slope)) break;
+    }
+    return c;
+}
+
+/** Which seam takes or doubles each entry in one frame: `[k][lateral][entry]`, the number of the seam from 1 on; negative: of the pair's
+ * window; 0: none.
+ * @param entries  `[window][seam][k][lateral]`, original entries */
+function seamOrder(set, entries) {
+    const before = set.shape[set.axis], columns = set.shape[1 - set.axis] * set.shape[2], out = new Int16Array(columns * before);
+    for (let window = 0, from = 0; window < (set.paired ? 2 : 1); ++window)
+        for (let seam = 1; seam <= set.energies.length; ++seam)
+            for (let column = 0; column < columns; ++column) out[column * before + entries[from++]] = window === 0 ? seam : -seam;
+    return out;
+}
+
+/** One seam set in one frame, carved by its first `count` seams: CarveStep of nodes/seams/carve_step.h. */
+class CarveStep {
+    /** @param origin  first entry of the space before, along u and v
+     * @param soft, fade  vertices; 0: none
+     * @param orders  seamOrder() of neighbouring frames: an odd number, this frame in the middle; one alone if time is not smoothed */
+    constructor(set, count, origin, {soft, soft_time, fade}, orders) {
+        this.axis = set.axis;
+        this.inserts = set.kind === 'insert';
+        this.closed = set.closed;
+        this.count = count;
+        this.fade = fade;
+        this.soft = soft > 0 || soft_time > 0;
+        this.paired = set.paired;
+        this.before = set.shape[set.axis];
+        this.laterals = set.shape[1 - set.axis];
+        this.slices = set.shape[2];
+        this.firstLateral = origin[1 - set.axis];
+        this.origin = origin[set.axis];
+        this.start = this.origin + set.shifts[count];
+        this.growth = this.inserts ? count : -count;
+        this.lastBefore = this.origin + this.before - 1;
+        this.last = this.start + this.before + (set.paired ? 0 : this.growth) - 1;
+        this.low = Math.min(this.origin, this.start);
+        this.high = Math.max(this.lastBefore, this.last);
+        this.entries = this.high - this.low + 1;
+        const tables = orders.map(order => this.displacements(order));
+        this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[k][lateral][entry - low]`
+    }
+
+    /** Displacements by whole vertices. Sets `seen`: in which entries, by window, displacements change. */
+    displacements(order) {
+        const out = new Float32Array(this.entries * this.laterals * this.slices), {before, count, inserts, origin} = this;
+        this.seen = [[Infinity, -Infinity], [Infinity, -Infinity]];
+        for (let column = 0; column < this.laterals * this.slices; ++column) {
+            const base = column * this.entries - this.low, of = column * before;
+            let entry = this.start;
+            out.fill(origin - this.start, column * this.entries, base + entry);
+            for (let i = 0; i < before; ++i) {
+                const seam = order[of + i];
+                if (seam === 0 || seam > count || -seam > count) {
+                    out[base + entry] = origin + i - entry++;
+                    continue;
+                }
+                const doubles = seam > 0 === inserts;
+                if (doubles) out[base + entry] = origin + i - entry++;
+                const seen = this.seen[seam > 0 ? 0 : 1];
+                seen[0] = Math.min(seen[0], entry);
+                seen[1] = Math.max(seen[1], entry);
+                if (doubles) out[base + entry] = origin + i + 0.5 - entry++;
+            }
+            out.fill(out[base + this.last], base + this.last + 1, (column + 1) * this.entries);
+        }
+        return out;
+    }
+
+    /** The spans within which displacements change, and the displacements before and behind them: CarveStep::windows. */
+    spans(set) {
+        const {start, growth} = this, whole = this.origin - start;
+        if (!this.paired) {
+            const [first, last] = set.window ?? [0, this.before - 1];
+            return [{first: start + first, last: start + last + growth, before: whole, behind: whole - growth}];
+        }
+        let [a, b] = this.seen;
+        if (set.window && set.pair_window) {
+            a = [start + set.window[0], start + set.window[1] + growth];
+            b = [start + growth + set.pair_window[0], start + set.pair_window[1]];
+        }
+        return [{first: a[0], last: a[1], before: 0, behind: -growth}, {first: b[0], last: b[1], before: -growth, behind: 0}];
+    }
+
+    /** Displacements smoothed by a tent in space and time: SmoothDisplacement::soft. */
+    smoothed(set, tables, soft, softTime) {
+        const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
+        const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
+        const now = tables.length === 1 ? tables[0] : overTime(tables, times);
+        const line = new Float32Array(entries + 2 * reach), [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
+        for (let base = 0; base < now.length; base += entries) {
+            now.fill(before, base, base + Math.max(0, first - low));
+            now.fill(behind, base + last + 1 - low, base + entries);
+            if (reach === 0) continue;
+            for (const span of spans) {
+                const size = span.last - span.first + 1, from = base + span.first - low;
+                for (let n = 0; n < size; ++n) line[reach + n] = now[from + n];
+                // Beyond a span the map goes on as its own mirror image.
+                for (let n = 1; n <= reach; ++n) {
+                    line[reach - n] = mirrored(now, from, size, -n, span);
+                    line[reach + size - 1 + n] = mirrored(now, from, size, size - 1 + n, span);
+                }
+                sumRows(weights, line, i => reach + i, size, now, from);
+            }
+        }
+        if (reach === 0) return now;
+        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, false);
+        return smoothAcross(across, weights, entries, this.slices, this.laterals, entries * this.laterals, entries, this.closed);
+    }
+
+    /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral  from the first column on */
+    scale(lateral, w) {
+        if (this.fade === 0) return 1;
+        const fromRim = (x, size) => size === 1 ? this.fade : Math.min(x, size - 1 - x);
+        return Math.min(1, Math.min(fromRim(lateral, this.laterals), this.closed ? this.fade : fromRim(w, this.slices)) / this.fade);
+    }
+}
+
+/** Weights of a tent at distances 0 to ceil(reach); over both sides their sum is 1. */
+function tent(reach) {
+    const out = [];
+    for (let x = 0; x <= Math.ceil(reach); ++x) out.push(1 - x / (reach + 1));
+    const sum = 2 * out.reduce((all, each) => all + each, 0) - 1;
+    return out.map(each => each / sum);
+}
+
+/** What is within 1e-4 of a whole number is that number. */
+function nearWhole(x) {
+    const whole = rounded(x);
+    return Math.abs(x - whole) < 1e-4 ? whole : x;
+}
+
+function overTime(tables, weights) {
+    const middle = (tables.length - 1) / 2, out = new Float32Array(tables[0].length);
+    for (let e = 0; e < out.length; ++e) {
+        let sum = 0;
+        for (let n = 0; n < tables.length; ++n) sum += weights[Math.abs(n - middle)] * tables[n][e];
+        out[e] = nearWhole(sum);
+    }
+    return out;
+}
+
+/** A displacement of a column whose span is mirrored half a vertex beyond its ends. @param n  entry, from the span's first */
+function mirrored(table, from, size, n, span) {
+    let add = 0, sign = 1;
+    while (n < 0 || n >= size) {
+        add += sign * 2 * (n < 0 ? span.before : span.behind);
+        sign = -sign;
+        n = n < 0 ? -1 - n : 2 * size - 1 - n;
+    }
+    return add + sign * table[from + n];
+}
+
+/** Writes the weighted sum of rows, rounded where a whole number is near. @param start  distance, both signs, to the start of a row in `from` */
+function sumRows(weights, from, start, size, out, to) {
+    const reach = weights.length - 1, middle = start(0), w0 = weights[0];
+    // Three distances at a time: mostly these are all.
+    for (let i = 1; i <= reach || i === 1; i += 3) {
+        const near = n => Math.min(n, reach), weight = n => n <= reach ? weights[n] : 0, first = i === 1, done = i + 3 > reach;
+        const w1 = weight(i), w2 = weight(i + 1), w3 = weight(i + 2), a1 = start(-near(i)), b1 = start(near(i));
+        const a2 = start(-near(i + 1)), b2 = start(near(i + 1)), a3 = start(-near(i + 2)), b3 = start(near(i + 2));
+        for (let e = 0; e < size; ++e) {
+            const sum = (first ? w0 * from[middle + e] : out[to + e]) + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) +
+                w3 * (from[a3 + e] + from[b3 + e]);
+            out[to + e] = done ? nearWhole(sum) : sum;
+        }
+    }
+}
+
+/** Smooths whole columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart. */
+function smoothAcross(table, weights, entries, count, lines, stride, between, closed) {
+    if (count === 1) return table;
+    const out = new Float32Array(table.length);
+    for (let line = 0; line < lines; ++line)
+        for (let at = 0; at < count; ++at) {
+            const base = line * between, to = base + at * stride;
+            const row = near => base + stride * (closed ? ((near % count) + count) % count : clamp(near, 0, count - 1));
+            sumRows(weights, table, i => row(at + i), entries, out, to);
+        }
+    return out;
+}
+
+/** The steps of a chain of seam sets in one frame: CarveMap. @param count  seams used of the last set; of all others, all
+ * @param orders  `[set][neighbouring frame]` */
+function carveSteps(sets, count, softness, orders) {
+    const origin = [0, 0], steps = [];
+    sets.forEach((set, n) => {
+        const used = n + 1 === sets.length ? count : set.energies.length;
+        if (used === 0) return;
+        const step = new CarveStep(set, used, origin, softness, orders[n]);
+        origin[set.axis] = step.start;
+        steps.push(step);
+    });
+    return steps;
+}
+
+/** The lowest and highest coordinates along u and v that any count of the last set reaches. */
+function reachOf(lattice, sets) {
+    const first = [0, 0], last = [lattice.shape[0] - 1, lattice.shape[1] - 1];
+    for (const set of sets) {
+        const grown = set.kind === 'insert' && !set.paired ? set.energies.length : 0;
+        first[set.axis] -= Math.max(0, ...set.shifts.map(shift => -shift));
+        last[set.axis] += grown;
+    }
+    return {first, last};
+}
+
+/** Carves a volume of 8 bits. Reads between voxels linearly; beyond the volume lies `background`.
+ * @param places  Lattice.locate()
+ * @param box     [[x, y, z], [x, y, z]]: first and last voxel to carve
+ * @param out     receives the carved voxels of the box */
+function carve(volume, size, background, lattice, places, steps, box, out) {
+    const [nx, ny, nz] = size, row = nx, plane = nx * ny;
+    const voxel = (x, y, z) => x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz ? volume[x + row * y + plane * z] : background;
+    const readAtRim = (i, j, k, a, b, c) => {
+        let sum = 0;
+        for (let n = 0; n < 8; ++n) {
+            const weight = (n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c);
+            if (weight > 0) sum += weight * voxel(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+        }
+        return sum;
+    };
+    const read = (x, y, z) => {
+        // What is near a voxel is that voxel: snapped(), for positions in one go.
+        let i = Math.floor(x + snapWidth), j = Math.floor(y + snapWidth), k = Math.floor(z + snapWidth);
+        const a = x - i > snapWidth ? x - i : 0, b = y - j > snapWidth ? y - j : 0, c = z - k > snapWidth ? z - k : 0;
+        if (i < 0 || j < 0 || k < 0 || i + 1 >= nx || j + 1 >= ny || k + 1 >= nz) return readAtRim(i, j, k, a, b, c);
+        const n = i + row * j + plane * k, v0 = volume[n];
+        if (b === 0 && c === 0) return a === 0 ? v0 : v0 + (volume[n + 1] - v0) * a;
+        const v1 = volume[n + 1], v2 = volume[n + row], v3 = volume[n + row + 1];
+        const x0 = v0 + (v1 - v0) * a, low = x0 + (v2 + (v3 - v2) * a - x0) * b;
+        if (c === 0) return low;
+        const m = n + plane, v4 = volume[m], v5 = volume[m + 1], v6 = volume[m + row], v7 = volume[m + row + 1];
+        const x2 = v4 + (v5 - v4) * a, high = x2 + (v6 + (v7 - v6) * a - x2) * b;
+        return low + (high - low) * c;
+    };
+
+    let px = 0, py = 0, pz = 0;                      // the voxel
+    const {steps: shears, box: straight} = lattice;  // the steps to the next vertex along u and v, per plane
+    /** The content at displacements from the voxel's own place: both move it straight in the plane at `w`. */
+    const content = (du, dv, w) => {
+        if (du === 0 && dv === 0) return volume[px + row * py + plane * pz];
+        const k = straight ? 0 : Math.floor(w), c = straight ? 0 : w - k, n = 6 * k;
+        let x = du * shears[n] + dv * shears[n + 3], y = du * shears[n + 1] + dv * shears[n + 4], z = du * shears[n + 2] + dv * shears[n + 5];
+        if (c > 0) {
+            x += c * (du * shears[n + 6] + dv * shears[n + 9] - x);
+            y += c * (du * shears[n + 7] + dv * shears[n + 10] - y);
+            z += c * (du * shears[n + 8] + dv * shears[n + 11] - z);
+        }
+        return read(px + x, py + y, pz + z);
+    };
+
+    /** The content at lattice coordinates after the first `count` steps. @param du, dv  how far steps have moved it */
+    const gather = (count, u, v, w, du, dv) => {
+        while (count-- > 0) {
+            const step = steps[count], across = step.axis === 1, lateral = (across ? u : v) - step.firstLateral;
+            let e = across ? v : u;
+            if (e > step.high && e <= step.high + rimSlack) e = step.high;
+            if (e < step.low && e >= step.low - rimSlack) e = step.low;
+            if (e < step.low || e > step.high || lateral < 0 || lateral > step.laterals - 1) continue;
+            const scale = step.fade === 0 ? 1 : step.scale(lateral, w);
+            if (e < step.origin + scale * (step.start - step.origin) || e > step.lastBefore + scale * (step.last - step.lastBefore)) {
+                if (step.inserts) continue;
+                return background;
+            }
+            const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
+            // The four columns of the cell, and the next entry in each; those of weight 0 may not exist.
+            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries : 0;
+            const behind = c > 0 ? entries * step.laterals * (k + 1 < step.slices ? 1 : 1 - step.slices) : 0;
+            const n00 = entries * (j + step.laterals * k) + i - step.low, n10 = n00 + aside, n01 = n00 + behind, n11 = n01 + aside;
+            let d = table[n00], whole = d === Math.floor(d);
+            if (up + aside + behind !== 0) {
+                const d00 = d + (table[n00 + up] - d) * a, d10 = table[n10] + (table[n10 + up] - table[n10]) * a;
+                const d01 = table[n01] + (table[n01 + up] - table[n01]) * a, d11 = table[n11] + (table[n11 + up] - table[n11]) * a;
+                const low = d00 + (d10 - d00) * b, high = d01 + (d11 - d01) * b, mean = low + (high - low) * c;
+                whole = whole && d00 === d && d10 === d && d01 === d && d11 === d;
+                d = mean;
+            }
+            if (step.soft || whole) {
+                const to = clamp(e + scale * d, step.origin, step.lastBefore);
+                if (across) dv += to - e, v = to;
+                else du += to - e, u = to;
+                continue;
+            }
+            // Beside a seam values are blended, not positions.
+            const goTo = to => {
+                if (scale < 1) to = clamp(e + scale * (to - e), step.origin, step.lastBefore);
+                return across ? gather(count, u, to, w, du, dv + to - e) : gather(count, to, v, w, du + to - e, dv);
+            };
+            // An inserted entry is the mean of its neighbours.
+            const from = (entry, by) => Number.isInteger(by) ? goTo(entry + by) : 0.5 * (goTo(entry + by - 0.5) + goTo(entry + by + 0.5));
+            const column = n => table[n] === table[n + up] ? from(e, table[n]) : (1 - a) * from(i, table[n]) + a * from(i + 1, table[n + up]);
+            let sum = (1 - b) * (1 - c) * column(n00);
+            if (b > 0) sum += b * (1 - c) * column(n10);
+            if (c > 0) sum += (1 - b) * c * column(n01);
+            if (b > 0 && c > 0) sum += b * c * column(n11);
+            return sum;
+        }
+        return content(du, dv, w);
+    };
+
+    // Most volumes are carved by one step, and most of their cells move as one: this is quick, the rest is left to gather().
+    const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
+    const {axis, low, high, start, last, origin, lastBefore, firstLateral, laterals, entries, slices, table, soft, inserts} = one ?? {};
+    const sheet = entries * laterals;
+    for (let z = box[0][2]; z <= box[1][2]; ++z)
+        for (let y = box[0][1]; y <= box[1][1]; ++y)
+            for (let x = box[0][0], n = x + row * y + plane * z; x <= box[1][0]; ++x, ++n) {
+                const u = places[3 * n];
+                if (u !== u) {
+                    out[n] = volume[n];
+                    continue;
+                }
+                const v = places[3 * n + 1], w = places[3 * n + 2];
+                px = x, py = y, pz = z;
+                if (one) {
+                    const e = axis === 0 ? u : v, lateral = (axis === 0 ? v : u) - firstLateral;
+                    if (e >= start && e <= last && e >= low && e <= high && lateral >= 0 && lateral <= laterals - 1) {
+                        const i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
+                        let at = entries * j + sheet * k + i - low, d = table[at], known = soft || d === Math.floor(d);
+                        if (a + b + c > 0) {
+                            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries : 0, behind = c > 0 ? (k + 1 < slices ? sheet : -sheet * k) : 0;
+                            const d00 = d + (table[at + up] - d) * a;
+                            at += aside;
+                            const d10 = table[at] + (table[at + up] - table[at]) * a;
+                            at += behind;
+                            const d11 = table[at] + (table[at + up] - table[at]) * a;
+                            at -= aside;
+                            const d01 = table[at] + (table[at + up] - table[at]) * a, near = d00 + (d10 - d00) * b;
+                            known = soft || known && d00 === d && d10 === d && d01 === d && d11 === d;
+                            d = near + (d01 + (d11 - d01) * b - near) * c;
+                        }
+                        if (known) {
+                            const by = e + d < origin ? origin - e : e + d > lastBefore ? lastBefore - e : d;
+                            out[n] = by === 0 ? volume[n] : (axis === 0 ? content(by, 0, w) : content(0, by, w)) + 0.5;
+                            continue;
+                        }
+                    }
+                }
+                out[n] = gather(steps.length, u, v, w, 0, 0) + 0.5;
+            }
+}

@@ -1,0 +1,197 @@
+#include "nodes/page/page_node.h"
+
+#include "graph/output_file.h"
+#include "graph/text/words.h"
+#include "graph/text/xml_text.h"
+#include "nodes/io/file_sequence.h"
+#include "nodes/page/page_scene.h"
+#include "nodes/page/page_texts.h"
+#include "nodes/preview/shown_frames.h"
+#include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/rim.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace fluidcarve {
+
+namespace {
+
+constexpr int default_frames = 8;
+constexpr std::size_t usual_bytes = 2 << 20;  ///< a page for which no number of frames is stated holds fewer frames above this
+constexpr std::size_t most_bytes = 20 << 20;
+
+/// Replaces the first `{{name}}` of a text.
+void fill(std::string& text, std::string_view name, std::string_view by) {
+    const auto mark = fmt::format("{{{{{}}}}}", name);
+    text.replace(text.find(mark), mark.size(), by);
+}
+
+std::string megabytes(std::size_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (1 << 20)); }
+
+struct PreviewPage {
+    struct Params {
+        Auto<std::string> grid;
+        Auto<int> frames;
+        Auto<int> voxels;
+        Auto<Count> count;
+        double soft = default_soft;
+        double soft_time = default_soft_time;
+        Rim rim = Rim::cut;
+        double fade = 8;
+        std::string setting = "count";
+        OutputPath path;
+    };
+    struct Ports {
+        Ref<Volume> before;
+        Optional<FloatGrid> energy;
+        Optional<Lattice> lattice;
+        Optional<Rig> rig;
+        OptionalNamed<AnyGrid> masks;
+        OptionalList<Seams> seams;
+    };
+
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        if (check.connections("seams") > 0 && check.connections("lattice") == 0)
+            check.fault("seams", "'seams' need the lattice in which they were found: connect 'lattice'");
+        if (check.stated("path") && ending_of(params.path.text()) != ".html") check.fault("path", "'path' must end in .html; a page is an HTML file");
+    }
+
+    /// Finds a grid that is not there before the run starts.
+    static void survey(const Params& params, Survey& survey) {
+        if (!params.grid) return;
+        const auto total = survey.frames().size();
+        survey_grids(
+            "before", survey, [&](std::size_t place) { return is_shown(place, total, params.frames.value_or(default_frames)); },
+            [&](const auto& there) {
+                if (std::find(there.begin(), there.end(), *params.grid) == there.end())
+                    throw Failure(fmt::format("'before' has no grid '{}'{}", *params.grid, did_you_mean(*params.grid, there)));
+            });
+    }
+
+    static bool wants(const Params& params, const Context& context) {
+        return is_shown(context.place(), context.frames().size(), params.frames.value_or(default_frames));
+    }
+
+    void add(const Params& params, const Ports& io, Context& context) {
+        if (context.per_frame() && !wants(params, context)) return;
+        PageFrame frame;
+        frame.number = context.frame();
+        frame.before = grid_of(*io.before, params.grid);
+        frame.energy = io.energy;
+        frame.lattice = io.lattice;
+        frame.rig = io.rig;
+        for (const auto& [name, mask] : io.masks) frame.masks.emplace_back(name, mask->grid);
+        frame.seams = io.seams;
+        if (frame.lattice && frame.lattice->closed_form) context.warn("the page carves by the lattice's true inverse, not by `mapping: closed_form`");
+        // Refuses seams of another lattice, and a count or a softness that the carve refuses.
+        if (!frame.seams.empty()) carve_map(*frame.lattice, frame.seams, params.count, frame.number, {params.soft, params.soft_time});
+        frames_.push_back(std::move(frame));
+    }
+
+    void finish(const Params& params, Ports&, Context& context) {
+        if (frames_.empty()) throw Failure("none of the frames to show was computed");
+        auto shown = frames_;
+        auto page = page_html(page_scene(wish_of(params, context), shown));
+        // Fewer frames, in even steps, until the page is small.
+        for (int count = static_cast<int>(frames_.size()) - 1; !params.frames && page.size() > usual_bytes && count > 0; --count) {
+            context.check_cancelled();
+            shown.clear();
+            for (std::size_t n = 0; n < frames_.size(); ++n)
+                if (is_shown(n, frames_.size(), count)) shown.push_back(frames_[n]);
+            page = page_html(page_scene(wish_of(params, context), shown));
+        }
+        if (page.size() > most_bytes)
+            throw Failure(fmt::format("the page would have {}, more than {}; lower `frames` ({}) or `voxels`", megabytes(page.size()), megabytes(most_bytes),
+                                      shown.size()));
+        if (shown.size() < frames_.size())
+            context.warn(fmt::format("the page shows {} of {} frames, to stay small; state `frames` for more", shown.size(), frames_.size()));
+        OutputFile::write(params.path.at(context.frame()), page);
+    }
+
+private:
+    static openvdb::GridBase::ConstPtr grid_of(const Volume& volume, const Auto<std::string>& name) {
+        const auto shows = [](const auto& grid) { return grid && (grid->template isType<FloatGrid>() || grid->template isType<VectorGrid>()); };
+        if (name) {
+            const auto grid = volume.find(*name);
+            if (!grid) throw Failure(fmt::format("'before' has no grid '{}'; it has: {}", *name, volume.names()));
+            if (!shows(grid)) throw Failure(fmt::format("grid '{}' holds {} values; a page shows grids of floats or vectors", *name, grid->valueType()));
+            return grid;
+        }
+        if (const auto density = volume.find("density"); shows(density)) return density;
+        for (const auto& grid : volume.grids)
+            if (shows(grid)) return grid;
+        throw Failure(fmt::format("'before' has no grid of floats or vectors to show; it has: {}", volume.names()));
+    }
+
+    PageWish wish_of(const Params& params, const Context& context) const {
+        PageWish out;
+        out.grid = frames_.front().before->getName();
+        out.title = out.grid;
+        for (const auto& [name, text] : context.provenance())
+            if (name == "fluidcarve_pipeline") out.title = text;
+        out.setting = params.setting;
+        if (params.voxels) out.voxels = out.flat_voxels = *params.voxels;
+        if (const auto& seams = frames_.front().seams; !seams.empty())
+            out.count = params.count ? static_cast<std::size_t>(std::abs(params.count->of(seams.back()->carved()))) : seams.back()->seams.size();
+        out.softness = {params.soft, params.soft_time};
+        out.fade = params.rim == Rim::fade ? params.fade : 0;
+        return out;
+    }
+
+    std::vector<PageFrame> frames_;
+};
+
+}  // namespace
+
+std::string page_html(const nlohmann::ordered_json& scene) {
+    const auto& texts = page_texts();
+    auto data = scene.dump();
+    // Nothing in a text may end the element that holds the data.
+    for (auto at = data.find('<'); at != std::string::npos; at = data.find('<', at)) data.replace(at, 1, "\\u003c");
+    std::string out(texts.at("page.html"));
+    fill(out, "title", xml_text(scene.at("title").get<std::string>()));
+    fill(out, "style", texts.at("page.css"));
+    for (const auto* const script : {"carve", "scene", "volume", "picture", "page"}) fill(out, script, texts.at(std::string(script) + ".js"));
+    fill(out, "data", data);
+    return out;
+}
+
+NodeType preview_page() {
+    return Declare<PreviewPage>(
+               "preview.page",
+               "A page for a browser, to choose the count by eye: the sequence before and after, with a slider. It is one file that loads nothing "
+               "else. The page carves by itself, from the seams, as remap.grids does with linear interpolation. Without `seams` it shows where "
+               "rig, lattice, masks and energy lie.")
+        .input("before", &PreviewPage::Ports::before, "The grids before the carve, usually as read.")
+        .input("energy", &PreviewPage::Ports::energy, "The energy in which the seams are found, to show over `before`.")
+        .input("lattice", &PreviewPage::Ports::lattice, "The lattice in which the seams were found, or one to place. Cells that fold are red.")
+        .input("rig", &PreviewPage::Ports::rig, "A rig to draw, mostly that of the lattice.")
+        .input("masks", &PreviewPage::Ports::masks,
+               "Masks to show, or the active voxels of any grid, by name, such as what a solver protects: `masks: {protect: face}`.")
+        .input("seams", &PreviewPage::Ports::seams, "Seams, or a list of seam sets in the order of carving. The slider is for the last one.")
+        .param("grid", &PreviewPage::Params::grid,
+               "Name of the grid to show. Vectors are shown by their length. auto is `density`, or the first grid of floats or vectors.")
+        .param("frames", &PreviewPage::Params::frames, Unit::frames, between(1, 240),
+               "Number of frames to show, in even steps from the first to the last; 1: the middle one. They stay in memory until the last of them. auto is 8, "
+               "or fewer if the page had more than 2 MB. A page above 20 MB is refused.")
+        .param(
+            "voxels", &PreviewPage::Params::voxels, Unit::voxels, between(8, 2048),
+            "Most voxels along an axis. Of a larger grid each voxel shows the mean of several, and the carve reads these. auto is 96, and 640 for a picture, "
+            "which is one voxel thick.")
+        .param("count", &PreviewPage::Params::count, Unit::seams, any_number(), "Number of seams that the page shows at first, as remap.grids takes it.")
+        .param("soft", &PreviewPage::Params::soft, Unit::vertices, between(0, 1000), "As remap.grids takes it.")
+        .param("soft_time", &PreviewPage::Params::soft_time, Unit::frames, between(0, 100), "As remap.grids takes it.")
+        .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")
+        .param("fade", &PreviewPage::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("setting", &PreviewPage::Params::setting,
+               "What sets the count, as the page writes it for the command line: `count` makes `--set count=-17`, `seams.count` the field of a node.")
+        .required("path", &PreviewPage::Params::path, "File that ends in .html, one for the whole sequence. Missing folders are made.");
+}
+
+}  // namespace fluidcarve

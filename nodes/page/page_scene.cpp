@@ -1,0 +1,239 @@
+#include "nodes/page/page_scene.h"
+
+#include "graph/text/problem.h"
+#include "nodes/field/extent.h"
+#include "nodes/lattice/alignment.h"
+#include "nodes/lattice/mapping.h"
+#include "nodes/page/packed.h"
+#include "nodes/page/page_grid.h"
+#include "nodes/seams/carve_map.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace fluidcarve {
+
+using Json = nlohmann::ordered_json;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+namespace {
+
+Json to_json(const Vec3d& at) { return {at.x(), at.y(), at.z()}; }
+
+/// Number of vertices by which a chain of sets may move content along its axes.
+int farthest_move(const std::vector<std::shared_ptr<const Seams>>& sets) {
+    std::size_t out = 0;
+    for (const auto& set : sets) out += set->seams.size();
+    return static_cast<int>(out);
+}
+
+/// The index box that a page shows: the active voxels of all frames, and where the carve may move them.
+CoordBBox shown_box(const std::vector<PageFrame>& frames) {
+    CoordBBox out;
+    for (const auto& frame : frames) {
+        const auto active = frame.before->evalActiveVoxelBoundingBox();
+        if (active.empty()) continue;
+        out.expand(active);
+        if (frame.seams.empty()) continue;
+        const CarveMap map(*frame.lattice, frame.seams, frame.number, std::nullopt);
+        const auto lattice = map.extended(*frame.lattice);
+        const auto& space = frame.before->transform();
+        const auto voxel = space.voxelSize();
+        const double move = farthest_move(frame.seams) * lattice.spacing / std::min({voxel.x(), voxel.y(), voxel.z()});
+        auto moved = padded(active, static_cast<int>(std::min(std::ceil(move), 1e6)));
+        moved.intersect(voxels_around(Mapping(lattice, map.reach()).world_box(map.moved()), space, "the lattice"));
+        if (!moved.empty()) out.expand(moved);
+    }
+    return out.empty() ? CoordBBox(openvdb::Coord(0), openvdb::Coord(0)) : out;
+}
+
+/// Planes in page voxels: of each the position of vertex (0, 0) and the steps to the next vertex along u, v and w.
+Json lattice_json(const Lattice& given, const PageGrid& page) {
+    const auto alignment = align(given, *page.space);
+    const auto lattice = alignment && alignment->one_to_one() ? on_voxels(given, *alignment, *page.space) : given;
+    std::vector<double> planes;
+    for (const auto& plane : lattice.planes) {
+        const auto origin = page.place(plane.origin);
+        const auto add = [&](const Vec3d& at) { planes.insert(planes.end(), {at.x(), at.y(), at.z()}); };
+        add(origin);
+        for (const auto& direction : {plane.u, plane.v, plane.w}) add(page.place(plane.origin + lattice.spacing * direction) - origin);
+    }
+    std::vector<std::uint8_t> bytes;
+    append_numbers(bytes, planes);
+    return {{"shape", lattice.shape}, {"closed", lattice.closed}, {"box", lattice.is_box()}, {"planes", packed(bytes)}};
+}
+
+Json rig_json(const Rig& rig, const PageGrid& page) {
+    Json points = Json::array();
+    for (const auto& point : rig.points) {
+        const auto at = page.place(point);
+        for (int n = 0; n < 3; ++n) points.push_back(std::round(100 * at[n]) / 100);
+    }
+    return {{"closed", rig.closed}, {"points", std::move(points)}};
+}
+
+/// Entries of all seams of a frame as original indices: `[set][window][seam][column]`.
+std::vector<std::uint16_t> original_entries(const std::vector<std::shared_ptr<const Seams>>& sets, int frame) {
+    std::vector<std::uint16_t> out;
+    for (const auto& set : sets) {
+        const auto t = static_cast<std::size_t>(std::find(set->frames.begin(), set->frames.end(), frame) - set->frames.begin());
+        const auto columns = set->columns_per_frame();
+        for (const auto* const window : {&set->seams, &set->pairs}) {
+            const auto kind = window == &set->seams ? set->kind : opposite(set->kind);
+            const auto base = out.size();
+            out.resize(base + window->size() * columns);
+            std::vector<std::uint16_t> entries, scratch;
+            for (std::size_t column = 0; column < columns; ++column) {
+                entries.clear();
+                for (const auto& seam : *window) entries.push_back(seam.at[t * columns + column]);
+                if (kind == Seams::Kind::remove) to_original(entries, scratch);
+                for (std::size_t n = 0; n < entries.size(); ++n) out[base + n * columns + column] = entries[n];
+            }
+        }
+    }
+    return out;
+}
+
+Json set_json(const Seams& set) {
+    Json energies = Json::array(), shifts = Json::array();
+    for (const auto& seam : set.seams) energies.push_back(seam.energy);
+    for (std::size_t count = 0; count <= set.seams.size(); ++count) shifts.push_back(set.shift_after(count));
+    const auto window = [](const std::optional<Window>& each) { return each ? Json{each->first, each->last} : Json(); };
+    return {{"axis", dimension(set.axis)},
+            {"kind", to_text(set.kind)},
+            {"closed", set.closed},
+            {"paired", set.paired()},
+            {"shape", set.shape},
+            {"window", window(set.window)},
+            {"pair_window", window(set.pair_window)},
+            {"anchor", to_text(set.anchor)},
+            {"energies", std::move(energies)},
+            {"shifts", std::move(shifts)}};
+}
+
+/// Numbers equal things: lattices, rigs and frames of seams that several frames share are written once.
+class Shared {
+public:
+    /// @param make  the thing, if it is new
+    template <class Make>
+    std::size_t number(const std::string& key, const Make& make) {
+        const auto [place, fresh] = numbers_.emplace(key, all_.size());
+        if (fresh) all_.push_back(make());
+        return place->second;
+    }
+    Json take() { return std::move(all_); }
+
+private:
+    std::map<std::string, std::size_t> numbers_;
+    Json all_ = Json::array();
+};
+
+/// Lowest and highest of many values.
+struct Span {
+    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    void add(const std::vector<float>& values) {
+        for (const auto value : values) {
+            low = std::min(low, value);
+            high = std::max(high, value);
+        }
+    }
+};
+
+float background_of(const openvdb::GridBase& grid) {
+    return grid.isType<FloatGrid>() ? static_cast<const FloatGrid&>(grid).background() : static_cast<const VectorGrid&>(grid).background().length();
+}
+
+}  // namespace
+
+Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
+    const auto& first = frames.front();
+    if (!first.before->transform().isLinear()) throw Failure(fmt::format("grid '{}' lies in a frustum; a page shows grids with linear transforms", wish.grid));
+    for (const auto& frame : frames)
+        if (frame.before->transform() != first.before->transform())
+            throw Failure(fmt::format("grid '{}' has another transform in frame {} than in frame {}; a page shows frames in one space", wish.grid, frame.number,
+                                      first.number));
+    const auto box = shown_box(frames);
+    require_near(wish.grid, box);
+    const bool flat = box.min().x() == box.max().x() || box.min().y() == box.max().y() || box.min().z() == box.max().z();
+    const auto page = page_grid(first.before->transformPtr(), box, flat ? wish.flat_voxels : wish.voxels);
+
+    Span seen, energy;
+    seen.add({background_of(*first.before)});
+    energy.add({0});
+    std::vector<std::vector<float>> values, energies;
+    for (const auto& frame : frames) {
+        values.push_back(page_values(*frame.before, page));
+        seen.add(values.back());
+        if (frame.energy) energy.add(energies.emplace_back(page_values(*frame.energy, page)));
+    }
+    if (seen.low == seen.high) seen.high += 1;
+    if (energy.high == 0) energy.high = 1;
+    // The inside of a level set is below 0: it is shown as what there is most of.
+    const bool level_set = first.before->getGridClass() == openvdb::GRID_LEVEL_SET;
+    const auto [from, to] = level_set ? std::pair(seen.high, seen.low) : std::pair(seen.low, seen.high);
+
+    Json out;
+    out["title"] = wish.title;
+    out["grid"] = wish.grid;
+    out["levelSet"] = level_set;
+    out["size"] = page.size;
+    out["step"] = page.step;
+    out["first"] = {page.first.x(), page.first.y(), page.first.z()};
+    out["world"] = {to_json(page.world(Vec3d(0))), to_json(page.world({1, 0, 0})), to_json(page.world({0, 1, 0})), to_json(page.world({0, 0, 1}))};
+    out["range"] = {from, to};
+    out["background"] = page_bytes(std::vector{background_of(*first.before)}, from, to).front();
+    out["energyRange"] = first.energy ? Json{0, energy.high} : Json();
+    out["setting"] = wish.setting;
+    out["count"] = wish.count;
+    out["softness"] = {{"soft", wish.softness.vertices}, {"soft_time", wish.softness.frames}, {"fade", wish.fade}};
+    out["masks"] = Json::array();
+    for (const auto& [name, mask] : first.masks) out["masks"].push_back(name);
+    out["sets"] = Json::array();
+    for (const auto& set : first.seams) out["sets"].push_back(set_json(*set));
+
+    Shared lattices, rigs, seams;
+    Json list = Json::array();
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+        const auto& frame = frames[n];
+        Json each{{"number", frame.number}, {"lattice", nullptr}, {"rig", nullptr}, {"seams", Json::array()}};
+        if (frame.lattice) each["lattice"] = lattices.number(frame.lattice->hash, [&] { return lattice_json(*frame.lattice, page); });
+        if (frame.rig) {
+            const auto rig = rig_json(*frame.rig, page);
+            each["rig"] = rigs.number(rig.dump(), [&] { return rig; });
+        }
+        if (!frame.seams.empty()) {
+            // The neighbours in time, this frame in the middle; at an end of the sequence the last one again (soften()).
+            const auto& numbers = frame.seams.front()->frames;
+            const int reach = static_cast<int>(std::ceil(wish.softness.frames)), last = static_cast<int>(numbers.size()) - 1;
+            const auto place = static_cast<int>(std::find(numbers.begin(), numbers.end(), frame.number) - numbers.begin());
+            for (int by = -reach; by <= reach; ++by) {
+                const int number = numbers[static_cast<std::size_t>(std::clamp(place + by, 0, last))];
+                each["seams"].push_back(seams.number(std::to_string(number), [&] {
+                    std::vector<std::uint8_t> bytes;
+                    append_differences(bytes, original_entries(frame.seams, number));
+                    return packed(bytes);
+                }));
+            }
+        }
+        std::vector<std::uint8_t> bytes;
+        append_differences(bytes, page_bytes(values[n], from, to));
+        if (frame.energy) append_differences(bytes, page_bytes(energies[n], 0, energy.high));
+        for (const auto& [name, mask] : frame.masks) append_differences(bytes, page_mask(*mask, page));
+        each["voxels"] = packed(bytes);
+        list.push_back(std::move(each));
+    }
+    out["lattices"] = lattices.take();
+    out["rigs"] = rigs.take();
+    out["seams"] = seams.take();
+    out["frames"] = std::move(list);
+    return out;
+}
+
+}  // namespace fluidcarve

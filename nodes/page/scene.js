@@ -1,0 +1,103 @@
+'use strict';
+// The data of the page, as page_scene (nodes/page/page_scene.h) writes it.
+
+/** The bytes of a text of packed(): base64 of gzip. */
+async function unpacked(text) {
+    const packed = Uint8Array.from(atob(text), each => each.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Undoes append_differences() of bytes. */
+function summed(bytes) {
+    const out = new Uint8Array(bytes.length);
+    for (let n = 0, last = 0; n < bytes.length; ++n) out[n] = last = last + bytes[n] & 255;
+    return out;
+}
+
+/** Undoes append_differences() of numbers of 16 bits. */
+function summed16(bytes) {
+    const out = new Uint16Array(bytes.length / 2);
+    for (let n = 0, last = 0; n < out.length; ++n) out[n] = last = last + (bytes[n] | bytes[out.length + n] << 8) & 65535;
+    return out;
+}
+
+class Scene {
+    constructor(data) {
+        Object.assign(this, data);
+        this.voxels = this.size[0] * this.size[1] * this.size[2];
+        this.most = this.sets.length > 0 ? this.sets[this.sets.length - 1].energies.length : 0;
+        /** Lengths of a voxel along x, y and z, world units. */
+        this.voxel = [1, 2, 3].map(n => Math.hypot(...minus(this.world[n], this.world[0])));
+        this.kept = {frames: [], lattices: [], seams: []};
+    }
+    /** The value that a byte stands for. */
+    value(byte) { return this.range[0] + byte / 255 * (this.range[1] - this.range[0]); }
+    worldOf(at) {
+        return this.world[0].map((x, n) => x + [0, 1, 2].reduce((sum, axis) => sum + at[axis] * (this.world[axis + 1][n] - this.world[0][n]), 0));
+    }
+    /** The sign and number of seams, as on the command line. */
+    signed(count) {
+        const set = this.sets[this.sets.length - 1];
+        return count === 0 ? '0' : (set && set.kind === 'insert' ? '' : '-') + count;
+    }
+    /** A frame, ready to be carved. @param n  place in the list of frames */
+    frame(n) { return this.kept.frames[n] ??= this.read(this.frames[n]); }
+    async read({number, lattice, rig, seams, voxels}) {
+        const bytes = await unpacked(voxels), part = n => summed(bytes.subarray(n * this.voxels, (n + 1) * this.voxels));
+        let next = 0;
+        const out = {number, rig: rig === null ? null : this.rigs[rig], volume: part(next++)};
+        out.energy = this.energyRange ? part(next++) : null;
+        out.masks = this.masks.map(() => part(next++));
+        Object.assign(out, lattice === null ? {lattice: null} : await (this.kept.lattices[lattice] ??= this.readLattice(this.lattices[lattice])));
+        const orders = await Promise.all(seams.map(each => this.kept.seams[each] ??= this.readSeams(this.seams[each])));
+        out.orders = this.sets.map((set, s) => orders.map(order => order[s]));
+        return out;
+    }
+    async readLattice(data) {
+        const bytes = await unpacked(data.planes), lattice = new Lattice(data, new Float64Array(bytes.buffer));
+        const {first, last} = reachOf(lattice, this.sets);
+        return {lattice, places: lattice.locate(this.size, first, last)};
+    }
+    /** Of each set, seamOrder(). */
+    async readSeams(data) {
+        const entries = summed16(await unpacked(data));
+        let from = 0;
+        return this.sets.map(set => {
+            const size = (set.paired ? 2 : 1) * set.energies.length * set.shape[1 - set.axis] * set.shape[2];
+            return seamOrder(set, entries.subarray(from, from += size));
+        });
+    }
+    /** The number of seams from which on more of them hurt: where the energies lie deepest below the line from the first to the last; 0: none. */
+    knee() {
+        const set = this.sets[this.sets.length - 1], energies = set ? set.energies : [], last = energies.length - 1;
+        let highest = -Infinity, deepest = 0, out = 0;
+        const rising = energies.map(each => highest = Math.max(highest, each));
+        rising.forEach((energy, n) => {
+            const depth = rising[0] + (rising[last] - rising[0]) * n / last - energy;
+            if (depth > deepest) deepest = depth, out = n + 1;
+        });
+        return out;
+    }
+}
+
+/** The cells of a lattice that fold (METHOD 2), each as its lower plane and its vertex (i, j). */
+function foldedCells(lattice) {
+    const out = [], [nu, nv] = lattice.shape;
+    for (let k = 0; k < lattice.slabs; ++k) {
+        const a = lattice.plane(k), b = lattice.plane(k + 1);
+        const [up, down] = [a, b].map(plane => cross(plane.u, plane.v).map(x => lattice.hand * x));
+        const bad = new Uint8Array(nu * nv);
+        for (let j = 0, n = 0; j < nv; ++j)
+            for (let i = 0; i < nu; ++i, ++n) {
+                const low = along(along(a.origin, a.u, i), a.v, j), high = along(along(b.origin, b.u, i), b.v, j);
+                bad[n] = dot(up, minus(high, a.origin)) > 0 && dot(down, minus(b.origin, low)) > 0 ? 0 : 1;
+            }
+        for (let j = 0; j < Math.max(1, nv - 1); ++j)
+            for (let i = 0; i < Math.max(1, nu - 1); ++i) {
+                const n = i + nu * j, right = i + 1 < nu ? 1 : 0, above = j + 1 < nv ? nu : 0;
+                if (bad[n] + bad[n + right] + bad[n + above] + bad[n + right + above] > 0) out.push({k, i, j});
+            }
+    }
+    return out;
+}

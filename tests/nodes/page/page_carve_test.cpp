@@ -1,0 +1,170 @@
+#include "nodes/page/page_grid.h"
+#include "nodes/page/page_node.h"
+#include "nodes/page/page_scene.h"
+#include "nodes/remap/grid.h"
+#include "tests/support/bent_lattices.h"
+#include "tests/support/browser.h"
+#include "tests/support/reference_carve.h"
+#include "tests/support/wavy_seams.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+namespace {
+
+/// Waves in a box of voxels, a tenth of a unit each, that differ from frame to frame.
+FloatGrid::Ptr waves(const std::array<int, 3>& size, int frame) {
+    auto out = FloatGrid::create();
+    out->setName("density");
+    out->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
+    for (int x = 0; x < size[0]; ++x)
+        for (int y = 0; y < size[1]; ++y)
+            for (int z = 0; z < size[2]; ++z)
+                out->tree().setValue({x, y, z}, static_cast<float>(1.5 + std::sin(0.9 * x + frame) * std::cos(0.7 * y) + 0.5 * std::sin(1.3 * z + 0.4 * x)));
+    return out;
+}
+
+/// A carve, in the page and by remap.grids.
+struct Case {
+    std::string name;
+    std::array<int, 3> size;
+    Lattice lattice;
+    std::vector<Seams> sets;
+    Softness softness = {};
+    double fade = 0;
+    std::vector<int> counts = {1, 2, 3, 5, 6};
+};
+
+/// Checks the middle slice across each axis, as the page draws it, at several counts.
+void check(const Case& what) {
+    INFO(what.name);
+    const Scratch scratch;
+    const auto grid = waves(what.size, 1);
+    std::vector<std::shared_ptr<const Seams>> sets;
+    for (auto each : what.sets) {
+        each.find_shifts();
+        sets.push_back(std::make_shared<Seams>(std::move(each)));
+    }
+    PageWish wish;
+    wish.title = wish.grid = "density";
+    wish.setting = "count";
+    wish.softness = what.softness;
+    wish.fade = what.fade;
+    PageFrame frame;
+    frame.number = sets.front()->frames[sets.front()->frames.size() / 2];
+    frame.before = grid;
+    frame.lattice = std::make_shared<Lattice>(what.lattice);
+    frame.seams = sets;
+    const auto scene = page_scene(wish, {frame});
+    const auto seen = ask_browser(scratch, page_html(scene), "const counts = " + nlohmann::json(what.counts).dump() + R"js(, out = [];
+        await showFrame();
+        byId('wipe').value = 0;
+        for (const count of counts)
+            for (const axis of ['x', 'y', 'z']) {
+                document.querySelector(`input[name=kind][value=${axis}]`).checked = true;
+                showKind();
+                byId('count').value = count;
+                draw();
+                const [r, t] = sliceAxes[axis], {width, height} = canvases.picture, slice = [], at = [0, 0, 0];
+                const pixels = picture.context.getImageData(0, 0, width, height).data;
+                at[axisNumber[axis]] = number('at');
+                for (at[t] = 0; at[t] < scene.size[t]; ++at[t])
+                    for (at[r] = 0; at[r] < scene.size[r]; ++at[r]) {
+                        const [x, y] = picture.project(axis, at, turn);
+                        slice.push(pixels[4 * (Math.floor(x) + width * Math.floor(y))]);
+                    }
+                out.push({count, axis: axisNumber[axis], at: number('at'), slice});
+            }
+        return out;)js");
+    const auto first = scene["first"].get<std::array<int, 3>>();
+    const PageGrid page{grid->transformPtr(), Coord(first[0], first[1], first[2]), 1, scene["size"].get<std::array<int, 3>>()};
+    REQUIRE(scene["step"] == 1);
+    const auto range = scene["range"].get<std::array<float, 2>>();
+    const auto before = page_bytes(page_values(*grid, page), range[0], range[1]);
+    std::size_t changed = 0;
+    for (const auto& each : seen) {
+        CarveMap map(what.lattice, sets, frame.number, each["count"].get<std::size_t>(), what.softness);
+        if (what.fade > 0) map.fade(what.fade);
+        const auto carved = page_bytes(page_values(*carve_grid(grid, what.lattice, map, Interpolation::linear), page), range[0], range[1]);
+        const auto axis = each["axis"].get<int>();
+        const int r = axis == 0 ? 1 : 0, t = axis == 2 ? 1 : 2;
+        const auto slice = each["slice"].get<std::vector<int>>();
+        int worst = 0;
+        std::array<int, 3> at{}, worst_at{};
+        at[static_cast<std::size_t>(axis)] = each["at"].get<int>();
+        std::size_t n = 0;
+        for (int up = 0; up < page.size[static_cast<std::size_t>(t)]; ++up)
+            for (int right = 0; right < page.size[static_cast<std::size_t>(r)]; ++right, ++n) {
+                at[static_cast<std::size_t>(r)] = right;
+                at[static_cast<std::size_t>(t)] = up;
+                const auto voxel = static_cast<std::size_t>(at[0] + page.size[0] * (at[1] + page.size[1] * at[2]));
+                changed += carved[voxel] != before[voxel] ? 1 : 0;
+                const int off = std::abs(slice.at(n) - static_cast<int>(carved[voxel]));
+                if (off > worst) worst = off, worst_at = at;
+            }
+        INFO("count " << each["count"] << ", axis " << axis << ", voxel " << worst_at[0] << " " << worst_at[1] << " " << worst_at[2]);
+        CHECK(worst <= 1);
+    }
+    CHECK(changed > 1000);
+}
+
+const std::array<int, 3> size{26, 18, 20};
+
+Lattice box_lattice() { return make_box({0, 0, 0}, {26, 18, 20}, 0.1, {0, 1, 2}); }
+Lattice ring_lattice() { return ring({1.3, 0.9, 0.2}, {9, 14, 36}, 0.1, {-0.4, 0}); }
+
+}  // namespace
+
+TEST_CASE("the page carves a box as remap.grids does") {
+    if (!browser_is_there()) {
+        WARN("chromium is not installed: the page was not looked at");
+        return;
+    }
+    const auto box = box_lattice();
+    for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
+        for (const double soft : {0.0, 3.0}) {
+            const auto name = to_text(kind) + (soft > 0 ? " softly" : "");
+            check({name, size, box, {wavy_seams(box, Axis::u, kind, 9, 6, 2)}, {soft, 0}});
+        }
+    auto anchored = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 6, 1);
+    anchored.anchor.at = Anchor::At::middle;
+    check({"anchored", size, box, {anchored}, {1.5, 0}});
+    anchored.anchor = {Anchor::At::vertex, 12};
+    check({"anchored at a vertex", size, box, {anchored}});
+    check({"faded", size, box, {wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2)}, {2, 0}, 4});
+    std::mt19937 random(7);
+    for (const double soft : {0.0, 2.0}) {
+        check({"pairs", size, box, {random_pairs(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1})}, {soft, 0}});
+        check({"frames", size, box, {random_seams(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1, 2, 3})}, {soft, 1}});
+    }
+    const auto first = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 3, 1);
+    auto second = wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2);
+    second = random_seams(random, box, first.shape_after(3), Axis::u, Seams::Kind::remove, 6, {1});
+    for (const double soft : {0.0, 2.0}) check({"a chain", size, box, {first, second}, {soft, 0}});
+}
+
+TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does") {
+    if (!browser_is_there()) return;
+    const auto round = ring_lattice(), oblique = turned(make_box({0.33, 0.11, 0.05}, {20, 16, 18}, 0.09, {0, 1, 2}), 0.2);
+    for (const auto& lattice : {round, oblique})
+        for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
+            for (const double soft : {0.0, 3.0}) {
+                const auto axis = lattice.closed ? Axis::v : Axis::u;
+                check({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
+                       size,
+                       lattice,
+                       {wavy_seams(lattice, axis, kind, 4, 6, 1)},
+                       {soft, 0}});
+            }
+    check({"outwards", size, round, {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {3, 0}, 0, {1, 2, 3}});
+    const auto bent = helix({10, 8, 30}, 0.08, 1.2, 0.3);
+    check({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {2, 0}, 0, {1, 2, 3}});
+}

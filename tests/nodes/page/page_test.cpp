@@ -1,0 +1,231 @@
+#include "nodes/lattice/folds.h"
+#include "nodes/page/page_grid.h"
+#include "nodes/page/page_node.h"
+#include "nodes/page/page_scene.h"
+#include "tests/support/bent_lattices.h"
+#include "tests/support/browser.h"
+#include "tests/support/node_bench.h"
+#include "tests/support/wavy_seams.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+using namespace fluidcarve;
+using namespace fluidcarve::test;
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+namespace {
+
+/// A ball in a box of voxels.
+FloatGrid::Ptr ball(int size) {
+    auto out = FloatGrid::create();
+    out->setName("density");
+    const double middle = 0.5 * (size - 1);
+    for (int x = 0; x < size; ++x)
+        for (int y = 0; y < size; ++y)
+            for (int z = 0; z < size; ++z)
+                out->tree().setValue({x, y, z}, static_cast<float>(std::max(0.01, 1 - (Vec3d(x, y, z) - Vec3d(middle)).length() / middle)));
+    return out;
+}
+
+PageFrame frame_of(int size, int seams) {
+    PageFrame out;
+    out.number = 1;
+    out.before = ball(size);
+    out.lattice = std::make_shared<Lattice>(make_box({0, 0, 0}, {size, size, size}, 1, {0, 1, 2}));
+    auto set = wavy_seams(*out.lattice, Axis::u, Seams::Kind::remove, size / 2, seams, 2);
+    for (std::size_t n = 0; n < set.seams.size(); ++n) set.seams[n].energy = n < 4 ? 1.0 : static_cast<double>(n);
+    if (seams > 0) out.seams = {std::make_shared<Seams>(set)};
+    return out;
+}
+
+std::string page_of(const PageFrame& frame) {
+    PageWish wish;
+    wish.title = "shot.yaml </script>";
+    wish.grid = "density";
+    wish.setting = "seams.count";
+    wish.count = frame.seams.empty() ? 0 : 5;
+    wish.softness = {3, 0};
+    return page_html(page_scene(wish, {frame}));
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// A lattice around a circle that reaches past its centre.
+Lattice folded() { return ring({8, 8, 4}, {16, 6, 24}, 1, {-10, 0}); }
+
+}  // namespace
+
+TEST_CASE("page voxels are means of cubes, and grids of other transforms are read at their centres") {
+    FloatGrid fine, coarse;
+    coarse.setTransform(openvdb::math::Transform::createLinearTransform(2));
+    for (int n = 0; n < 8; ++n) fine.tree().setValue(Coord(n, 0, 0), static_cast<float>(n));
+    coarse.tree().setValue(Coord(1, 0, 0), 8);
+    const auto page = page_grid(fine.transformPtr(), {Coord(0), Coord(6, 0, 0)}, 4);
+    CHECK(page.step == 2);
+    CHECK(page.size == std::array<int, 3>{4, 1, 1});
+    const auto means = page_values(fine, page);
+    CHECK(means[1] == Approx((2 + 3) / 8.0));
+    CHECK(means[3] == Approx((6 + 7) / 8.0));
+    // Centres stand at 0.5, 2.5, ... along x and 0.5 along y and z.
+    CHECK(page_values(coarse, page)[1] == Approx(8 * 0.75 * 0.75 * 0.75));
+    CHECK(page.place(page.world({2, 0, 0})) == Vec3d(2, 0, 0));
+    CHECK(page_bytes(std::vector<float>{-1, 0, 1, 2, 5}, 0, 2) == std::vector<std::uint8_t>{0, 0, 128, 255, 255});
+    CHECK(page_bytes(std::vector<float>{0, 2}, 2, 0) == std::vector<std::uint8_t>{255, 0});
+    MaskGrid mask;
+    mask.tree().setValueOn(Coord(3, 1, 1));
+    CHECK(page_mask(mask, page_grid(fine.transformPtr(), {Coord(0), Coord(7, 1, 1)}, 8))[3 + 8 * 3] == 255);
+}
+
+TEST_CASE("a page loads nothing else, and no text of a pipeline ends its data") {
+    const auto page = page_of(frame_of(12, 6));
+    for (const auto* const outside : {"http:", "https:", "src=", "<link", "@import", "{{"}) CHECK_FALSE(contains(page, outside));
+    CHECK(contains(page, "default-src 'none'"));
+    CHECK(contains(page, "shot.yaml &lt;/script&gt;"));
+    CHECK(contains(page, "shot.yaml \\u003c/script>"));
+    CHECK(page_of(frame_of(12, 6)) == page);
+}
+
+TEST_CASE("the page node says what is wrong with its parameters") {
+    const auto faults = [](const std::string& yaml, const std::map<std::string, std::size_t>& connected) {
+        return NodeBench(preview_page(), yaml, connected).faults();
+    };
+    CHECK(faults("path: a.html", {{"before", 1}, {"seams", 1}, {"lattice", 1}}).empty());
+    CHECK_THAT(faults("path: a.png", {{"before", 1}}), Catch::Contains("must end in .html"));
+    CHECK_THAT(faults("path: a.html", {{"before", 1}, {"seams", 1}}), Catch::Contains("connect 'lattice'"));
+    CHECK_THAT(faults("{path: a.html, fade: 4}", {{"before", 1}}), Catch::Contains("fade"));
+}
+
+TEST_CASE("the page node shows the first grid that can be shown, and writes its file") {
+    const Scratch scratch;
+    const auto frame = frame_of(12, 6);
+    NodeBench bench(preview_page(), "{path: " + (scratch / "new/page.html") + ", count: -4}", {{"before", 1}, {"seams", 1}, {"lattice", 1}});
+    const auto ids = openvdb::Int32Grid::create();
+    ids->setName("ids");
+    const Volume volume{{ids, frame.before}, {}, {}};
+    bench.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}, {"lattice", {Payload(frame.lattice)}}, {"seams", {Payload(frame.seams[0])}}});
+    bench.finish();
+    const auto page = Scratch::read(scratch / "new/page.html");
+    CHECK(contains(page, "\"grid\":\"density\""));
+    CHECK(contains(page, "\"count\":4"));
+
+    NodeBench empty(preview_page(), "path: " + (scratch / "page.html"), {{"before", 1}});
+    CHECK_THROWS_WITH(empty.add({{"before", {Payload(std::make_shared<const Volume>(Volume{{ids}, {}, {}}))}}}), Catch::Contains("it has: ids"));
+    NodeBench other(preview_page(), "{grid: smoke, path: " + (scratch / "page.html") + "}", {{"before", 1}});
+    CHECK_THROWS_WITH(other.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}}), Catch::Contains("no grid 'smoke'"));
+}
+
+TEST_CASE("the page needs no mouse, asks for no file, and says what to type") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    const auto seen = ask_browser(scratch, page_of(frame_of(16, 6)), R"js(
+        await showFrame();
+        const key = (target, key) => target.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true}));
+        const controls = [...document.querySelectorAll('input, button, #view')].filter(each => each.offsetParent && !each.disabled);
+        const out = {
+            unnamed: controls.filter(each => each.id !== 'view' && !each.labels?.length && !each.ariaLabel && !each.textContent).map(each => each.id),
+            unreached: controls.filter(each => each.tabIndex < 0).map(each => each.id),
+            loaded: performance.getEntriesByType('resource').length, text: [byId('setting').value], knee: scene.knee(), spoken: byId('count').ariaValueText};
+        key(document.body, ']');
+        out.text.push(byId('setting').value);
+        key(document.body, '[');
+        key(document.body, '[');
+        out.text.push(byId('setting').value);
+        const {yaw, zoom} = turn;
+        key(byId('view'), 'ArrowLeft');
+        key(byId('view'), '+');
+        out.turned = [turn.yaw !== yaw, turn.zoom > zoom];
+        key(byId('view'), 'Home');
+        out.home = turn.yaw === yaw && turn.zoom === zoom;
+        out.views = [...document.querySelectorAll('input[name=kind]')].filter(each => !each.disabled).length;
+        return out;)js");
+    CHECK(seen["unnamed"].empty());
+    CHECK(seen["unreached"].empty());
+    CHECK(seen["loaded"] == 0);
+    CHECK(seen["text"] == nlohmann::json{"--set seams.count=-5", "--set seams.count=-6", "--set seams.count=-4"});
+    CHECK(seen["spoken"] == "-5 seams");
+    CHECK(seen["knee"] == 4);
+    CHECK(seen["turned"] == nlohmann::json{true, true});
+    CHECK(seen["home"] == true);
+    CHECK(seen["views"] == 4);
+}
+
+TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost; without WebGL2 there are slices") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    const auto page = page_of(frame_of(16, 6));
+    const std::string look = R"js(
+        const seen = () => {
+            draw();
+            const {gl} = volume, {width, height} = canvases.volume, all = new Uint8Array(4 * width * height);
+            gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, all);
+            return [all[4 * (5 + width * 5)], all[4 * ((width >> 2) + width * (height >> 1))], all[4 * ((width >> 1) + width * (height >> 1))]];
+        };
+        await showFrame();)js";
+    const auto drawn = ask_browser(scratch, page, look + R"js(
+        const first = seen(), lose = volume.gl.getExtension('WEBGL_lose_context');
+        const event = name => new Promise(done => canvases.volume.addEventListener(name, () => setTimeout(done, 50)));
+        const lost = event('webglcontextlost');
+        lose.loseContext();
+        await lost;
+        const restored = event('webglcontextrestored');
+        lose.restoreContext();
+        await restored;
+        return {first, again: seen()};)js");
+    // The corner is empty, the middle is not.
+    CHECK(std::abs(drawn["first"][2].get<int>() - drawn["first"][0].get<int>()) > 20);
+    CHECK(drawn["again"] == drawn["first"]);
+    const auto flat = ask_browser(scratch, page, R"js(
+        await showFrame();
+        draw();
+        const {width, height} = canvases.picture, pixels = picture.context.getImageData(0, 0, width, height).data;
+        return {kind: kind(), volume: volume !== null, enabled: document.querySelector('input[value=volume]').disabled,
+            middle: pixels[4 * ((width >> 1) - 8 + width * (height >> 1))], notes: byId('notes').textContent};)js",
+                                  "--disable-3d-apis");
+    CHECK(flat["volume"] == false);
+    CHECK(flat["enabled"] == true);
+    CHECK(flat["kind"] == "y");
+    CHECK(flat["middle"].get<int>() > 100);
+    CHECK(contains(flat["notes"], "no WebGL2"));
+}
+
+TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    PageFrame frame = frame_of(16, 0);
+    frame.lattice = std::make_shared<Lattice>(folded());
+    const auto seen = ask_browser(scratch, page_of(frame), R"js(
+        await showFrame();
+        return {folds: folds.length, lattice: overlays().has('lattice'), slider: byId('count').offsetParent !== null, notes: byId('notes').textContent};)js");
+    CHECK(seen["folds"] == static_cast<int>(count_folds(*frame.lattice, 16, 6).cells));
+    CHECK(seen["folds"].get<int>() > 0);
+    CHECK(seen["lattice"] == true);
+    CHECK(seen["slider"] == false);
+    CHECK(contains(seen["notes"], "cells of the lattice fold"));
+}
+
+TEST_CASE("from the slider to the picture the script takes less than 50 ms at 96 voxels") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    const auto seen = ask_browser(scratch, page_of(frame_of(96, 12)), R"js(
+        await showFrame();
+        const times = {};
+        for (const shown of ['volume', 'z']) {
+            document.querySelector(`input[name=kind][value=${shown}]`).checked = true;
+            showKind();
+            times[shown] = 1e9;
+            for (let n = 0; n < 24; ++n) {
+                byId('count').value = 1 + n % 12;
+                tellCount();
+                draw();
+                times[shown] = Math.min(times[shown], scriptTime);
+            }
+        }
+        return times;)js");
+    INFO(seen.dump());
+    CHECK(seen["volume"].get<double>() < 50);
+    CHECK(seen["z"].get<double>() < 50);
+}

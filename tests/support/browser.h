@@ -1,0 +1,54 @@
+#pragma once
+
+#include "tests/support/scratch.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <regex>
+#include <string>
+
+namespace fluidcarve::test {
+
+inline bool browser_is_there() { return std::system("command -v chromium >/dev/null 2>&1") == 0; }
+
+/// Opens a page in headless Chromium and runs a script in it.
+/// @param script   body of an async function; what it returns is the result. It sees the page's own names
+/// @param options  further options of Chromium
+inline nlohmann::json ask_browser(const Scratch& scratch, std::string page, const std::string& script, const std::string& options = "") {
+    const std::string asked = R"js(<script>
+        (async () => {
+            const out = document.createElement('pre');
+            out.id = 'out';
+            try {
+                out.textContent = JSON.stringify(await (async () => {)js" +
+                              script + R"js(})());
+            } catch (error) {
+                out.textContent = JSON.stringify({failed: String(error) + error.stack});
+            }
+            document.head.append(out);
+        })();
+        </script></body>)js";
+    page.replace(page.rfind("</body>"), 7, asked);
+    const auto file = scratch.write("asked.html", page);
+    const auto said = scratch / "said.html";
+    // Time in the page runs on while nothing happens, so that what the page waits for is there in the end.
+    const auto command =
+        "timeout 120 chromium --headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --hide-scrollbars"
+        " --virtual-time-budget=20000 --user-data-dir=" +
+        (scratch / "profile") + " " + options + " --dump-dom file://" + file + " >" + said + " 2>" + (scratch / "errors");
+    const int code = std::system(command.c_str());
+    const auto text = Scratch::read(said);
+    INFO(code << " " << Scratch::read(scratch / "errors"));
+    const auto begin = text.find("<pre id=\"out\">"), end = text.find("</pre>", begin);
+    REQUIRE(begin != std::string::npos);
+    auto json = text.substr(begin + 14, end - begin - 14);
+    for (const auto& [name, sign] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}}) json = std::regex_replace(json, std::regex(name), sign);
+    auto out = nlohmann::json::parse(json);
+    INFO(json.substr(0, 2000));
+    REQUIRE_FALSE((out.is_object() && out.contains("failed")));
+    return out;
+}
+
+}  // namespace fluidcarve::test
