@@ -333,7 +333,10 @@ private:
                     node.per_frame_input = node.per_frame_input || rate == Rate::frame;
                     inputs = std::max(inputs, rate);
                 }
-            bool reads = false, moves = node.params && node.type->animates && node.type->animates(node.params.get());
+            node.gathers = node.params && node.type->gathers(node.params.get());
+            const bool animates = node.params && node.type->animates && node.type->animates(node.params.get());
+            // A node that gathers can only tell frames apart by its inputs.
+            bool reads = false, moves = animates && (!node.gathers || node.per_frame_input);
             if (node.params)
                 for (const auto& spec : node.type->params)
                     reads = reads || (spec.shape.kind == Shape::Kind::input_path && spec.path(node.params.get()).per_frame());
@@ -341,9 +344,9 @@ private:
             for (const auto& links : node.inputs)
                 for (const auto& link : links) reads = reads || sequences_.contains(drafts_[link.node].node.name);
             if (reads) sequences_.insert(node.name);
-            node.gathers = node.params && node.type->gathers(node.params.get());
+            const bool once = !node.type->per_frame_outputs || (node.gathers && node.type->animates && !animates);
             if (moves) node.rate = Rate::frame;
-            else if (node.per_frame_input && !node.type->per_frame_outputs) node.rate = Rate::sequence;
+            else if (node.per_frame_input && once) node.rate = Rate::sequence;
             else node.rate = inputs;
         }
     }
