@@ -32,6 +32,7 @@ public:
     bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window
     bool paired() const { return paired_; }
     bool closed() const { return closed_; }  ///< whether plane slices() is plane 0 again
+    bool around() const { return around_; }  ///< whether column laterals() is column 0 again; first_lateral() is then 0
     int count() const { return static_cast<int>(count_); }
     int before() const { return before_; }  ///< vertices along the axis before the carve
     int after() const { return paired_ ? before_ : before_ + growth(); }
@@ -71,7 +72,7 @@ public:
     /// @param at  carved lattice coordinates
     bool holds(const openvdb::Vec3d& at) const {
         const double u = at[axis_], v = at[1 - axis_];
-        return u >= low() && u <= high() && v >= first_lateral_ && v <= last_lateral();
+        return u >= low() && u <= high() && v >= first_lateral_ && v <= (around_ ? laterals_ : last_lateral());
     }
     void fade(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade
     bool fades() const { return fade_ > 0; }
@@ -80,7 +81,8 @@ public:
     double scale(const openvdb::Vec3d& at) const {
         if (fade_ == 0) return 1;
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
-        return std::min(1.0, std::min(from_rim(at[1 - axis_] - first_lateral_, laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
+        const double lateral = around_ ? fade_ : from_rim(at[1 - axis_] - first_lateral_, laterals_), along = closed_ ? fade_ : from_rim(at.z(), slices_);
+        return std::min(1.0, std::min(lateral, along) / fade_);
     }
     /// Where the carved space begins and ends along the axis. The entries that a removal frees, or an insertion adds, are scaled too.
     double begin(double scale) const { return origin_ + scale * (start_ - origin_); }
@@ -130,7 +132,7 @@ private:
     int growth() const { return inserts_ ? count() : -count(); }
 
     int axis_, before_, laterals_, slices_, first_lateral_, origin_, start_;
-    bool inserts_, paired_, closed_;
+    bool inserts_, paired_, closed_, around_;
     std::size_t count_;
     int first_moved_, last_moved_;
     double fade_ = 0;                    ///< vertices; 0: none

@@ -34,6 +34,7 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.value(seams.axis);
     out.value(seams.kind);
     out.value(seams.closed);
+    out.value(seams.around);
     out.value(seams.shape);
     out.list(seams.frames);
     out.text(seams.lattice);
@@ -52,6 +53,7 @@ Ref<Seams> read_all(std::istream& from) {
     out->axis = in.value_up_to(Axis::v);
     out->kind = in.value_up_to(Seams::Kind::insert);
     out->closed = in.value<bool>();
+    out->around = in.value<bool>();
     out->shape = in.value<std::array<int, 3>>();
     out->frames = in.list<int>();
     std::uint64_t columns = out->frames.size();
@@ -75,7 +77,7 @@ void add_seams_payload(Registry& registry) {
     auto type = payload_type<Seams>(
         "seams", "Seams through a lattice over all frames, in order.",
         [](const Seams& seams) { return (seams.seams.size() + seams.pairs.size()) * seams.columns_per_frame() * seams.frames.size() * sizeof(std::uint16_t); },
-        {2, &write_all, &read_all});
+        {3, &write_all, &read_all});
     type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
     registry.add(std::move(type));
 }
