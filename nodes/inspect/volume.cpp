@@ -5,7 +5,7 @@
 #include "nodes/field/same_transform.h"
 #include "nodes/grid_types.h"
 #include "nodes/inspect/facts.h"
-#include "nodes/io/profile.h"
+#include "nodes/io/conventions.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"
 
@@ -126,9 +126,9 @@ private:
     std::vector<std::pair<std::string, std::vector<std::string>>> all_;
 };
 
-void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, Oddities& out) {
+void note_grid(const GridBase& grid, const Json& facts, const Conventions* conventions, Oddities& out) {
     const auto say = [&](const std::string& text) { out.add(text, facts["name"].get<std::string>()); };
-    const bool blender = profile && profile->name == "blender";
+    const bool blender = conventions && conventions->name == "blender";
     const auto size = grid.voxelSize();
 
     if (RawGrid::of(grid)) return say(fmt::format("of type {}, which OpenVDB does not know: kept as it is, but can't be looked at or carved", grid.type()));
@@ -146,7 +146,7 @@ void note_grid(const GridBase& grid, const Json& facts, const Profile* profile, 
         if (grid.getGridClass() == openvdb::GRID_STAGGERED) say("staggered: component c stands on the face below its voxel along axis c");
         if (grid.getVectorType() == openvdb::VEC_INVARIANT && grid.getName().starts_with("vel"))
             say("its vector type is invariant: other tools don't rotate it with its transform");
-        if (profile && grid.getName().starts_with("vel")) say(fmt::format("if {} wrote it, in {}", profile->application, profile->velocity_unit));
+        if (conventions && grid.getName().starts_with("vel")) say(fmt::format("if {} wrote it, in {}", conventions->application, conventions->velocity_unit));
     }
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<FloatGrid>() && static_cast<const FloatGrid&>(grid).background() <= 0)
         say("called a level set, but its background is not above 0: dense values in voxels, no narrow band");
@@ -178,9 +178,9 @@ void note_between(const Volume& volume, const Json& grids, Oddities& out) {
     }
 }
 
-void note_file(const Volume& volume, const VdbHeader& header, const Profile* profile, Oddities& out) {
+void note_file(const Volume& volume, const VdbHeader& header, const Conventions* conventions, Oddities& out) {
     if (volume.grids.empty()) return out.add("no grids");
-    if (profile && profile->name == "blender" && volume.grids[0]->transform().indexToWorld(openvdb::Vec3d(0)).isZero())
+    if (conventions && conventions->name == "blender" && volume.grids[0]->transform().indexToWorld(openvdb::Vec3d(0)).isZero())
         out.add("the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back");
     if (header.version != openvdb::OPENVDB_FILE_VERSION)
         out.add(fmt::format("the file's version is {}; it would be written as {}", header.version, static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
@@ -190,18 +190,18 @@ Json look(const std::string& path) {
     VdbFile from(path);
     const auto& header = from.header();
     const auto volume = from.read();
-    const auto* const profile = detected_profile(header);
+    const auto* const conventions = detected_conventions(header);
     Json out{{"file", path}, {"kind", "volume"}, {"bytes", std::filesystem::file_size(path)}, {"version", header.version}, {"compression", volume.codec}};
-    out["profile"] = profile ? Json(profile->name) : Json(nullptr);
+    out["profile"] = conventions ? Json(conventions->name) : Json(nullptr);
     out["metadata"] = metadata_of(volume.metadata);
     out["grids"] = Json::array();
     Oddities oddities;
     for (std::size_t n = 0; n < volume.grids.size(); ++n) {
         out["grids"].push_back(grid_json(*volume.grids[n], header.grids[n].unique_name));
-        note_grid(*volume.grids[n], out["grids"].back(), profile, oddities);
+        note_grid(*volume.grids[n], out["grids"].back(), conventions, oddities);
     }
     note_between(volume, out["grids"], oddities);
-    note_file(volume, header, profile, oddities);
+    note_file(volume, header, conventions, oddities);
     out["oddities"] = oddities.lines();
     return out;
 }
@@ -240,7 +240,7 @@ std::string transform_text(const Json& transform) {
 }
 
 std::string text(const Json& file) {
-    const auto* const known = file["profile"].is_null() ? nullptr : profile(file["profile"].get<std::string>());
+    const auto* const known = file["profile"].is_null() ? nullptr : conventions_of(file["profile"].get<std::string>());
     auto out = fmt::format("{}: {} bytes, version {}, compression {}{}\n", file["file"].get<std::string>(), count_text(file["bytes"]),
                            count_text(file["version"]), file["compression"].get<std::string>(), known ? fmt::format(", as {} writes", known->application) : "");
     for (const auto& [name, value] : file["metadata"].items()) out += fmt::format("  {}: {}\n", name, value.get<std::string>());

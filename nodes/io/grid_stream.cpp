@@ -23,7 +23,7 @@ namespace {
 // it compares inactive values, and -0 equals 0.
 constexpr std::uint32_t codec = openvdb::io::COMPRESS_NONE;
 
-/// Maximum nesting of components in origins: a stream with more is damaged.
+/// Maximum nesting of components in stored forms: a stream with more is damaged.
 constexpr int deepest = 8;
 
 /// Attaches OpenVDB's stream metadata to a stream during its lifetime.
@@ -96,21 +96,21 @@ void GridWriter::write(const openvdb::GridBase& grid) {
     write_tree(grid);
     write_metadata(grid, binary_);
     write_transform(grid.transform(), binary_);
-    const auto origin = origin_of(grid);
-    binary_.value(origin != nullptr);
-    if (origin) write(*origin, grid.constBaseTree());
+    const auto stored = stored_form_of(grid);
+    binary_.value(stored != nullptr);
+    if (stored) write(*stored, grid.constBaseTree());
     if (!out_) to_.setstate(std::ios_base::badbit);
 }
 
-void GridWriter::write(const Origin& origin, const openvdb::TreeBase& tree) {
-    binary_.value(origin.placement);
-    binary_.value(origin.in_file != nullptr);
-    if (origin.in_file) write_transform(*origin.in_file, binary_);
-    binary_.value(std::uint64_t{origin.components.size()});
-    for (const auto& component : origin.components) write(*component);
-    binary_.value(origin.merged.lock().get() == &tree);
-    binary_.value(origin.made_staggered);
-    binary_.value(origin.class_in_file);
+void GridWriter::write(const StoredForm& stored, const openvdb::TreeBase& tree) {
+    binary_.value(stored.placement);
+    binary_.value(stored.in_file != nullptr);
+    if (stored.in_file) write_transform(*stored.in_file, binary_);
+    binary_.value(std::uint64_t{stored.components.size()});
+    for (const auto& component : stored.components) write(*component);
+    binary_.value(stored.merged.lock().get() == &tree);
+    binary_.value(stored.made_staggered);
+    binary_.value(stored.class_in_file);
 }
 
 void GridWriter::write_tree(const openvdb::GridBase& grid) {
@@ -152,12 +152,12 @@ openvdb::GridBase::Ptr GridReader::read_grid(int depth) {
     read_tree(*out);
     out->insertMeta(read_metadata(binary_));
     out->setTransform(read_transform(binary_));
-    if (binary_.value<bool>()) set_origin(*out, read_origin(out->constBaseTreePtr(), depth));
+    if (binary_.value<bool>()) set_stored_form(*out, read_stored_form(out->constBaseTreePtr(), depth));
     return out;
 }
 
-Origin GridReader::read_origin(const openvdb::TreeBase::ConstPtr& tree, int depth) {
-    Origin out;
+StoredForm GridReader::read_stored_form(const openvdb::TreeBase::ConstPtr& tree, int depth) {
+    StoredForm out;
     out.placement = binary_.value<Placement>();
     if (binary_.value<bool>()) out.in_file = read_transform(binary_);
     for (auto left = binary_.value<std::uint64_t>(); left > 0; --left) {

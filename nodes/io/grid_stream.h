@@ -1,7 +1,7 @@
 #pragma once
 
 #include "nodes/io/binary.h"
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 #include "nodes/payloads.h"
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace fluidcarve {
 
 /// Writes grids bit for bit as in memory, for the cache. Unlike a .vdb file (vdb_file.h) it does not round grids that are marked as half
-/// floats, and keeps signs of zeros and the origin of grids (origin.h). Other metadata that exists only in memory is left out.
+/// floats, and keeps signs of zeros and the stored form of grids (stored_form.h). Other metadata that exists only in memory is left out.
 /// A tree shared by several grids is written once. The grids must outlive the writer.
 class GridWriter {
 public:
@@ -21,7 +21,7 @@ public:
     void write(const openvdb::GridBase& grid);
 
 private:
-    void write(const Origin& origin, const openvdb::TreeBase& tree);
+    void write(const StoredForm& stored, const openvdb::TreeBase& tree);
     void write_tree(const openvdb::GridBase& grid);
 
     std::ostream& to_;
@@ -46,7 +46,7 @@ public:
 
 private:
     openvdb::GridBase::Ptr read_grid(int depth);
-    Origin read_origin(const openvdb::TreeBase::ConstPtr& tree, int depth);
+    StoredForm read_stored_form(const openvdb::TreeBase::ConstPtr& tree, int depth);
     void read_tree(openvdb::GridBase& grid);
 
     std::istream in_;

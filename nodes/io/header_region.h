@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/types/outlook.h"
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 #include "nodes/io/vdb_file.h"
 
 #include <optional>

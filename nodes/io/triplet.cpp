@@ -1,7 +1,7 @@
 #include "nodes/io/triplet.h"
 
 #include "graph/text/problem.h"
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 
 namespace fluidcarve {
 namespace {
@@ -93,24 +93,24 @@ VectorGrid::ConstPtr merged(const Triplet& triplet) {
     out->setName(triplet.name);
     if (triplet.staggered) out->setGridClass(openvdb::GRID_STAGGERED);
     out->setSaveFloatAsHalf(x->saveFloatAsHalf());
-    Origin origin;
-    origin.components.assign(triplet.components.begin(), triplet.components.end());
-    origin.merged = out->constBaseTreePtr();
-    set_origin(*out, std::move(origin));
+    StoredForm stored;
+    stored.components.assign(triplet.components.begin(), triplet.components.end());
+    stored.merged = out->constBaseTreePtr();
+    set_stored_form(*out, std::move(stored));
     return out;
 }
 
 std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr& grid) {
-    const auto origin = origin_of(*grid);
-    if (!origin || origin->components.empty() || !grid->isType<VectorGrid>()) return {grid};
+    const auto stored = stored_form_of(*grid);
+    if (!stored || stored->components.empty() || !grid->isType<VectorGrid>()) return {grid};
     const auto& vectors = openvdb::GridBase::grid<VectorGrid>(grid)->tree();
-    const bool untouched = origin->merged.lock() == grid->constBaseTreePtr();
+    const bool untouched = stored->merged.lock() == grid->constBaseTreePtr();
 
     std::vector<openvdb::GridBase::ConstPtr> out;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& from = origin->components[axis];
+        const auto& from = stored->components[axis];
         if (untouched) {
-            out.push_back(placed(from, origin->placement));
+            out.push_back(placed(from, stored->placement));
             continue;
         }
         using Tree = openvdb::FloatTree;
@@ -118,8 +118,8 @@ std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr
         const auto tree = std::make_shared<Tree>(vectors, vectors.background()[c], openvdb::TopologyCopy());
         openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](Tree::LeafNodeType& leaf, std::size_t) {
             const auto* const values = vectors.probeConstLeaf(leaf.origin());
-            const auto x = origin->components[0]->getConstAccessor(), y = origin->components[1]->getConstAccessor(),
-                       z = origin->components[2]->getConstAccessor();
+            const auto x = stored->components[0]->getConstAccessor(), y = stored->components[1]->getConstAccessor(),
+                       z = stored->components[2]->getConstAccessor();
             const auto own = from->getConstAccessor();
             for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) {
                 const float value = values->getValue(n)[c];
@@ -136,7 +136,7 @@ std::vector<openvdb::GridBase::ConstPtr> split(const openvdb::GridBase::ConstPtr
         const auto part = FloatGrid::create(tree);
         part->insertMeta(*from);
         part->setTransform(from->transform().copy());
-        out.push_back(placed(part, origin->placement));
+        out.push_back(placed(part, stored->placement));
     }
     return out;
 }

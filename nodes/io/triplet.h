@@ -27,7 +27,7 @@ Triplet make_triplet(const std::string& name, const std::array<FloatGrid::ConstP
 /// The triplet that a grid of a volume belongs to; nothing if there is none, or its transforms do not fit.
 std::optional<Triplet> triplet_of(const Volume& volume, const openvdb::GridBase& grid);
 
-/// Merges a triplet into one vector grid, active where any component is. Its origin (origin.h) holds the components.
+/// Merges a triplet into one vector grid, active where any component is. Its stored form (stored_form.h) holds the components.
 VectorGrid::ConstPtr merged(const Triplet& triplet);
 
 /// Splits a merged grid into its three components, in the shot's world; any other grid is returned alone. An unchanged grid gives the

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 #include "nodes/payloads.h"
 
 #include <cstddef>
@@ -85,7 +85,7 @@ enum class Codec {
 
 /// Writes a volume. The file appears whole or not at all; its header is read back before, since OpenVDB does not notice a full disk.
 /// Everything but the writer's own statistics (metadata `file_*`) reads back as it was. Grids are written as they were in their file
-/// (origin.h): placements are undone, merged triplets become three grids.
+/// (stored_form.h): placements are undone, merged triplets become three grids.
 /// @param placement  the placement to undo in all grids; null: that of each grid's reader
 /// @return the header, as it was read back
 /// @throws Failure if the file can't be written or is not complete, or a RawGrid does not fit the codec

@@ -1,11 +1,11 @@
 #include "nodes/io/vdb_read.h"
 
 #include "nodes/field/same_transform.h"
+#include "nodes/io/conventions.h"
 #include "nodes/io/file_sequence.h"
 #include "nodes/io/header_region.h"
 #include "nodes/io/openvdb_types.h"
 #include "nodes/io/picked_grid.h"
-#include "nodes/io/profile.h"
 #include "nodes/io/triplet.h"
 
 #include <fmt/format.h>
@@ -106,7 +106,7 @@ public:
     Contents(const std::string& path, Application application, std::uint64_t budget = ~std::uint64_t{0})
         : file_(path, budget),
           header_(file_.header()),
-          profile_(application == Application::detect ? detected_profile(header_) : profile(ParamTraits<Application>::text(application))) {}
+          conventions_(application == Application::detect ? detected_conventions(header_) : conventions_of(ParamTraits<Application>::text(application))) {}
 
     VdbFile& file() { return file_; }
     const VdbHeader& header() const { return header_; }
@@ -114,7 +114,7 @@ public:
     /// Indices in the header of the grids for an output: one, or three for a triplet.
     /// @throws Failure (input) if there is no such grid, or it has another type
     std::vector<std::size_t> places(const std::string& output, const GridChoice& choice) const {
-        const auto name = choice.name.empty() ? name_in_file(header(), profile_, output) : choice.name;
+        const auto name = choice.name.empty() ? name_in_file(header(), conventions_, output) : choice.name;
         const auto has = [&](const std::string& each) { return header().find(each).has_value(); };
         const auto parts = triplet_names(name);
         if (choice.kind == GridKind::vector && !has(name) && std::all_of(parts.begin(), parts.end(), has))
@@ -145,7 +145,7 @@ public:
 
     /// The placement of a grid; points may have an offset from the other grids.
     Placement placement_of(const openvdb::GridBase& grid, Placement placement) const {
-        if (is_point_grid(grid) && profile_ && profile_->points_off) placement.offset = openvdb::Vec3d(-0.5);
+        if (is_point_grid(grid) && conventions_ && conventions_->points_off) placement.offset = openvdb::Vec3d(-0.5);
         return placement;
     }
 
@@ -154,7 +154,7 @@ public:
         if (choice.kind == GridKind::scalar) return Payload(openvdb::gridConstPtrCast<FloatGrid>(placed(grids[0], placement)));
         openvdb::GridBase::ConstPtr vectors = grids[0];
         if (grids.size() == 3) vectors = merged(make_triplet(base(grids[0]->getName()), {as_float(grids[0]), as_float(grids[1]), as_float(grids[2])}));
-        else if (profile_ && profile_->staggered && vectors->getGridClass() == openvdb::GRID_UNKNOWN) vectors = staggered(*vectors);
+        else if (conventions_ && conventions_->staggered && vectors->getGridClass() == openvdb::GRID_UNKNOWN) vectors = staggered(*vectors);
         return Payload(openvdb::gridConstPtrCast<VectorGrid>(placed(vectors, placement)));
     }
 
@@ -165,10 +165,10 @@ private:
     static openvdb::GridBase::ConstPtr staggered(const openvdb::GridBase& grid) {
         const auto out = std::const_pointer_cast<openvdb::GridBase>(grid.copyGridReplacingMetadata(grid));
         out->setGridClass(openvdb::GRID_STAGGERED);
-        Origin origin;
-        origin.made_staggered = true;
-        origin.class_in_file = grid[openvdb::GridBase::META_GRID_CLASS] != nullptr;
-        set_origin(*out, std::move(origin));
+        StoredForm stored;
+        stored.made_staggered = true;
+        stored.class_in_file = grid[openvdb::GridBase::META_GRID_CLASS] != nullptr;
+        set_stored_form(*out, std::move(stored));
         return out;
     }
 
@@ -186,7 +186,7 @@ private:
 
     VdbFile file_;
     const VdbHeader& header_;
-    const Profile* profile_;
+    const Conventions* conventions_;
 };
 
 /// Checks that grids keep their transform over a sequence and, in Blender's files, the size of their domain.

@@ -13,23 +13,23 @@ const Mesh::Attribute* Mesh::find(const std::string& name) const {
 
 Mesh placed(Mesh mesh, const Placement& placement) {
     if (placement == Placement()) return mesh;
-    auto origin = std::make_shared<Mesh::Origin>(*mesh.origin);
-    origin->placement = placement;
-    origin->in_file = mesh.points;
+    auto stored = std::make_shared<Mesh::StoredForm>(*mesh.stored);
+    stored->placement = placement;
+    stored->in_file = mesh.points;
     for (auto& point : mesh.points) point = placement.scale * point + placement.translate;
-    mesh.origin = std::move(origin);
+    mesh.stored = std::move(stored);
     return mesh;
 }
 
 std::vector<Vec3d> unplaced(const Mesh& mesh, const Placement* placement) {
     auto out = mesh.points;
-    const auto& undo = placement ? *placement : mesh.origin ? mesh.origin->placement : Placement();
+    const auto& undo = placement ? *placement : mesh.stored ? mesh.stored->placement : Placement();
     if (undo == Placement()) return out;
-    const bool from_file = mesh.origin && mesh.origin->placement == undo && mesh.origin->in_file.size() == out.size();
+    const bool from_file = mesh.stored && mesh.stored->placement == undo && mesh.stored->in_file.size() == out.size();
     for (std::size_t n = 0; n < out.size(); ++n) {
         auto& point = out[n];
-        const bool unmoved = from_file && point == undo.scale * mesh.origin->in_file[n] + undo.translate;
-        point = unmoved ? mesh.origin->in_file[n] : (point - undo.translate) / undo.scale;
+        const bool unmoved = from_file && point == undo.scale * mesh.stored->in_file[n] + undo.translate;
+        point = unmoved ? mesh.stored->in_file[n] : (point - undo.translate) / undo.scale;
     }
     return out;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "nodes/geometry_file/ply.h"
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 
 #include <openvdb/Types.h>
 
@@ -42,7 +42,7 @@ struct Mesh {
     };
 
     /// How the mesh was stored in its file, so that a writer can write it back unchanged.
-    struct Origin {
+    struct StoredForm {
         std::string format;  ///< "obj", "ply", "off" or "stl"
         bool binary = false, big_endian = false;
         Attribute::Type number = Attribute::Type::float32;  ///< type of coordinates, in binary files and PLY's header
@@ -56,7 +56,7 @@ struct Mesh {
     std::vector<std::uint32_t> corners;  ///< vertex of each corner, face after face
     std::vector<std::size_t> ends;       ///< per face: end of its corners in `corners`
     std::vector<Attribute> attributes;
-    std::shared_ptr<const Origin> origin;  ///< null: made by a node
+    std::shared_ptr<const StoredForm> stored;  ///< null: made by a node
 
     std::size_t faces() const { return ends.size(); }
     std::size_t begin(std::size_t face) const { return face == 0 ? 0 : ends[face - 1]; }
@@ -73,11 +73,11 @@ struct Mesh {
     }
 };
 
-/// The mesh in the shot's world. Its origin keeps the positions in the file.
-/// @param mesh  read from a file, with an origin
+/// The mesh in the shot's world. Its stored form keeps the positions in the file.
+/// @param mesh  read from a file, with a stored form
 Mesh placed(Mesh mesh, const Placement& placement);
 /// Vertex positions in the file's space; exactly those of the file where a vertex has not moved.
-/// @param placement  the placement to undo; null: that of the origin
+/// @param placement  the placement to undo; null: that of the stored form
 /// @return one per vertex
 std::vector<openvdb::Vec3d> unplaced(const Mesh& mesh, const Placement* placement);
 

@@ -131,15 +131,15 @@ void lose(Losses& losses, const Mesh::Attribute& attribute, const std::string& w
 
 const std::vector<Mesh::Line>& lines_for(const Mesh& mesh, const std::string& format, Losses& losses) {
     static const std::vector<Mesh::Line> none;
-    if (!mesh.origin) return none;
-    const auto& lines = mesh.origin->lines;
-    if (mesh.origin->format == format) return lines;
+    if (!mesh.stored) return none;
+    const auto& lines = mesh.stored->lines;
+    if (mesh.stored->format == format) return lines;
     // Only lines of OBJ files hold more than comments.
     const auto says = [](const Mesh::Line& line) {
         const auto begin = line.text.find_first_not_of(" \t");
         return begin != std::string::npos && line.text[begin] != '#';
     };
-    if (mesh.origin->format == "obj" && std::any_of(lines.begin(), lines.end(), says))
+    if (mesh.stored->format == "obj" && std::any_of(lines.begin(), lines.end(), says))
         losses.push_back(fmt::format("groups, materials, lines and the like of the .obj file are not written: .{} holds none", format));
     return none;
 }

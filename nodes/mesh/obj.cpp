@@ -39,9 +39,9 @@ public:
                                         std::move(extra_.values),
                                         {}});
         }
-        origin_->format = "obj";
-        origin_->number = Attribute::Type::float64;
-        mesh_.origin = origin_;
+        stored_->format = "obj";
+        stored_->number = Attribute::Type::float64;
+        mesh_.stored = stored_;
         return std::move(mesh_);
     }
 
@@ -70,8 +70,8 @@ private:
     }
 
     void keep() {
-        origin_->lines.push_back({mesh_.faces(), std::string(file_.line())});
-        if (mesh_.points.empty() && uvs_.values.empty() && normals_.values.empty()) origin_->head = origin_->lines.size();
+        stored_->lines.push_back({mesh_.faces(), std::string(file_.line())});
+        if (mesh_.points.empty() && uvs_.values.empty() && normals_.values.empty()) stored_->head = stored_->lines.size();
     }
 
     void take_vertex() {
@@ -154,7 +154,7 @@ private:
 
     FileText& file_;
     Mesh mesh_;
-    std::shared_ptr<Mesh::Origin> origin_ = std::make_shared<Mesh::Origin>();
+    std::shared_ptr<Mesh::StoredForm> stored_ = std::make_shared<Mesh::StoredForm>();
     Pool uvs_{}, normals_{}, extra_{};
 };
 
@@ -173,7 +173,7 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
     };
     const auto write_before = [&](std::size_t face) { write_up_to(std::find_if(line, lines.end(), [&](const Mesh::Line& each) { return each.face > face; })); };
     const Attribute *uvs = nullptr, *normals = nullptr, *extra = nullptr;
-    const bool own = mesh.origin && mesh.origin->format == "obj";
+    const bool own = mesh.stored && mesh.stored->format == "obj";
     for (const auto& attribute : mesh.attributes) {
         const auto parts = attribute.parts.size();
         // Weights of other formats have another meaning, and UVs of other formats must have two parts.
@@ -184,7 +184,7 @@ std::string obj_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses&
         else lose(losses, attribute, fmt::format(".obj holds none of {}", text_of(attribute.on)));
     }
 
-    write_up_to(lines.begin() + (lines.empty() ? 0 : static_cast<std::ptrdiff_t>(mesh.origin->head)));
+    write_up_to(lines.begin() + (lines.empty() ? 0 : static_cast<std::ptrdiff_t>(mesh.stored->head)));
     const double light = extra ? full_light(extra->type) : 1;
     for (std::size_t n = 0; n < points.size(); ++n) {
         fmt::format_to(to, "v {} {} {}", points[n].x(), points[n].y(), points[n].z());

@@ -106,10 +106,10 @@ void probe_off(FileText& file) { read_head(file); }
 Mesh read_off(FileText& file, Losses& losses) {
     const auto head = read_head(file);
     Mesh out;
-    auto origin = std::make_shared<Mesh::Origin>();
-    origin->format = "off";
-    origin->number = Type::float64;
-    out.origin = origin;
+    auto stored = std::make_shared<Mesh::StoredForm>();
+    stored->format = "off";
+    stored->number = Type::float64;
+    out.stored = stored;
     Numbers numbers;
 
     Attribute normal{"normal", Attribute::On::vertices, {"nx", "ny", "nz"}, Type::float64, {}, {}};

@@ -6,23 +6,23 @@
 namespace fluidcarve {
 namespace {
 
-void write_origin(const Mesh::Origin& origin, BinaryWriter& out) {
-    out.text(origin.format);
-    out.value(origin.binary);
-    out.value(origin.big_endian);
-    out.value(origin.number);
-    out.value(std::uint64_t{origin.lines.size()});
-    for (const auto& line : origin.lines) {
+void write_stored_form(const Mesh::StoredForm& stored, BinaryWriter& out) {
+    out.text(stored.format);
+    out.value(stored.binary);
+    out.value(stored.big_endian);
+    out.value(stored.number);
+    out.value(std::uint64_t{stored.lines.size()});
+    for (const auto& line : stored.lines) {
         out.value(std::uint64_t{line.face});
         out.text(line.text);
     }
-    out.value(std::uint64_t{origin.head});
-    out.value(origin.placement);
-    out.list(origin.in_file);
+    out.value(std::uint64_t{stored.head});
+    out.value(stored.placement);
+    out.list(stored.in_file);
 }
 
-Mesh::Origin read_origin(BinaryReader& in) {
-    Mesh::Origin out;
+Mesh::StoredForm read_stored_form(BinaryReader& in) {
+    Mesh::StoredForm out;
     out.format = in.text();
     out.binary = in.value<bool>();
     out.big_endian = in.value<bool>();
@@ -51,8 +51,8 @@ void write(const Mesh& mesh, std::ostream& to) {
         out.list(attribute.values);
         out.list(attribute.at);
     }
-    out.value(mesh.origin != nullptr);
-    if (mesh.origin) write_origin(*mesh.origin, out);
+    out.value(mesh.stored != nullptr);
+    if (mesh.stored) write_stored_form(*mesh.stored, out);
 }
 
 Ref<Mesh> read(std::istream& from) {
@@ -70,7 +70,7 @@ Ref<Mesh> read(std::istream& from) {
         attribute.values = in.list<double>();
         attribute.at = in.list<std::uint32_t>();
     }
-    if (in.value<bool>()) out->origin = std::make_shared<Mesh::Origin>(read_origin(in));
+    if (in.value<bool>()) out->stored = std::make_shared<Mesh::StoredForm>(read_stored_form(in));
     return out;
 }
 

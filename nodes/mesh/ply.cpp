@@ -54,7 +54,7 @@ public:
             else skip(element);
         }
         require_vertices(file_, mesh_);
-        mesh_.origin = origin_;
+        mesh_.stored = stored_;
         return std::move(mesh_);
     }
 
@@ -72,10 +72,10 @@ private:
         if (!header.encoding) file_.fault("the header states no format");
         encoding_ = *header.encoding;
         elements_ = std::move(header.elements);
-        origin_->format = "ply";
-        origin_->binary = encoding_ != PlyEncoding::ascii;
-        origin_->big_endian = encoding_ == PlyEncoding::big;
-        for (auto& comment : header.comments) origin_->lines.push_back({0, std::move(comment)});
+        stored_->format = "ply";
+        stored_->binary = encoding_ != PlyEncoding::ascii;
+        stored_->big_endian = encoding_ == PlyEncoding::big;
+        for (auto& comment : header.comments) stored_->lines.push_back({0, std::move(comment)});
         require_size();
         const auto named = [&](const char* name) {
             return std::count_if(elements_.begin(), elements_.end(), [&](const Element& each) { return each.name == name; });
@@ -104,7 +104,7 @@ private:
     void require_size() const {
         std::size_t left = file_.left() + 1;  // the last line of a text file may have no line end
         for (const auto& element : elements_) {
-            const auto each = element.bytes(!origin_->binary);
+            const auto each = element.bytes(!stored_->binary);
             if (each > 0 && element.count > left / each)
                 file_.fault_in_all(fmt::format("the header promises {} entries of '{}', for which the file is too short: it is cut off or damaged",
                                                element.count, element.name));
@@ -114,13 +114,13 @@ private:
     }
 
     double next(Type type) {
-        if (!origin_->binary) return file_.number(file_.any_word());
+        if (!stored_->binary) return file_.number(file_.any_word());
         return ply_number(file_.take(size_of(type)).data(), type, is_swapped(encoding_));
     }
 
     std::size_t next_count(const Property& list) {
         const double count = next(*list.count);
-        const auto most = (file_.rest().size() + file_.line().size() + 1) / (origin_->binary ? size_of(list.type) : 2);
+        const auto most = (file_.rest().size() + file_.line().size() + 1) / (stored_->binary ? size_of(list.type) : 2);
         if (!(count >= 0 && count == std::floor(count) && count <= static_cast<double>(most)))
             file_.fault_in_all(fmt::format("a list '{}' of {} entries can't be: the file is cut off or damaged", list.name, count));
         return static_cast<std::size_t>(count);
@@ -178,7 +178,7 @@ private:
             if (found == element.properties.end()) file_.fault_in_all(fmt::format("element 'vertex' has no property '{}'", "xyz"[c]));
             place[c] = static_cast<std::size_t>(found - element.properties.begin());
             // Coordinates of different types are written as float64.
-            origin_->number = c == 0 || origin_->number == found->type ? found->type : Type::float64;
+            stored_->number = c == 0 || stored_->number == found->type ? found->type : Type::float64;
         }
         mesh_.points.resize(element.count);
         for (std::size_t n = 0; n < element.count; ++n)
@@ -237,7 +237,7 @@ private:
     FileText& file_;
     Losses& losses_;
     Mesh mesh_;
-    std::shared_ptr<Mesh::Origin> origin_ = std::make_shared<Mesh::Origin>();
+    std::shared_ptr<Mesh::StoredForm> stored_ = std::make_shared<Mesh::StoredForm>();
     PlyEncoding encoding_ = PlyEncoding::ascii;
     std::vector<Element> elements_;
 };
@@ -246,12 +246,12 @@ private:
 class Writer {
 public:
     Writer(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) : mesh_(mesh), points_(points) {
-        const bool own = mesh.origin && mesh.origin->format == "ply";
-        if (own) encoding_ = !mesh.origin->binary ? PlyEncoding::ascii : mesh.origin->big_endian ? PlyEncoding::big : PlyEncoding::little;
+        const bool own = mesh.stored && mesh.stored->format == "ply";
+        if (own) encoding_ = !mesh.stored->binary ? PlyEncoding::ascii : mesh.stored->big_endian ? PlyEncoding::big : PlyEncoding::little;
         const auto all = [&](const auto& holds) {
             return std::all_of(points.begin(), points.end(), [&](const Vec3d& at) { return holds(at[0]) && holds(at[1]) && holds(at[2]); });
         };
-        if (own && (is_floating(mesh.origin->number) || all([&](double c) { return is_one_of(mesh.origin->number, c); }))) number_ = mesh.origin->number;
+        if (own && (is_floating(mesh.stored->number) || all([&](double c) { return is_one_of(mesh.stored->number, c); }))) number_ = mesh.stored->number;
         else number_ = all([](double c) { return static_cast<double>(static_cast<float>(c)) == c; }) ? Type::float32 : Type::float64;
         for (const auto& attribute : mesh.attributes) {
             if (attribute.on != Attribute::On::corners) {

@@ -70,9 +70,9 @@ private:
     std::unordered_map<Vec3d, std::uint32_t, Hash, Same> vertices_;
 };
 
-void read_binary(FileText& file, std::size_t count, Triangles& out, Mesh::Origin& origin, Losses& losses) {
-    origin.binary = true;
-    origin.lines.push_back({0, std::string(file.take(head_bytes))});
+void read_binary(FileText& file, std::size_t count, Triangles& out, Mesh::StoredForm& stored, Losses& losses) {
+    stored.binary = true;
+    stored.lines.push_back({0, std::string(file.take(head_bytes))});
     file.take(4);
     Attribute extra{"attribute", Attribute::On::faces, {"attribute"}, extra_type, {}, {}};
     bool says = false;
@@ -91,7 +91,7 @@ void read_binary(FileText& file, std::size_t count, Triangles& out, Mesh::Origin
     if (!file.rest().empty()) losses.push_back(fmt::format("{} bytes behind the last triangle are left out", file.rest().size()));
 }
 
-void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
+void read_text(FileText& file, Triangles& out, Mesh::StoredForm& stored) {
     out.normals.type = Attribute::Type::float64;
     const auto expect = [&](std::string_view wanted) {
         if (const auto word = file.any_word(); word != wanted) file.fault(fmt::format("'{}' should stand here, not {}", wanted, quoted(word)));
@@ -114,7 +114,7 @@ void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
         if (word.empty()) break;
         if (word == "solid" && !open) {
             open = true;
-            origin.lines.push_back({out.mesh.faces(), std::string(file.rest_of_line())});
+            stored.lines.push_back({out.mesh.faces(), std::string(file.rest_of_line())});
         } else if (word == "endsolid" && open) {
             open = false;
             file.rest_of_line();
@@ -143,18 +143,18 @@ void read_text(FileText& file, Triangles& out, Mesh::Origin& origin) {
 void probe_stl(FileText& file) { triangles_of(file); }
 
 Mesh read_stl(FileText& file, Losses& losses) {
-    auto origin = std::make_shared<Mesh::Origin>();
-    origin->format = "stl";
+    auto stored = std::make_shared<Mesh::StoredForm>();
+    stored->format = "stl";
     Triangles out;
-    if (const auto count = triangles_of(file)) read_binary(file, *count, out, *origin, losses);
-    else read_text(file, out, *origin);
+    if (const auto count = triangles_of(file)) read_binary(file, *count, out, *stored, losses);
+    else read_text(file, out, *stored);
     out.mesh.attributes.insert(out.mesh.attributes.begin(), std::move(out.normals));
-    out.mesh.origin = std::move(origin);
+    out.mesh.stored = std::move(stored);
     return std::move(out.mesh);
 }
 
 std::string stl_text(const Mesh& mesh, const std::vector<Vec3d>& points, Losses& losses) {
-    const bool own = mesh.origin && mesh.origin->format == "stl", text = own && !mesh.origin->binary;
+    const bool own = mesh.stored && mesh.stored->format == "stl", text = own && !mesh.stored->binary;
     const Attribute *normals = nullptr, *extra = nullptr;
     for (const auto& attribute : mesh.attributes) {
         const bool on_faces = attribute.on == Attribute::On::faces;

@@ -3,8 +3,8 @@
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "nodes/geometry_file/provenance_comments.h"
+#include "nodes/io/conventions.h"
 #include "nodes/io/openvdb_types.h"
-#include "nodes/io/profile.h"
 #include "nodes/io/provenance_metadata.h"
 #include "nodes/points/point_grid.h"
 
@@ -42,8 +42,8 @@ void require_no_name(const std::string& path, const std::string& grid) {
 }
 
 Vec3d offset_of(const openvdb::GridBase& grid) {
-    const auto origin = origin_of(grid);
-    return origin ? origin->placement.offset : Vec3d(0);
+    const auto stored = stored_form_of(grid);
+    return stored ? stored->placement.offset : Vec3d(0);
 }
 
 /// A volume with the points' grid and those beside it.
@@ -88,7 +88,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
     const auto found = file.read(place);
     require_sound(*found, path);
     auto by = placement;
-    const auto* const from = detected_profile(header);
+    const auto* const from = detected_conventions(header);
     if (offset == PointOffset::half_voxel || (offset == PointOffset::detect && from && from->points_off)) by.offset = Vec3d(-0.5);
     out.grid = placed(found, by);
     out.metadata = header.metadata;
@@ -116,7 +116,7 @@ Unsaid write_points(const std::string& path, const Points& points, const Volume*
         const auto grid = in_grid(points);
         auto volume = together(points, grid, beside);
         set_provenance(volume.metadata, provenance);
-        const auto* const seen_as = detected_profile(write_vdb(path, volume, Codec::as_read, placement));
+        const auto* const seen_as = detected_conventions(write_vdb(path, volume, Codec::as_read, placement));
         const bool off = !offset_of(*grid).isZero(), seen_off = seen_as && seen_as->points_off;
         if (off != seen_off) out.offset = off ? "half_voxel" : "none";
         return out;

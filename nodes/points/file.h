@@ -11,7 +11,7 @@ namespace fluidcarve {
 
 /// Offset of a file's points relative to its grids; the file does not state it.
 enum class PointOffset {
-    detect,      ///< that of the application that wrote the file (profile.h)
+    detect,      ///< that of the application that wrote the file (conventions.h)
     none,        ///< positions as in the file
     half_voxel,  ///< half a voxel lower along each axis, as in Blender's liquids
 };
@@ -25,7 +25,7 @@ Points read_points(const std::string& path, const std::string& grid, PointOffset
 /// @throws Failure (input) as read_points, except for faults of the points themselves
 void look_at_points(const std::string& path, const std::string& grid);
 
-/// The points as a grid in the shot's world, with an origin (origin.h).
+/// The points as a grid in the shot's world, with a stored form (stored_form.h).
 openvdb::GridBase::ConstPtr in_grid(const Points& points);
 
 /// Information that a written file does not hold.

@@ -166,7 +166,7 @@ private:
     void pass_frame(std::size_t t) {
         const auto seams = starts_.size(), laterals = static_cast<std::size_t>(energy_.laterals()), columns = energy_.columns_per_frame();
         const auto slices = static_cast<std::size_t>(energy_.slices());
-        const auto* const slab = energy_.cells<Cell>(t);
+        const auto* const codes = energy_.cells<Cell>(t);
         Entry* const now = frame(t);
         const Entry* const before = t > 0 ? frame(t - 1) : nullptr;
         std::size_t c = 0;
@@ -177,7 +177,7 @@ private:
                 const Entry* under = k > 0 ? now + (c - laterals) * seams : nullptr;
                 const Entry* earlier = before ? before + c * seams : nullptr;
                 const Entry* const a = beside ? beside : under ? under : earlier;
-                const auto* const column = slab + c * energy_.stride();
+                const auto* const column = codes + c * energy_.stride();
                 if (!a) {
                     start(column, now);
                     continue;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -23,18 +23,18 @@ public:
     /// @throws Failure if the disk can't hold it
     static SeamEntries in_file(std::span<const std::uint16_t> entries, const std::string& folder) {
         SeamEntries out;
-        out.file_ = std::make_shared<SlabStore>(1, entries.size(), 0, folder);
-        std::copy(entries.begin(), entries.end(), out.file_->slab(0).begin());
+        out.file_ = std::make_shared<FrameStore>(1, entries.size(), 0, folder);
+        std::copy(entries.begin(), entries.end(), out.file_->entries(0).begin());
         return out;
     }
 
     bool on_disk() const { return file_ != nullptr; }
     std::span<const std::uint16_t> all() const {
-        if (file_) return std::as_const(*file_).slab(0);
+        if (file_) return std::as_const(*file_).entries(0);
         return held_ ? std::span<const std::uint16_t>(*held_) : std::span<const std::uint16_t>();
     }
     std::span<std::uint16_t> all() {
-        if (file_) return file_->slab(0);
+        if (file_) return file_->entries(0);
         if (!held_) return {};
         if (held_.use_count() > 1) held_ = std::make_shared<std::vector<std::uint16_t>>(*held_);
         return *held_;
@@ -49,7 +49,7 @@ public:
 
 private:
     std::shared_ptr<std::vector<std::uint16_t>> held_;
-    std::shared_ptr<SlabStore> file_;
+    std::shared_ptr<FrameStore> file_;
 };
 
 }  // namespace fluidcarve

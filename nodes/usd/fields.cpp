@@ -73,8 +73,8 @@ std::string role_of(const openvdb::GridBase& grid) {
 }
 
 Placement undone(const openvdb::GridBase& grid, const Placement* stated) {
-    const auto origin = origin_of(grid);
-    auto out = stated ? *stated : origin ? origin->placement : Placement{};
+    const auto stored = stored_form_of(grid);
+    auto out = stated ? *stated : stored ? stored->placement : Placement{};
     out.offset = openvdb::Vec3d(0);
     return out;
 }

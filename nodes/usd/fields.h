@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/io/origin.h"
+#include "nodes/io/stored_form.h"
 #include "nodes/payloads.h"
 
 #include <string>

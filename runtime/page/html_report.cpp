@@ -88,12 +88,12 @@ std::string word(const Json& entry, const std::string& field) {
     return found != entry.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-std::string values_table(const std::vector<std::pair<std::string, const ValueOrigin*>>& rows) {
+std::string values_table(const std::vector<std::pair<std::string, const ValueSource*>>& rows) {
     std::string out = "<table class=\"values\"><tbody>\n";
-    for (const auto& [name, origin] : rows) {
-        const auto with = origin->with.empty() ? std::string() : fmt::format(" with {}", fmt::join(origin->with, ", "));
-        out += fmt::format("<tr>{}<td><code>{}</code></td>{}</tr>\n", element("th", name), xml_text(origin->value),
-                           element("td class=\"from\"", origin->from + with));
+    for (const auto& [name, source] : rows) {
+        const auto with = source->with.empty() ? std::string() : fmt::format(" with {}", fmt::join(source->with, ", "));
+        out += fmt::format("<tr>{}<td><code>{}</code></td>{}</tr>\n", element("th", name), xml_text(source->value),
+                           element("td class=\"from\"", source->from + with));
     }
     return out + "</tbody></table>\n";
 }
@@ -101,8 +101,9 @@ std::string values_table(const std::vector<std::pair<std::string, const ValueOri
 /// Builds the page, section by section.
 class Page {
 public:
-    Page(const Pipeline& pipeline, const Registry& registry, const Origins& origins, const Json& report, const WrittenFiles& files, const std::string& when)
-        : pipeline_(pipeline), registry_(registry), origins_(origins), report_(report), files_(files), when_(when) {
+    Page(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const Json& report, const WrittenFiles& files,
+         const std::string& when)
+        : pipeline_(pipeline), registry_(registry), sources_(sources), report_(report), files_(files), when_(when) {
         for (const auto& [name, node] : report.at("nodes").items()) all_s_ += node.at("wall_s").get<double>();
         for (const auto& failure : report.at("failures")) failed_.insert(failure.at("node").get<std::string>());
     }
@@ -407,12 +408,12 @@ private:
     void values() {
         section("Pipeline");
         out_ += "<p class=\"muted\">Every value, and where it comes from.</p>\n";
-        std::vector<std::pair<std::string, const ValueOrigin*>> rows{{"frames", &origins_.frames}};
-        for (const auto& [name, origin] : origins_.params) rows.emplace_back(name, &origin);
-        out_ += (origins_.params.empty() ? element("h3", "Frames") : element("h3", "Frames and params")) + "\n" + values_table(rows);
-        for (const auto& [name, fields] : origins_.nodes) {
-            std::vector<std::pair<std::string, const ValueOrigin*>> stated, defaults;
-            for (const auto& [field, origin] : fields) (origin.from == "default" ? defaults : stated).emplace_back(field, &origin);
+        std::vector<std::pair<std::string, const ValueSource*>> rows{{"frames", &sources_.frames}};
+        for (const auto& [name, source] : sources_.params) rows.emplace_back(name, &source);
+        out_ += (sources_.params.empty() ? element("h3", "Frames") : element("h3", "Frames and params")) + "\n" + values_table(rows);
+        for (const auto& [name, fields] : sources_.nodes) {
+            std::vector<std::pair<std::string, const ValueSource*>> stated, defaults;
+            for (const auto& [field, source] : fields) (source.from == "default" ? defaults : stated).emplace_back(field, &source);
             out_ += fmt::format("<h3 id=\"node-{}\">{}</h3>\n", xml_text(name), xml_text(name));
             out_ += values_table(stated);
             if (!defaults.empty())
@@ -422,7 +423,7 @@ private:
 
     const Pipeline& pipeline_;
     const Registry& registry_;
-    const Origins& origins_;
+    const ValueSources& sources_;
     const Json& report_;
     const WrittenFiles& files_;
     const std::string& when_;
@@ -475,9 +476,9 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
     return out;
 }
 
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const Origins& origins, const Json& report, const WrittenFiles& files,
+std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const Json& report, const WrittenFiles& files,
                     const std::string& when) {
-    return Page(pipeline, registry, origins, report, files, when).text();
+    return Page(pipeline, registry, sources, report, files, when).text();
 }
 
 }  // namespace fluidcarve

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 
 #include <nlohmann/json.hpp>
 
@@ -36,10 +36,10 @@ WrittenFiles written_files(const Pipeline& pipeline, const std::vector<int>& del
                            std::filesystem::file_time_type start);
 
 /// The report of a run as one self-contained HTML page, without scripts or external files. For wide and narrow, light and dark screens.
-/// @param origins  the origins of the pipeline's values
+/// @param sources  the sources of the pipeline's values
 /// @param report   the run's report, as returned by Report::to_json
 /// @param when     time of the run, as text
-std::string to_html(const Pipeline& pipeline, const Registry& registry, const Origins& origins, const nlohmann::ordered_json& report, const WrittenFiles& files,
-                    const std::string& when);
+std::string to_html(const Pipeline& pipeline, const Registry& registry, const ValueSources& sources, const nlohmann::ordered_json& report,
+                    const WrittenFiles& files, const std::string& when);
 
 }  // namespace fluidcarve

@@ -104,7 +104,7 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
     if (request.html_path.empty()) return code;
     const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start);
     const auto when = fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr)));
-    return write_file("page", request.html_path, to_html(pipeline, registry, request.origins, summary, files, when), code);
+    return write_file("page", request.html_path, to_html(pipeline, registry, request.sources, summary, files, when), code);
 }
 
 /// For `--only`: a fault for each node whose cached results are missing.

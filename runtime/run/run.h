@@ -1,7 +1,7 @@
 #pragma once
 
 #include "graph/pipeline.h"
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 #include "runtime/run/flow.h"
 #include "runtime/tell/exit_codes.h"
 
@@ -20,7 +20,7 @@ struct RunRequest {
     std::string html_path;            ///< empty: no page
     std::string profile_path;         ///< empty: no trace
     std::string manifest_path;        ///< empty: no manifest
-    Origins origins;                  ///< origins of the pipeline's values, for the page
+    ValueSources sources;             ///< sources of the pipeline's values, for the page
     ProgressStyle progress = ProgressStyle::none;
     bool quiet = false;    ///< print failures only
     bool verbose = false;  ///< print the forecast before the run, and the time of each node after it

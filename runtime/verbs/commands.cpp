@@ -7,9 +7,9 @@
 #include "graph/views/describe.h"
 #include "graph/views/drawing.h"
 #include "graph/views/file_places.h"
-#include "graph/views/origins.h"
 #include "graph/views/provenance.h"
 #include "graph/views/schema.h"
+#include "graph/views/value_sources.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/run/status.h"
@@ -39,7 +39,7 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     state_provenance(pipeline, document, registry);
     auto request = run_arguments.read(pipeline);
     if (!request) return exit_code::usage;
-    request->origins = origins_of(document, registry);
+    request->sources = value_sources_of(document, registry);
     const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
@@ -50,7 +50,7 @@ int check(const PipelineArguments& arguments, bool json, bool verbose, Registry&
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     const auto values = [&] {
-        auto out = origins_of(document, registry);
+        auto out = value_sources_of(document, registry);
         out.files = file_places(pipeline);
         return out;
     };
@@ -198,7 +198,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const check_verb = app.add_subcommand("check", "Find all faults of a pipeline without running it");
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
-    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its origin, and where the files lie");
+    check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its source, and where the files lie");
     auto* const plan_verb =
         app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);

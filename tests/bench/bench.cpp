@@ -16,7 +16,7 @@
 #include "nodes/remap/rim.h"
 #include "nodes/rig/circle.h"
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "nodes/seam/greedy.h"
 #include "runtime/run/run.h"
 #include "tests/bench/cache.h"
@@ -120,12 +120,12 @@ void bench_energy(const std::string& name, const std::string& path) {
     const auto density = openvdb::gridConstPtrCast<FloatGrid>(read_vdb_grid(path, "density"));
     const auto velocity = openvdb::gridConstPtrCast<VectorGrid>(read_vdb_grid(path, "velocity"));
     const auto lattice = lattice_around(*density);
-    std::vector<std::uint16_t> slab(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
-                                    static_cast<std::size_t>(lattice.shape[2]));
+    std::vector<std::uint16_t> codes(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
+                                     static_cast<std::size_t>(lattice.shape[2]));
     const auto energy = [&] {
         return seconds(9, [&] {
             const std::vector<EnergyTerm> terms{{vorticity_energy(velocity, 1), 0.5f, {0, 1000}}, {gradient_energy(*density, 1), 0.5f, {0, 10}}};
-            sample_energy(*combined_energy(terms), lattice, Axis::u, slab);
+            sample_energy(*combined_energy(terms), lattice, Axis::u, codes);
         });
     };
     scaling(name + ": energy of a frame", energy);
@@ -134,9 +134,9 @@ void bench_energy(const std::string& name, const std::string& path) {
 void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
     EnergyVolume energy(shape, Axis::u, frames, ~std::uint64_t{0}, ".");
     for (std::size_t t = 0; t < frames; ++t) {
-        auto slab = energy.slab(t);
+        auto codes = energy.codes(t);
         std::uint32_t state = static_cast<std::uint32_t>(t) * 7919 + 1;
-        for (auto& code : slab) {
+        for (auto& code : codes) {
             state = state * 1664525 + 1013904223;
             code = encode_energy(0.1f + static_cast<float>(state >> 8) * 0x1p-24f);
         }
@@ -147,7 +147,7 @@ void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
     const double read = seconds(3, [&] {
         std::uint64_t total = 0;
         for (std::size_t t = 0; t < frames; ++t)
-            for (const auto code : energy.slab(t)) total += code;
+            for (const auto code : energy.codes(t)) total += code;
         sum = total;
     });
     const double two = with_threads(2, solve);

@@ -31,7 +31,7 @@ struct WholeCosts {
     explicit WholeCosts(const EnergyVolume& energy) : columns(energy), width(energy.width()) {
         for (std::size_t t = 0; t < energy.frames(); ++t)
             for (std::size_t n = 0; n < energy.columns_per_frame() * energy.stride(); ++n)
-                costs.push_back(static_cast<std::int32_t>(std::ldexp(decode_energy(energy.slab(t)[n]), 20)));
+                costs.push_back(static_cast<std::int32_t>(std::ldexp(decode_energy(energy.codes(t)[n]), 20)));
     }
     const std::int32_t* of(std::size_t column) const { return costs.data() + column * static_cast<std::size_t>(width); }
 };

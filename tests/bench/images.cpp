@@ -79,7 +79,7 @@ EnergyVolume costs_of(const Picture& picture, bool forward) {
         return out;
     }
     for (std::size_t y = 0; y < picture.height; ++y)
-        for (std::size_t x = 0; x < picture.width; ++x) out.slab(0)[x + picture.width * y] = encode_energy(picture.energy(x, y));
+        for (std::size_t x = 0; x < picture.width; ++x) out.codes(0)[x + picture.width * y] = encode_energy(picture.energy(x, y));
     return out;
 }
 

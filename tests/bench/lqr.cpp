@@ -5,7 +5,7 @@
 #include "nodes/image/image_volume.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "tests/bench/measure.h"
 
 #include <lqr.h>
@@ -54,9 +54,9 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
     out.seconds = seconds(3, [&] {
         const auto energy = image_energy(*intensity(volume));
         const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
-        EnergyVolume slabs(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "");
-        sample_energy(*energy, lattice, Axis::u, slabs.slab(0));
-        found = find_seams(slabs, Seams::Kind::remove, seams, {0, width - 1}, dynamic_seam, [](double) {});
+        EnergyVolume frames(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "");
+        sample_energy(*energy, lattice, Axis::u, frames.codes(0));
+        found = find_seams(frames, Seams::Kind::remove, seams, {0, width - 1}, dynamic_seam, [](double) {});
     });
     out.removed.resize(static_cast<std::size_t>(width) * height);
     for (int y = 0; y < height; ++y) {

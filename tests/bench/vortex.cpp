@@ -4,7 +4,7 @@
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/mapping.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "nodes/seams/carve_map.h"
 #include "nodes/seams/seam_file.h"
 #include "tests/bench/measure.h"
@@ -200,10 +200,10 @@ void bench_sampling(const std::string& in, int frame) {
     const auto field = openvdb::gridPtrCast<FloatGrid>(read_vdb_grid(file, "density"));
     field->transform().postTranslate(corner);
     const auto lattice = ring(spacing / 3);
-    std::vector<std::uint16_t> slab(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
-                                    static_cast<std::size_t>(lattice.shape[2]));
+    std::vector<std::uint16_t> codes(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
+                                     static_cast<std::size_t>(lattice.shape[2]));
     scaling(fmt::format("ring of {}: energy sampled", fmt::join(lattice.shape, " x ")),
-            [&] { return seconds(9, [&] { sample_energy(*field, lattice, Axis::u, slab); }); });
+            [&] { return seconds(9, [&] { sample_energy(*field, lattice, Axis::u, codes); }); });
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "graph/views/file_places.h"
 #include "graph/build_pipeline.h"
 
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -33,11 +33,11 @@ nodes:
                                  ", nor at " + here + "/none.txt\n  last.path is not found at /nowhere/in.txt\n  print.path is written to " + here +
                                  "/out.####.txt\n");
 
-    auto origins = origins_of(document, registry);
-    const auto plain = to_text(origins);
-    origins.files = places;
-    CHECK(to_text(origins) == plain + "\n" + to_text(places));
-    const auto json = nlohmann::json::parse(to_json(origins))["files"];
+    auto sources = value_sources_of(document, registry);
+    const auto plain = to_text(sources);
+    sources.files = places;
+    CHECK(to_text(sources) == plain + "\n" + to_text(places));
+    const auto json = nlohmann::json::parse(to_json(sources))["files"];
     CHECK(json["count.path"] == nlohmann::json{{"path", scratch / "in.####.txt"}, {"writes", false}, {"found", true}});
     CHECK(json["other.path"]["found"] == false);
     CHECK(json["print.path"] == nlohmann::json{{"path", here + "/out.####.txt"}, {"writes", true}});

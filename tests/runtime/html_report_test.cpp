@@ -36,16 +36,16 @@ struct Bench {
         const auto document = read_document(path, {"best.count=2"}, problems);
         pipeline = build_pipeline(document, registry, problems);
         REQUIRE(to_text(problems) == "");
-        origins = origins_of(document, registry);
+        sources = value_sources_of(document, registry);
     }
 
-    std::string page() const { return to_html(pipeline, registry, origins, report, files, "today"); }
+    std::string page() const { return to_html(pipeline, registry, sources, report, files, "today"); }
 
     const Scratch scratch;
     const Inside inside{scratch.path()};
     const Registry registry = toy::registry();
     Pipeline pipeline;
-    Origins origins;
+    ValueSources sources;
     Json report = Json::parse(R"({"fluidcarve": "9.8.7", "pipeline": "p", "frames": [1, 2, 3], "exit": 0, "wall_s": 1.5, "peak_rss_bytes": 82000000,
         "nodes": {"count": {"type": "toy.count", "frames": 3, "cached": 0, "wall_s": 3.0, "bytes": 8},
                   "square": {"type": "toy.square", "frames": 3, "cached": 3, "wall_s": 0.0, "bytes": 0},
@@ -79,7 +79,7 @@ TEST_CASE("a page is well-formed, escapes what others wrote, and loads nothing")
     bench.report["seams"][nasty] = seams(R"("energy": [2.0, 3.0], "lower_bound": [null, 2.9], "gap": [null, 0.03], "wall_s": [0.1, 0.2])");
     bench.report["points"]["count"] = Json{{nasty, nasty}};
     bench.files.pictures.push_back({"out", "a\"b.png", magic, "", false});
-    bench.origins.params.emplace_back(nasty, ValueOrigin{nasty, nasty, {nasty}});
+    bench.sources.params.emplace_back(nasty, ValueSource{nasty, nasty, {nasty}});
     const auto page = bench.page();
     CHECK(well_formed(page));
     CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>\n<html lang=\"en\">") && Catch::EndsWith("</html>\n"));
@@ -214,7 +214,7 @@ TEST_CASE("what else nodes report stands in tables: once, or a row per frame") {
     CHECK_THAT(section(page, "Totals"), Catch::Contains("<th>sum</th><td class=\"number\">12.5</td>"));
 }
 
-TEST_CASE("every value of the pipeline stands with its origin, defaults apart") {
+TEST_CASE("every value of the pipeline stands with its source, defaults apart") {
     const Bench bench;
     const auto part = section(bench.page(), "Pipeline");
     for (const auto* row :

@@ -179,7 +179,7 @@ inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt&
                      graph.around);
     for (std::size_t c = 0; c < graph.count(); ++c)
         for (int entry = 0; entry < width; ++entry)
-            out.slab(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() + static_cast<std::size_t>(entry)] =
+            out.codes(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() + static_cast<std::size_t>(entry)] =
                 encode_energy(static_cast<float>(energy(c, entry)));
     return out;
 }
@@ -188,7 +188,7 @@ inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt&
 inline CostAt energies_of(const EnergyVolume& energy) {
     return [&](std::size_t c, int entry) -> double {
         const auto cell = c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry);
-        return energy.summed() ? energy.cells<float>(c / energy.columns_per_frame())[cell] : decode_energy(energy.slab(c / energy.columns_per_frame())[cell]);
+        return energy.summed() ? energy.cells<float>(c / energy.columns_per_frame())[cell] : decode_energy(energy.codes(c / energy.columns_per_frame())[cell]);
     };
 }
 

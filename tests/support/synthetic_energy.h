@@ -33,7 +33,7 @@ public:
                 if (kind_ == Synthetic::smoke) fill_smoke(energies, place, static_cast<float>(laterals));
                 else
                     for (std::size_t i = 0; i < width; ++i) energies[i] = 0.05f + random({i, place[0], place[1], place[2]}, 0);
-                auto* const codes = out.slab(place[2]).data() + (lateral + laterals * place[1]) * width;
+                auto* const codes = out.codes(place[2]).data() + (lateral + laterals * place[1]) * width;
                 for (std::size_t i = 0; i < width; ++i) codes[i] = encode_energy(energies[i]);
             }
         });

@@ -55,15 +55,15 @@ public:
         line[index_axis_] = block[index_axis_] + (direction_ > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
-                if (soft) carve_line_softly(line, out);
-                else carve_line(line, out);
+                if (soft) carve_row_softly(line, out);
+                else carve_row(line, out);
             }
         return true;
     }
 
 private:
     /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
-    void carve_line_softly(const Coord& voxel, Leaf& out) {
+    void carve_row_softly(const Coord& voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto& soft = *step.soft();
         const auto vertex = alignment_.vertex(voxel);
@@ -99,7 +99,7 @@ private:
             line_.resize(static_cast<std::size_t>(high - low) + 1);
             auto from = voxel;
             from[index_axis_] += direction_ * (low - first);
-            window_.read_line(from, index_axis_, direction_, line_);
+            window_.read_row(from, index_axis_, direction_, line_);
         }
         auto to = Leaf::coordToOffset(voxel);
         for (const auto& [below, part, freed] : sources) {
@@ -121,7 +121,7 @@ private:
     }
 
     /// Carves eight voxels in the direction of rising entries, under the last step. So the bounds of their column are passed only once.
-    void carve_line(Coord voxel, Leaf& out) {
+    void carve_row(Coord voxel, Leaf& out) {
         const auto& step = steps_.back();
         const auto rest = steps_.size() - 1;
         const int axis = step.axis();

@@ -73,7 +73,7 @@ public:
     }
     /// Reads voxels in a line along an axis, all inside the window.
     /// @param direction  1: rising indices; -1: falling
-    void read_line(openvdb::Coord at, int axis, int direction, std::span<Voxel> out) const {
+    void read_row(openvdb::Coord at, int axis, int direction, std::span<Voxel> out) const {
         for (std::size_t n = 0; n < out.size();) {
             const auto& cell = cell_of(at);
             const int within = at[axis] & 7, run = std::min(static_cast<int>(out.size() - n), direction > 0 ? 8 - within : within + 1);

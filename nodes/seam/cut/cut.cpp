@@ -17,7 +17,7 @@ namespace {
 
 /// How many nodes may be visited between two searches, as a share of all nodes.
 constexpr double steps_per_search = 2;
-constexpr std::size_t most_slabs = 16;
+constexpr std::size_t most_layers = 16;
 
 std::int64_t steps_between_searches(std::size_t nodes) { return static_cast<std::int64_t>(steps_per_search * static_cast<double>(nodes)) + 64; }
 
@@ -389,11 +389,11 @@ std::vector<Cut::Box> Cut::tiles(std::size_t nodes, bool shifted) const {
     return out;
 }
 
-/// Slabs along k or t, whichever is longer. Each has at least two planes, so that every second one touches no other's nodes.
-std::vector<Cut::Box> Cut::slabs() const {
+/// Layers along k or t, whichever is longer. Each has at least two planes, so that every second one touches no other's nodes.
+std::vector<Cut::Box> Cut::layers() const {
     const std::array<std::size_t, 3> sizes{columns_.laterals(), columns_.slices(), columns_.frames()};
     const std::size_t along = sizes[1] >= sizes[2] ? 1 : 2;
-    auto count = std::clamp<std::size_t>(std::min(sizes[along] / 2, tags_.size() / tile_nodes), 1, most_slabs);
+    auto count = std::clamp<std::size_t>(std::min(sizes[along] / 2, tags_.size() / tile_nodes), 1, most_layers);
     if (count > 1 && count % 2 != 0) --count;
     std::vector<Box> out(count, {{0, 0, 0}, sizes});
     for (std::size_t n = 0; n < count; ++n) {
@@ -425,7 +425,7 @@ bool Cut::solve_tiles(bool shifted, double tolerance) {
 
 bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
     std::vector<Region> regions;
-    for (const auto& box : slabs()) regions.emplace_back(*this, box, false);
+    for (const auto& box : layers()) regions.emplace_back(*this, box, false);
     const auto count = regions.size();
     const auto each = [&](const auto& call) { tbb::parallel_for(std::size_t{0}, count, call); };
     const auto before = [&](std::size_t n) -> std::vector<Spot>& { return regions[(n + count - 1) % count].sent()[1]; };

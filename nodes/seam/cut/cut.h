@@ -108,7 +108,7 @@ private:
     void add_lifts(std::size_t column, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs, std::vector<std::int32_t>& lifts);
     void lifts(std::size_t high, std::size_t low, unsigned direction, int first, const LiftsOf& lifts_of, std::span<std::int32_t> out) const;
     std::vector<Box> tiles(std::size_t nodes, bool shifted) const;
-    std::vector<Box> slabs() const;
+    std::vector<Box> layers() const;
     bool solve_tiles(bool shifted, double tolerance);
     bool solve_whole(double tolerance, const std::function<void()>& tick);
 

@@ -8,7 +8,7 @@ namespace fluidcarve {
 
 namespace {
 
-/// Strides between the vertices of a slab along u, v and w.
+/// Strides between the vertices of a frame along u, v and w.
 struct Places {
     std::array<std::size_t, 3> stride;
 
@@ -52,24 +52,24 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
 }
 
 template <class Mean>
-std::vector<std::uint16_t> carve(std::vector<std::uint16_t> slab, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mean& mean) {
+std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mean& mean) {
     for (const auto& step : steps) {
         const Places before(shape, axis);
         shape[static_cast<std::size_t>(step.axis())] = step.after();
         const auto size = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
-        slab = carve(slab, before, Places(shape, axis), size, step, mean);
+        codes = carve(codes, before, Places(shape, axis), size, step, mean);
     }
-    return slab;
+    return codes;
 }
 
 }  // namespace
 
-std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(slab), shape, axis, steps, mean_energy);
+std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
+    return carve(std::move(codes), shape, axis, steps, mean_energy);
 }
 
-std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(slab), shape, axis, steps, mean_field);
+std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
+    return carve(std::move(codes), shape, axis, steps, mean_field);
 }
 
 }  // namespace fluidcarve

@@ -11,12 +11,12 @@ namespace fluidcarve {
 
 /// Carves one frame's energy into the space that earlier seams leave. Removed entries disappear. An inserted entry is the mean of its
 /// neighbours (METHOD 4), and marked if either of them is.
-/// @param slab   energy codes, laid out as by sample_energy()
-/// @param shape  I, J, K of the slab; the steps carve it in order
-/// @param axis   along which the slab is contiguous; the steps' own axes may differ
-/// @return the carved slab, laid out the same way
-std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
+/// @param codes   energy codes, laid out as by sample_energy()
+/// @param shape  I, J, K of the frame; the steps carve it in order
+/// @param axis   along which the codes are contiguous; the steps' own axes may differ
+/// @return the carved codes, laid out the same way
+std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
 /// The same for a field, in field codes.
-std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> slab, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
+std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps);
 
 }  // namespace fluidcarve

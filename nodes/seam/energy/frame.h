@@ -4,7 +4,7 @@
 #include "nodes/field/missed_range.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/seam/energy/content.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 
 #include <openvdb/openvdb.h>
 

@@ -67,7 +67,7 @@ private:
 
 }  // namespace
 
-std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> slab) {
+std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes) {
     const auto set = active_voxels(mask);
     openvdb::CoordBBox box;
     if (!set.evalActiveVoxelBoundingBox(box)) return 0;
@@ -77,7 +77,7 @@ std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice,
         tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), std::size_t{0},
         [&](const tbb::blocked_range<int>& range, std::size_t count) {
             Around around(set, box, mask.transform(), lattice, alignment, axis);
-            auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
+            auto out = codes.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
             for (int column = range.begin(); column < range.end(); ++column) {
                 around.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
                 for (int entry = 0; entry < entries; ++entry, ++out)

@@ -23,9 +23,9 @@ struct MarkCounts {
 /// line or face between centres, only the voxels at its ends or corners.
 /// @param mask  of any type that can be carved
 /// @param code  protected_code or attracted_code
-/// @param slab  as sample_energy() fills it
+/// @param codes  as sample_energy() fills it
 /// @return number of marked vertices
 /// @throws Failure naming the type of a grid that is no mask
-std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> slab);
+std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes);
 
 }  // namespace fluidcarve

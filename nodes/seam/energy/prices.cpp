@@ -50,7 +50,7 @@ struct Sums {
 
 Typical Typical::of(const EnergyVolume& energy) {
     const auto width = energy.width();
-    const auto* const codes = energy.slab(0);
+    const auto* const codes = energy.codes(0);
     const auto* const field = energy.has_field() ? energy.field(0).data() : nullptr;
     const auto value = [&](std::size_t place) { return decode_field(field[place]); };
     Typical out;
@@ -88,7 +88,7 @@ void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& pric
     if (!energy.has_field()) return;
     energy.set_field_weight(static_cast<float>(prices.edges * typical.energy / typical.edge));
     const float most = decode_energy(highest_energy_code), empty = unit * prices.empty * (2 + prices.edges);
-    auto* const codes = energy.slab(0).data();
+    auto* const codes = energy.codes(0).data();
     const auto* const field = std::as_const(energy).field(0).data();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, energy.frames() * energy.columns_per_frame() * energy.stride(), 65536),
                       [&](const tbb::blocked_range<std::size_t>& range) {

@@ -20,7 +20,7 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
       around_(around),
-      slabs_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
+      codes_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
 
 EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around)
     : width_(shape[dimension(axis)]),
@@ -30,7 +30,7 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
       around_(around),
-      slabs_(frames, 0, 0, ""),
+      codes_(frames, 0, 0, ""),
       sums_(std::move(costs)) {}
 
 void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
@@ -40,8 +40,8 @@ void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const st
 
 std::uint16_t EnergyVolume::with_edge(std::size_t column, int entry) const {
     const auto first = column * stride_;
-    const auto at = [&](int place) { return decode_field(field_->slab(0).data()[first + static_cast<std::size_t>(place)]); };
-    const auto code = without_edges_->slab(0).data()[first + static_cast<std::size_t>(entry)];
+    const auto at = [&](int place) { return decode_field(field_->entries(0).data()[first + static_cast<std::size_t>(place)]); };
+    const auto code = without_edges_->entries(0).data()[first + static_cast<std::size_t>(entry)];
     if (code >= protected_code) return code;
     const float edge = std::abs(at(std::min(entry + 1, width_ - 1)) - at(std::max(entry - 1, 0)));
     return encode_energy(std::min(decode_energy(code) + weight_ * edge, decode_energy(highest_energy_code)));
@@ -49,10 +49,10 @@ std::uint16_t EnergyVolume::with_edge(std::size_t column, int entry) const {
 
 void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
     without_edges_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
-    std::swap(slabs_, *without_edges_);
+    std::swap(codes_, *without_edges_);
     tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
         for (auto c = range.begin(); c < range.end(); ++c)
-            for (int entry = 0; entry < width_; ++entry) slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+            for (int entry = 0; entry < width_; ++entry) codes(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
     });
 }
 
@@ -65,7 +65,7 @@ void EnergyVolume::find_marks() {
         ColumnRange(0, columns_per_frame() * frames(), 4096), Found{},
         [&](const ColumnRange& range, Found out) {
             for (auto c = range.begin(); c < range.end(); ++c) {
-                const auto* const codes = slab(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
+                const auto* const codes = this->codes(c / columns_per_frame()).data() + c % columns_per_frame() * stride_;
                 for (int entry = 0; entry < width_; ++entry) {
                     const auto code = codes[entry];
                     if (code < protected_code) out.highest = std::max(out.highest, code);
@@ -89,7 +89,7 @@ EnergyVolume EnergyVolume::sum() const {
         std::vector<std::size_t> attracted(energies.empty() ? 0 : range.size(), 0);
         for (std::size_t t = 0; t < frames(); ++t)
             for (std::size_t n = 0; n < part.size(); ++n) {
-                const auto code = slab(t)[range.begin() + n];
+                const auto code = codes(t)[range.begin() + n];
                 if (code == attracted_code) ++attracted[n];
                 else part[n] += Costs{}(code);
             }
@@ -137,7 +137,7 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
                   if (!energies_.empty()) energies_[n] = energy;
               });
     } else {
-        auto* const codes = (without_edges_ ? *without_edges_ : slabs_).slab(0).data();
+        auto* const codes = (without_edges_ ? *without_edges_ : codes_).entries(0).data();
         share([&](std::size_t n) { return codes[n] >= protected_code ? Held() : Held(decode_energy(codes[n])); },
               [&](std::size_t n, float energy) { codes[n] = encode_energy(std::min(energy, decode_energy(highest_energy_code))); });
     }
@@ -157,14 +157,14 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
     tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
         for (auto c = range.begin(); c < range.end(); ++c) {
             if (summed()) close(sums_.data() + c * stride_, at[c]);
-            else close(slab(c / columns).data() + c % columns * stride_, at[c]);
+            else close(codes(c / columns).data() + c % columns * stride_, at[c]);
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
-            if (field_) close(field_->slab(0).data() + c * stride_, at[c]);
+            if (field_) close(field_->entries(0).data() + c * stride_, at[c]);
             if (!without_edges_) continue;
-            close(without_edges_->slab(0).data() + c * stride_, at[c]);
+            close(without_edges_->entries(0).data() + c * stride_, at[c]);
             // Update the entries that got energy or a new neighbour.
             for (int entry = std::max(at[c] - 1 - spread_, 0); entry <= std::min<int>(at[c] + spread_, width_ - 1); ++entry)
-                slab(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+                codes(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
         }
     });
 }
@@ -186,7 +186,7 @@ EnergyVolume::Met EnergyVolume::met(std::span<const std::uint16_t> at) const {
                     out.attracted += attracted_at(place);
                     out.blocked += std::isinf(sums_[place]);
                 } else {
-                    const auto code = slab(c / columns)[c % columns * stride_ + at[c]];
+                    const auto code = codes(c / columns)[c % columns * stride_ + at[c]];
                     out.zeros += code == 0;
                     out.attracted += code == attracted_code;
                     out.blocked += code == protected_code;

@@ -2,8 +2,8 @@
 
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/step_costs.h"
+#include "nodes/seams/frame_store.h"
 #include "nodes/seams/seams.h"
-#include "nodes/seams/slab_store.h"
 #include "nodes/seams/window.h"
 
 #include <array>
@@ -29,7 +29,7 @@ struct Costs {
     float operator()(float cost) const { return cost; }
 };
 
-/// The energy `E(i,j,k,t)` in which seams are found, and from which found seams are deleted. It has one slab of energy codes per frame
+/// The energy `E(i,j,k,t)` in which seams are found, and from which found seams are deleted. It has one list of energy codes per frame
 /// (layout: sample_energy()). Besides energy, seams may pay for steps between columns, and for the edges that their removal makes in a
 /// field.
 class EnergyVolume {
@@ -41,11 +41,11 @@ public:
     /// @param memory_budget  bytes that may be held in memory; else files in `folder` are used
     /// @param closed         column k = K-1 is a neighbour of k = 0
     /// @param around         the last lateral column is a neighbour of the first
-    /// @throws Failure as SlabStore
+    /// @throws Failure as FrameStore
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false,
                  bool around = false);
     /// A volume of 32-bit costs instead of codes.
-    /// @param costs  laid out as slabs, frame after frame
+    /// @param costs  laid out as codes, frame after frame
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around = false);
 
     /// Sets the cost of any step, in space and in time.
@@ -56,22 +56,22 @@ public:
     int spread() const { return spread_; }
     /// Allocates a field whose new edges cost something.
     /// @param weight  cost per unit by which the field changes across an edge
-    /// @throws Failure as SlabStore
+    /// @throws Failure as FrameStore
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
     /// The field codes of a frame, laid out as its energies.
-    std::span<std::uint16_t> field(std::size_t t) { return field_->slab(t); }
-    std::span<const std::uint16_t> field(std::size_t t) const { return field_->slab(t); }
+    std::span<std::uint16_t> field(std::size_t t) { return field_->entries(t); }
+    std::span<const std::uint16_t> field(std::size_t t) const { return field_->entries(t); }
     bool has_field() const { return field_.has_value(); }
     float field_weight() const { return weight_; }
     void set_field_weight(float weight) { weight_ = weight; }
     /// Adds the cost of edges. Call it once energies and field are set. From then on an entry costs its energy plus the edge that its
     /// removal makes between the entries on either side; for a column's first and last entry, the edge between itself and the next.
-    /// @throws Failure as SlabStore
+    /// @throws Failure as FrameStore
     void count_edges(std::uint64_t memory_budget, const std::string& folder);
     /// The costs of steps; points into the volume.
-    StepCosts steps() const { return {rigidity_, field_ ? field_->slab(0).data() : nullptr, stride_, weight_}; }
+    StepCosts steps() const { return {rigidity_, field_ ? field_->entries(0).data() : nullptr, stride_, weight_}; }
 
-    /// Counts the protected and attracted vertices in the slabs. Until then there are none.
+    /// Counts the protected and attracted vertices. Until then there are none.
     void find_marks();
     bool protects() const { return protects_; }
     std::size_t attracted() const { return attracted_; }  ///< vertices that are left
@@ -94,13 +94,13 @@ public:
     bool closed() const { return closed_; }
     bool around() const { return around_; }
 
-    std::span<std::uint16_t> slab(std::size_t t) { return slabs_.slab(t); }
-    const std::uint16_t* slab(std::size_t t) const { return slabs_.slab(t).data(); }
+    std::span<std::uint16_t> codes(std::size_t t) { return codes_.entries(t); }
+    const std::uint16_t* codes(std::size_t t) const { return codes_.entries(t).data(); }
     /// A frame's entries: codes (std::uint16_t), or float if summed().
     template <class Cell>
     const Cell* cells(std::size_t t) const {
         if constexpr (std::is_same_v<Cell, float>) return sums_.data() + t * columns_per_frame() * stride_;
-        else return slab(t);
+        else return codes(t);
     }
     /// The entries of a sum as energies: attracted vertices count 0.
     const float* energies() const { return energies_.empty() ? sums_.data() : energies_.data(); }
@@ -134,7 +134,7 @@ private:
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
     bool closed_, around_;
-    SlabStore slabs_;
+    FrameStore codes_;
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted
     std::size_t frames_summed_ = 1;
@@ -142,7 +142,7 @@ private:
     std::size_t attracted_ = 0;
     float attraction_ = 0;
     std::array<float, 2> rigidity_{};
-    std::optional<SlabStore> field_, without_edges_;  ///< the field, and the energies before count_edges()
+    std::optional<FrameStore> field_, without_edges_;  ///< the field, and the energies before count_edges()
     float weight_ = 0;
 };
 

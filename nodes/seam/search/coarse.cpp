@@ -102,7 +102,7 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     EnergyVolume out(shape, Axis::u, coarse.frames(), ~std::uint64_t{0}, "", energy.closed(), energy.around());
     const auto most = decode_energy(highest_energy_code);
     for_rows([&](std::size_t row, const std::vector<float>& of_row) {
-        auto* const codes = out.slab(row / coarse.slices()).data() + row % coarse.slices() * row_size;
+        auto* const codes = out.codes(row / coarse.slices()).data() + row % coarse.slices() * row_size;
         for (std::size_t n = 0; n < row_size; ++n) codes[n] = encode_energy(std::min(of_row[n], most));
     });
     return out;

@@ -52,12 +52,12 @@ private:
     template <class Visit>
     void each(std::span<std::uint16_t> at, const Visit& visit) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, at.size(), 4096), [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto c = range.begin(); c < range.end(); ++c) visit(store_.slab(0).subspan(c * words_, words_), at[c]);
+            for (auto c = range.begin(); c < range.end(); ++c) visit(store_.entries(0).subspan(c * words_, words_), at[c]);
         });
     }
 
     std::size_t words_;  ///< per column
-    SlabStore store_;
+    FrameStore store_;
 };
 
 /// Where the way of the next seam is blocked, if it is. @param found  number of seams found before

@@ -65,7 +65,7 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     join(marks_.attract_missed, frame.attract_missed);
     forward_ = !frame.field.empty();
     if (!energy_) energy_.emplace(room(lattice.shape, params, context, budget(context)));
-    std::ranges::copy(frame.energy, energy_->slab(context.place()).begin());
+    std::ranges::copy(frame.energy, energy_->codes(context.place()).begin());
     if (energy_->has_field()) std::ranges::copy(frame.field, energy_->field(context.place()).begin());
 }
 
@@ -105,7 +105,7 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverP
 EnergyVolume GatheredEnergy::whole(const SolverParams& params) {
     auto out = std::move(*energy_);
     for (auto t = lattices_.size(); t < out.frames(); ++t) {
-        std::ranges::copy(out.slab(0), out.slab(t).begin());
+        std::ranges::copy(out.codes(0), out.codes(t).begin());
         if (out.has_field()) std::ranges::copy(out.field(0), out.field(t).begin());
     }
     set_prices(out, Typical::of(out), prices_of(params, forward_));
@@ -120,8 +120,8 @@ EnergyVolume GatheredEnergy::carved(const SolverParams& params, const CarvedSpac
     for (std::size_t t = 0; t < out.frames(); ++t) {
         const auto place = space.place(t);
         const auto before = space.carve_map(t);
-        const auto copy = [](std::span<const std::uint16_t> slab) { return std::vector<std::uint16_t>(slab.begin(), slab.end()); };
-        std::ranges::copy(carve_energy(copy(from.slab(place)), shape, params.axis, before.steps()), out.slab(t).begin());
+        const auto copy = [](std::span<const std::uint16_t> codes) { return std::vector<std::uint16_t>(codes.begin(), codes.end()); };
+        std::ranges::copy(carve_energy(copy(from.codes(place)), shape, params.axis, before.steps()), out.codes(t).begin());
         if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps()), out.field(t).begin());
     }
     // Typical values of the whole lattice also hold for the space that earlier seams leave.

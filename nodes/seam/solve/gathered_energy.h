@@ -23,7 +23,7 @@ namespace fluidcarve {
 class GatheredEnergy {
 public:
     /// Adds the frame of the context. Without a count of seams it only checks the frame.
-    /// @throws Failure if the frame's lattice has another shape, or a grid another transform, than in the first frame; as SlabStore
+    /// @throws Failure if the frame's lattice has another shape, or a grid another transform, than in the first frame; as FrameStore
     void add(const SolverParams& params, const FrameEnergy& frame, const Context& context);
 
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }  ///< of the frames that were added
@@ -38,7 +38,7 @@ public:
     /// Hands over the energies and fields of all frames, brought into a space, with all that seams pay. Prices depend on the frames before
     /// they are carved. Call it once, after the last frame, if seams are wanted.
     /// @param space  made from lattices()
-    /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and SlabStore
+    /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore
     EnergyVolume take(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
 private:

@@ -4,7 +4,7 @@
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/grid.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/seams_through.h"
@@ -41,9 +41,9 @@ Image part_of(const std::string& path, int x, int y, int width, int height) {
     return out;
 }
 
-EnergyVolume slabs_of(const FloatGrid& energy, int width, int height) {
+EnergyVolume energies_of(const FloatGrid& energy, int width, int height) {
     EnergyVolume out({width, height, 1}, Axis::u, 1, ~std::uint64_t{0}, "");
-    sample_energy(energy, make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2}), Axis::u, out.slab(0));
+    sample_energy(energy, make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2}), Axis::u, out.codes(0));
     return out;
 }
 
@@ -57,7 +57,7 @@ double least_energy(const EnergyVolume& energy) {
             if (i > 0) least = std::min(least, before[static_cast<std::size_t>(i - 1)]);
             if (i + 1 < energy.width()) least = std::min(least, before[static_cast<std::size_t>(i + 1)]);
             ways[static_cast<std::size_t>(i)] =
-                least + static_cast<double>(decode_energy(energy.slab(0)[static_cast<std::size_t>(row) * energy.stride() + static_cast<std::size_t>(i)]));
+                least + static_cast<double>(decode_energy(energy.codes(0)[static_cast<std::size_t>(row) * energy.stride() + static_cast<std::size_t>(i)]));
         }
     }
     return *std::min_element(ways.begin(), ways.end());
@@ -118,7 +118,7 @@ TEST_CASE("beside what is not active the derivative is one-sided") {
 TEST_CASE("seam.dynamic takes a seam of least energy out of small pictures, as trying all of them shows") {
     for (unsigned seed = 0; seed < 40; ++seed) {
         const int width = 2 + static_cast<int>(seed % 6), height = 1 + static_cast<int>(seed % 8);
-        const auto energy = slabs_of(*image_energy(*intensity(volume_of(random_image(width, height, {"Y"}, seed)))), width, height);
+        const auto energy = energies_of(*image_energy(*intensity(volume_of(random_image(width, height, {"Y"}, seed)))), width, height);
         const ColumnGraph graph({height, 1, 1});
         const auto band = Band::whole(static_cast<std::size_t>(height), {0, width - 1});
         const auto seam = dynamic_seam(energy, {0, width - 1}, static_cast<int>(seed), nobody);
@@ -133,7 +133,7 @@ TEST_CASE("seam after seam, seam.dynamic has the least energy that is left in a 
     const auto image = part_of(TEST_DATA "/images/chelsea.png", 100, 60, width, height);
     const auto volume = volume_of(image);
     const auto field = image_energy(*intensity(volume));
-    auto energy = slabs_of(*field, width, height);
+    auto energy = energies_of(*field, width, height);
     const ColumnGraph graph({height, 1, 1});
     auto left = image;
     const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});

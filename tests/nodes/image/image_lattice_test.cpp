@@ -3,7 +3,7 @@
 #include "nodes/lattice/build.h"
 #include "nodes/remap/grid.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/search/find_seams.h"
 #include "tests/support/seams_through.h"
@@ -44,10 +44,10 @@ std::size_t dark(const Volume& volume) {
 Seams pairs_in(const Volume& volume, const Lattice& lattice, Seams::Kind kind, int count, Window window, Window pair_window) {
     auto out = test::no_seams(lattice, Axis::u, kind);
     EnergyVolume energy(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "", lattice.closed);
-    sample_energy(*image_energy(*intensity(volume)), lattice, Axis::u, energy.slab(0));
+    sample_energy(*image_energy(*intensity(volume)), lattice, Axis::u, energy.codes(0));
     out.pairs = find_seams(energy, opposite(kind), count, pair_window, Pyramid(Quality::normal, 16), [](double) {}).seams;
     EnergyVolume again(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "", lattice.closed);
-    sample_energy(*image_energy(*intensity(volume)), lattice, Axis::u, again.slab(0));
+    sample_energy(*image_energy(*intensity(volume)), lattice, Axis::u, again.codes(0));
     out.seams = find_seams(again, kind, count, window, Pyramid(Quality::normal, 16), [](double) {}).seams;
     return out;
 }

@@ -90,9 +90,9 @@ void require_same(const Mesh& a, const Mesh& b) {
         CHECK(same_bits(x.values, y.values));
         CHECK(x.at == y.at);
     }
-    REQUIRE((a.origin == nullptr) == (b.origin == nullptr));
-    if (!a.origin) return;
-    const auto &x = *a.origin, &y = *b.origin;
+    REQUIRE((a.stored == nullptr) == (b.stored == nullptr));
+    if (!a.stored) return;
+    const auto &x = *a.stored, &y = *b.stored;
     CHECK(x.format == y.format);
     CHECK(x.binary == y.binary);
     CHECK(x.big_endian == y.big_endian);
@@ -236,7 +236,7 @@ TEST_CASE("meshes come back from a file, and a writer gives the same file from t
             CHECK(Scratch::read(scratch / ("before" + ending)) == Scratch::read(scratch / ("after" + ending)));
         }
     auto made = *mesh(scratch / "two.obj", {});
-    made.origin = nullptr;
+    made.stored = nullptr;
     require_same(made, *there_and_back<Mesh>(std::make_shared<Mesh>(made)));
 }
 

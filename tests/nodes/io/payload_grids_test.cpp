@@ -120,7 +120,7 @@ void require_same(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
     for (std::size_t n = 0; n < a.grids.size(); ++n) {
         CHECK(difference(*a.grids[n], *b.grids[n]) == "");
-        CHECK((origin_of(*a.grids[n]) == nullptr) == (origin_of(*b.grids[n]) == nullptr));
+        CHECK((stored_form_of(*a.grids[n]) == nullptr) == (stored_form_of(*b.grids[n]) == nullptr));
     }
     CHECK(kept_metadata(a.metadata) == kept_metadata(b.metadata));
     CHECK(a.codec == b.codec);
@@ -158,7 +158,7 @@ VectorGrid::ConstPtr velocity_of_three() {
     return merged(make_triplet("vel", components));
 }
 
-const Transform& in_file_of(const GridBase& grid) { return *origin_of(grid)->in_file; }
+const Transform& in_file_of(const GridBase& grid) { return *stored_form_of(grid)->in_file; }
 
 }  // namespace
 
@@ -217,20 +217,20 @@ TEST_CASE("files of other programs come back from a file, and a writer gives the
 TEST_CASE("where a grid came from comes back with it: placement, transform, what a profile made of its class") {
     const auto placed_grid = placed(rich_volume()->grids[1], {{0.1, -2, 3.3}, 0.3, Vec3d(-0.5, 0.1, 0)});
     const auto back = there_and_back(any(placed_grid))->grid;
-    REQUIRE(origin_of(*back));
-    CHECK(origin_of(*back)->placement == origin_of(*placed_grid)->placement);
+    REQUIRE(stored_form_of(*back));
+    CHECK(stored_form_of(*back)->placement == stored_form_of(*placed_grid)->placement);
     CHECK(bytes(in_file_of(*back)) == bytes(in_file_of(*placed_grid)));
-    CHECK(origin_of(*back)->components.empty());
+    CHECK(stored_form_of(*back)->components.empty());
     CHECK(written(volume_of(back)) == written(volume_of(placed_grid)));
     CHECK(written(volume_of(back), &moved) == written(volume_of(placed_grid), &moved));
 
     for (const bool in_file : {false, true}) {
         const auto staggered = grid_of_two<VectorGrid>({0, 0, 0}, {1, 2, 3});
         staggered->setGridClass(openvdb::GRID_STAGGERED);
-        Origin origin;
+        StoredForm origin;
         origin.made_staggered = true;
         origin.class_in_file = in_file;
-        set_origin(*staggered, origin);
+        set_stored_form(*staggered, origin);
         const auto again = there_and_back<VectorGrid>(staggered);
         CHECK(again->getGridClass() == openvdb::GRID_STAGGERED);
         CHECK(written(volume_of(again)) == written(volume_of(staggered)));
@@ -243,16 +243,16 @@ TEST_CASE("a vector that was read as three grids is those three again behind a f
     const auto placed_vel = openvdb::gridConstPtrCast<VectorGrid>(placed(vel, moved));
     for (const auto& before : {vel, placed_vel}) {
         const auto back = there_and_back(before);
-        CHECK(origin_of(*back)->merged.lock() == back->constBaseTreePtr());
-        REQUIRE(origin_of(*back)->components.size() == 3);
-        for (std::size_t n = 0; n < 3; ++n) CHECK(difference(*origin_of(*before)->components[n], *origin_of(*back)->components[n]) == "");
-        CHECK(split(back)[0]->constBaseTreePtr() == origin_of(*back)->components[0]->constBaseTreePtr());
+        CHECK(stored_form_of(*back)->merged.lock() == back->constBaseTreePtr());
+        REQUIRE(stored_form_of(*back)->components.size() == 3);
+        for (std::size_t n = 0; n < 3; ++n) CHECK(difference(*stored_form_of(*before)->components[n], *stored_form_of(*back)->components[n]) == "");
+        CHECK(split(back)[0]->constBaseTreePtr() == stored_form_of(*back)->components[0]->constBaseTreePtr());
         CHECK(written(volume_of(before)) == written(volume_of(back)));
 
         const auto changed = before->deepCopy();
         changed->tree().setValue({3, 1, 2}, openvdb::Vec3s(-1, 0.3f, -3));
         const auto changed_back = there_and_back<VectorGrid>(changed);
-        CHECK(origin_of(*changed_back)->merged.expired());
+        CHECK(stored_form_of(*changed_back)->merged.expired());
         CHECK(written(volume_of(changed)) == written(volume_of(changed_back)));
         CHECK(written(volume_of(changed)) != written(volume_of(before)));
     }
@@ -261,9 +261,9 @@ TEST_CASE("a vector that was read as three grids is those three again behind a f
 TEST_CASE("components that stand in a volume beside their vector share their trees with it again") {
     const auto vel = velocity_of_three();
     const auto volume = std::make_shared<Volume>();
-    volume->grids = {vel, origin_of(*vel)->components[1], vel->copyGrid()};
+    volume->grids = {vel, stored_form_of(*vel)->components[1], vel->copyGrid()};
     const auto back = there_and_back<Volume>(volume);
-    CHECK(&back->grids[1]->constBaseTree() == &origin_of(*back->grids[0])->components[1]->constBaseTree());
+    CHECK(&back->grids[1]->constBaseTree() == &stored_form_of(*back->grids[0])->components[1]->constBaseTree());
     CHECK(&back->grids[0]->constBaseTree() == &back->grids[2]->constBaseTree());
     CHECK(written(*volume) == written(*back));
 }

@@ -1,6 +1,6 @@
-#include "nodes/io/origin.h"
-#include "nodes/io/profile.h"
+#include "nodes/io/conventions.h"
 #include "nodes/io/raw_grid.h"
+#include "nodes/io/stored_form.h"
 #include "nodes/io/triplet.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
@@ -223,7 +223,7 @@ TEST_CASE("whose files they are is seen by their grids and marks, and their name
         return read_vdb_header(scratch / "f.vdb");
     };
     const auto detected = [](const VdbHeader& header) {
-        const auto* const found = detected_profile(header);
+        const auto* const found = detected_conventions(header);
         return found ? std::string(found->name) : std::string();
     };
     CHECK(detected(read_vdb_header(frame_51)) == "blender");
@@ -231,16 +231,16 @@ TEST_CASE("whose files they are is seen by their grids and marks, and their name
     CHECK(detected(named({"density", "vel.x", "vel.y", "vel.z"})) == "houdini");
     CHECK(detected(named({"density", "flames"})) == "embergen");
     CHECK(detected(named({"density", "flames", "vel"})) == "embergen");
-    CHECK(name_in_file(named({"density", "flames", "vel"}), profile("embergen"), "velocity") == "vel");
+    CHECK(name_in_file(named({"density", "flames", "vel"}), conventions_of("embergen"), "velocity") == "vel");
     CHECK(detected(named({"voxel_fog_density"})) == "bifrost");
     CHECK(detected(named({"density"})) == "");
     CHECK(detected(named({"heat", "voxel_velocity"})) == "");
 
-    CHECK(name_in_file(named({"density", "heat"}), profile("houdini"), "temperature") == "heat");
-    CHECK(name_in_file(named({"vel.x", "vel.y", "vel.z"}), profile("houdini"), "velocity") == "vel");
-    CHECK(name_in_file(named({"velocity", "vel"}), profile("houdini"), "velocity") == "velocity");
+    CHECK(name_in_file(named({"density", "heat"}), conventions_of("houdini"), "temperature") == "heat");
+    CHECK(name_in_file(named({"vel.x", "vel.y", "vel.z"}), conventions_of("houdini"), "velocity") == "vel");
+    CHECK(name_in_file(named({"velocity", "vel"}), conventions_of("houdini"), "velocity") == "velocity");
     CHECK(name_in_file(named({"voxel_velocity"}), nullptr, "velocity") == "velocity");
-    CHECK(name_in_file(named({"other"}), profile("bifrost"), "density") == "density");
+    CHECK(name_in_file(named({"other"}), conventions_of("bifrost"), "density") == "density");
 }
 
 TEST_CASE("one pipeline reads the velocities of any application") {

@@ -79,9 +79,9 @@ TEST_CASE("mesh.write gives the meshes of a sequence the times of their frames")
     CHECK(samples[0].second.items.size() == 5);
 
     // A placement that is stated is undone; that of a reader is not.
-    auto origin = std::make_shared<Mesh::Origin>();
+    auto origin = std::make_shared<Mesh::StoredForm>();
     origin->placement = {openvdb::Vec3d(5), 2};
-    mesh->origin = origin;
+    mesh->stored = origin;
     const auto last = [&](const std::string& more) {
         NodeBench(mesh_write(), "{path: " + scratch / "b.usda" + more + "}").run({{"source", {Payload(mesh)}}}, Context(silent, frames));
         return UsdaReader::read(Scratch::read(scratch / "b.usda")).prim("geometry").properties.at("point3f[] points").items.at(4).texts();

@@ -28,7 +28,7 @@ EnergyVolume volume(const std::array<int, 3>& shape, Axis axis, std::size_t fram
                     bool closed = false) {
     EnergyVolume out(shape, axis, frames, ~std::uint64_t{0}, "", closed);
     for (std::size_t t = 0; t < frames; ++t)
-        for (std::size_t n = 0; n < out.slab(t).size(); ++n) out.slab(t)[n] = encode_energy(energy(t, n));
+        for (std::size_t n = 0; n < out.codes(t).size(); ++n) out.codes(t)[n] = encode_energy(energy(t, n));
     return out;
 }
 
@@ -69,7 +69,7 @@ struct Columns {
 double cost(EnergyVolume& energy, std::span<const std::uint16_t> at) {
     double out = 0;
     for (std::size_t c = 0; c < at.size(); ++c)
-        out += decode_energy(energy.slab(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + at[c]]);
+        out += decode_energy(energy.codes(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + at[c]]);
     return out;
 }
 
@@ -88,7 +88,8 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
                 if (j > 0) neighbours.push_back(before(1));
                 if (k > 0) neighbours.push_back(before(shape.laterals));
                 if (t > 0) neighbours.push_back(before(shape.laterals * shape.slices));
-                const auto* const column = energy.slab(static_cast<std::size_t>(t)).data() + static_cast<std::size_t>(j + shape.laterals * k) * energy.stride();
+                const auto* const column =
+                    energy.codes(static_cast<std::size_t>(t)).data() + static_cast<std::size_t>(j + shape.laterals * k) * energy.stride();
                 int best = -1;
                 const auto rank = [&](int i) { return i == neighbours[0] ? 0 : (i < neighbours[0]) == below_first ? 1 : 2; };
                 for (int i = window.first; i <= window.last; ++i) {

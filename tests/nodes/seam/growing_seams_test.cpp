@@ -345,7 +345,7 @@ TEST_CASE("a pyramid of very many columns goes on from the last seam") {
     const auto find = [&](int count, const Continued& given = {}) {
         EnergyVolume energy({4, 1025, 1024}, Axis::u, 1, ~std::uint64_t{0}, "");
         std::mt19937 random(6);
-        for (auto& code : energy.slab(0)) code = static_cast<std::uint16_t>(20000 + random() % 16384);
+        for (auto& code : energy.codes(0)) code = static_cast<std::uint16_t>(20000 + random() % 16384);
         Pyramid pyramid(Quality::draft, 1);
         auto continued = given;
         continued.start_from = [&](std::span<const std::uint16_t> last) { pyramid.start_from(last); };

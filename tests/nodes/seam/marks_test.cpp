@@ -28,14 +28,14 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Which vertices a mask marks, in the order of a slab.
+/// Which vertices a mask marks, in the order of the codes.
 std::vector<bool> marked(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis = Axis::u) {
-    std::vector<std::uint16_t> slab(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
-                                    static_cast<std::size_t>(lattice.shape[2]));
-    const auto count = mark_vertices(mask, lattice, axis, protected_code, slab);
-    CHECK(count == static_cast<std::size_t>(std::ranges::count(slab, protected_code)));
+    std::vector<std::uint16_t> codes(static_cast<std::size_t>(lattice.shape[0]) * static_cast<std::size_t>(lattice.shape[1]) *
+                                     static_cast<std::size_t>(lattice.shape[2]));
+    const auto count = mark_vertices(mask, lattice, axis, protected_code, codes);
+    CHECK(count == static_cast<std::size_t>(std::ranges::count(codes, protected_code)));
     std::vector<bool> out;
-    for (const auto code : slab) out.push_back(code == protected_code);
+    for (const auto code : codes) out.push_back(code == protected_code);
     return out;
 }
 

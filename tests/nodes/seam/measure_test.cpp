@@ -1,7 +1,7 @@
 #include "nodes/lattice/mapping.h"
 #include "nodes/payloads.h"
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 #include "nodes/seam/pyramid.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/reference_carve.h"

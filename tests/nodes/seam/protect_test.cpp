@@ -34,13 +34,13 @@ FindSeam greedy(int starts) {
 constexpr double blocked = 1e9;
 
 std::uint16_t& code_at(EnergyVolume& energy, std::size_t c, int entry) {
-    return energy.slab(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry)];
+    return energy.codes(c / energy.columns_per_frame())[c % energy.columns_per_frame() * energy.stride() + static_cast<std::size_t>(entry)];
 }
 
 /// Marks entries at random. @param guarded, wanted  percent of them
 void mark(std::mt19937& random, EnergyVolume& energy, int guarded, int wanted) {
     for (std::size_t t = 0; t < energy.frames(); ++t)
-        for (auto& code : energy.slab(t)) {
+        for (auto& code : energy.codes(t)) {
             const int draw = below(random, 100);
             if (draw < guarded) code = protected_code;
             else if (draw < guarded + wanted) code = attracted_code;
@@ -52,7 +52,7 @@ void mark(std::mt19937& random, EnergyVolume& energy, int guarded, int wanted) {
 CostAt costs_of(EnergyVolume& energy) {
     float highest = 0;
     for (std::size_t t = 0; t < energy.frames(); ++t)
-        for (const auto code : energy.slab(t))
+        for (const auto code : energy.codes(t))
             if (code <= highest_energy_code) highest = std::max(highest, decode_energy(code));
     return [&energy, attraction = 64.0 * (highest > 0 ? highest : 1)](std::size_t c, int entry) -> double {
         const auto code = code_at(energy, c, entry);
@@ -261,7 +261,7 @@ TEST_CASE("seams run out only where the rest has none") {
         const ColumnGraph graph({1 + below(random, 3), 1 + below(random, 3), 1 + below(random, 2)}, n % 2 == 0);
         auto energy = random_volume(random, graph, 7), left = random_volume(random, graph, 7);
         mark(random, energy, 25, 10);
-        for (std::size_t t = 0; t < energy.frames(); ++t) std::ranges::copy(energy.slab(t), left.slab(t).begin());
+        for (std::size_t t = 0; t < energy.frames(); ++t) std::ranges::copy(energy.codes(t), left.codes(t).begin());
         const auto find = [&](const EnergyVolume& now, Window window, int number, const Tick&) { return exact_seam(now, window, number, quiet); };
         INFO("case " << n);
         std::vector<Seams::Seam> seams;
@@ -285,7 +285,7 @@ TEST_CASE("seams run out only where the rest has none") {
         if (possible == 4) continue;
         // With as many as are possible, the oracle finds no other in what they leave.
         auto again = random_volume(random, graph, 7);
-        for (std::size_t t = 0; t < again.frames(); ++t) std::ranges::copy(left.slab(t), again.slab(t).begin());
+        for (std::size_t t = 0; t < again.frames(); ++t) std::ranges::copy(left.codes(t), again.codes(t).begin());
         again.find_marks();
         const auto found = find_seams(again, Seams::Kind::remove, possible, {1, 6}, find, nobody);
         for (const auto& seam : found.seams) left.remove(seam.at);

@@ -19,13 +19,13 @@ namespace {
 
 EnergyVolume column_of(const std::vector<float>& energies) {
     EnergyVolume out({static_cast<int>(energies.size()), 1, 1}, Axis::u, 1, ~std::uint64_t{0}, "");
-    for (std::size_t n = 0; n < energies.size(); ++n) out.slab(0)[n] = encode_energy(energies[n]);
+    for (std::size_t n = 0; n < energies.size(); ++n) out.codes(0)[n] = encode_energy(energies[n]);
     return out;
 }
 
 std::vector<float> energies_of(const EnergyVolume& energy) {
     std::vector<float> out;
-    for (int n = 0; n < energy.width(); ++n) out.push_back(decode_energy(energy.slab(0)[static_cast<std::size_t>(n)]));
+    for (int n = 0; n < energy.width(); ++n) out.push_back(decode_energy(energy.codes(0)[static_cast<std::size_t>(n)]));
     return out;
 }
 
@@ -49,13 +49,13 @@ TEST_CASE("a taken entry's energy goes in equal shares to those within `spread`,
         CHECK(energies_of(energy) == std::vector<float>{8, 3, 4, 16, 32});
     }
     SECTION("not to protected and attracted vertices") {
-        energy.slab(0)[1] = protected_code;
-        energy.slab(0)[3] = attracted_code;
+        energy.codes(0)[1] = protected_code;
+        energy.codes(0)[3] = attracted_code;
         energy.remove(at, {0, 5});
-        CHECK(energy.slab(0)[1] == protected_code);
-        CHECK(energy.slab(0)[2] == attracted_code);
-        CHECK(decode_energy(energy.slab(0)[0]) == 10);
-        CHECK(decode_energy(energy.slab(0)[3]) == 18);
+        CHECK(energy.codes(0)[1] == protected_code);
+        CHECK(energy.codes(0)[2] == attracted_code);
+        CHECK(decode_energy(energy.codes(0)[0]) == 10);
+        CHECK(decode_energy(energy.codes(0)[3]) == 18);
     }
     SECTION("and nowhere without a spread") {
         energy.set_spread(0);
@@ -67,7 +67,7 @@ TEST_CASE("a taken entry's energy goes in equal shares to those within `spread`,
 TEST_CASE("a still seam hands on in the sum") {
     EnergyVolume energy({4, 1, 1}, Axis::u, 2, ~std::uint64_t{0}, "");
     for (std::size_t t = 0; t < 2; ++t)
-        for (std::size_t n = 0; n < 4; ++n) energy.slab(t)[n] = encode_energy(static_cast<float>(n + 1));
+        for (std::size_t n = 0; n < 4; ++n) energy.codes(t)[n] = encode_energy(static_cast<float>(n + 1));
     energy.set_spread(1);
     auto sum = energy.sum();
     sum.remove(std::vector<std::uint16_t>{1}, {0, 3});
@@ -136,7 +136,7 @@ TEST_CASE("with a spread, too, many seams at once are the same as few, then more
 }
 
 TEST_CASE("a field says where content is: empty space has its price, whatever the units and the resolution") {
-    // A slab of content in the middle third.
+    // A layer of content in the middle third.
     const auto make = [](float energy_unit, float field_unit) {
         const CoordBBox all(Coord(0), Coord(29, 3, 3));
         const auto inside = [](const Coord& at) { return at.x() >= 10 && at.x() < 20; };

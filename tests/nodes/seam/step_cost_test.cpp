@@ -111,7 +111,7 @@ EnergyVolume forward_smoke(const std::array<int, 3>& shape, std::size_t frames, 
     out.set_rigidity({0.02f, 0.05f});
     out.add_field(0.5f, ~std::uint64_t{0}, "");
     for (std::size_t t = 0; t < frames; ++t)
-        for (std::size_t n = 0; n < out.field(t).size(); ++n) out.field(t)[n] = encode_field(decode_energy(field.slab(t)[n]));
+        for (std::size_t n = 0; n < out.field(t).size(); ++n) out.field(t)[n] = encode_field(decode_energy(field.codes(t)[n]));
     out.count_edges(~std::uint64_t{0}, "");
     return out;
 }

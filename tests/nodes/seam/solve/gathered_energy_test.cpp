@@ -54,8 +54,8 @@ TEST_CASE("an energy that is gathered once is that of all frames, as far as earl
         CHECK(energy.width() == (after.empty() ? 6 : 5));
         REQUIRE(energy.frames() == 3);
         for (std::size_t t = 0; t < 3; ++t) {
-            const auto slab = energy.slab(t);
-            CHECK(std::count(slab.begin(), slab.end(), encode_energy(2)) == static_cast<std::ptrdiff_t>(slab.size()));
+            const auto codes = energy.codes(t);
+            CHECK(std::count(codes.begin(), codes.end(), encode_energy(2)) == static_cast<std::ptrdiff_t>(codes.size()));
         }
     }
 }

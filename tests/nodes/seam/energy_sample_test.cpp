@@ -1,7 +1,7 @@
 #include "graph/text/problem.h"
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/slab.h"
-#include "nodes/seams/slab_store.h"
+#include "nodes/seam/energy/sample.h"
+#include "nodes/seams/frame_store.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
@@ -64,16 +64,16 @@ TEST_CASE("what is no energy has no code") {
     CHECK(encode_energy(4.28e9f) <= highest_energy_code);
 }
 
-TEST_CASE("a slab holds the voxels under the vertices, contiguous along the carved axis") {
+TEST_CASE("codes are those of the voxels under the vertices, contiguous along the carved axis") {
     const auto grid = energy_on(CoordBBox(Coord(-5), Coord(20)), 0.5, [](const Coord& at) { return 1000 + at.x() + 20 * at.y() + 400 * at.z(); });
     const auto lattice = make_box(Vec3d(1, 0.5, -1), {7, 5, 3}, 0.5, {0, 1, 2});
     for (const auto axis : {Axis::u, Axis::v}) {
-        const auto slab = sampled(*grid, lattice, axis);
+        const auto codes = sampled(*grid, lattice, axis);
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 5; ++j)
                 for (int i = 0; i < 7; ++i) {
                     const auto place = axis == Axis::u ? (k * 5 + j) * 7 + i : (k * 7 + i) * 5 + j;
-                    REQUIRE(slab[static_cast<std::size_t>(place)] == encode_energy(float(1000 + (2 + i) + 20 * (1 + j) + 400 * (-2 + k))));
+                    REQUIRE(codes[static_cast<std::size_t>(place)] == encode_energy(float(1000 + (2 + i) + 20 * (1 + j) + 400 * (-2 + k))));
                 }
     }
 }
@@ -86,15 +86,15 @@ TEST_CASE("vertices between voxels, and on every second, are sampled where they 
     };
     for (const auto& lattice : {make_box(Vec3d(1.125, 0.5, -1), {7, 5, 3}, 0.5, {0, 1, 2}), make_box(Vec3d(1, 0.5, -1), {7, 5, 3}, 1.0, {2, 1, 0}),
                                 make_box(Vec3d(1, 0.5, -1), {7, 5, 3}, 0.3, {1, 0, 2})}) {
-        const auto slab = sampled(*grid, lattice);
+        const auto codes = sampled(*grid, lattice);
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 5; ++j)
                 for (int i = 0; i < 7; ++i)
-                    CHECK(decode_energy(slab[static_cast<std::size_t>((k * 5 + j) * 7 + i)]) == Approx(value(lattice, i, j, k)).epsilon(6e-4));
+                    CHECK(decode_energy(codes[static_cast<std::size_t>((k * 5 + j) * 7 + i)]) == Approx(value(lattice, i, j, k)).epsilon(6e-4));
     }
 }
 
-TEST_CASE("a bent lattice's slab holds the energy at its vertices, on all sides of the ring") {
+TEST_CASE("a bent lattice's codes are the energy at its vertices, on all sides of the ring") {
     const auto lattice = ring(Vec3d(20.2, 20.4, 8.1), {9, 5, 60}, 1.0, openvdb::Vec2d(-4, -2));
     const auto grid = energy_on(CoordBBox(Coord(0), Coord(40)), 1.0, [](const Coord& at) { return 64 + at.x() + 2 * at.y() + 4 * at.z(); });
     const auto along_u = sampled(*grid, lattice), along_v = sampled(*grid, lattice, Axis::v);
@@ -119,27 +119,27 @@ TEST_CASE("an energy that is none is named with its place") {
           "the energy is nan at (0.5, 1, 1.5), vertex (1, 2, 3); seams need energies from 0 to 4.29e+09");
 }
 
-TEST_CASE("slabs over the memory budget go to a file that leaves no trace") {
+TEST_CASE("frames over the memory budget go to a file that leaves no trace") {
     const Scratch scratch;
     const auto folder = scratch / "work";
     {
-        SlabStore store(3, 1000, 100, folder);
+        FrameStore store(3, 1000, 100, folder);
         CHECK(store.on_disk());
         for (std::size_t n = 0; n < 3; ++n)
             for (std::size_t i = 0; i < 1000; ++i) {
-                REQUIRE(store.slab(n)[i] == 0);
-                store.slab(n)[i] = static_cast<std::uint16_t>(1000 * n + i);
+                REQUIRE(store.entries(n)[i] == 0);
+                store.entries(n)[i] = static_cast<std::uint16_t>(1000 * n + i);
             }
-        CHECK(store.slab(2)[999] == 2999);
+        CHECK(store.entries(2)[999] == 2999);
         CHECK(std::filesystem::is_empty(folder));
     }
-    CHECK(!SlabStore(3, 1000, 6000, folder).on_disk());
+    CHECK(!FrameStore(3, 1000, 6000, folder).on_disk());
     CHECK(failure_of([&] {
-              SlabStore(1, 5'000'000, 1, "/proc/nowhere");
+              FrameStore(1, 5'000'000, 1, "/proc/nowhere");
           }).starts_with("10.0 MB of energies or seams exceed the memory budget and can't be stored in the work folder"));
 }
 
 TEST_CASE("more energy than any memory holds is refused, not wrapped around") {
-    CHECK_THROWS_WITH(SlabStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
+    CHECK_THROWS_WITH(FrameStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
                       "262144 frames of 35184372088832 energies each are more than any memory holds; use a coarser or smaller lattice");
 }

@@ -1,4 +1,4 @@
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 #include "graph/build_pipeline.h"
 
 #include "graph/pipeline.h"
@@ -19,13 +19,13 @@ const Registry& registry() {
 }
 
 /// Of a pipeline that must be good.
-Origins origins(const std::string& path, const std::vector<std::string>& settings = {}) {
+ValueSources sources(const std::string& path, const std::vector<std::string>& settings = {}) {
     Problems problems;
     const auto document = read_document(path, settings, problems);
     build_pipeline(document, registry(), problems);
     INFO(to_text(problems));
     REQUIRE(problems.empty());
-    return origins_of(document, registry());
+    return value_sources_of(document, registry());
 }
 
 /// Without the scratch folder.
@@ -68,7 +68,7 @@ TEST_CASE("each value is listed with the place that states it: file, extended fi
     scratch.write("base.yaml", base);
     const auto path = scratch.write("sh010.yaml", shot);
     setenv("FLUIDCARVE_TEST_OUT", "caches", 1);
-    const auto found = origins(path, {"by=3", "count.late=true"});
+    const auto found = sources(path, {"by=3", "count.late=true"});
     unsetenv("FLUIDCARVE_TEST_OUT");
     CHECK(cut(scratch, to_text(found)) == R"(frames = 1-4, from base.yaml:8
 
@@ -111,7 +111,7 @@ params:
 nodes:
   count: {type: toy.count, path: "in, ${name}.txt"}
 )");
-    CHECK(cut(scratch, to_json(origins(path))) == R"({
+    CHECK(cut(scratch, to_json(sources(path))) == R"({
   "frames": {
     "value": "1",
     "from": "default"
@@ -172,7 +172,7 @@ nodes:
       - count.${port}
       - "${which}.${port}"
 )");
-    const auto found = origins(path);
+    const auto found = sources(path);
     REQUIRE(found.nodes.at(1).second.at(1).first == "numbers");
     const auto& numbers = found.nodes[1].second[1].second;
     CHECK(numbers.value == "[count, count.number, count.number]");
@@ -191,7 +191,7 @@ nodes:
   again: {type: toy.count, path: "${FLUIDCARVE_TEST_SHOT}"}
 )");
     setenv("FLUIDCARVE_TEST_SHOT", "sh020", 1);
-    const auto text = cut(scratch, to_text(origins(path)));
+    const auto text = cut(scratch, to_text(sources(path)));
     unsetenv("FLUIDCARVE_TEST_SHOT");
     CHECK_THAT(text, Catch::Contains("\n  from = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
     CHECK_THAT(text, Catch::Contains("\n    path = in/sh020.txt, from p.yaml:4 with FLUIDCARVE_TEST_SHOT\n"));
@@ -203,7 +203,7 @@ TEST_CASE("a value that YAML would read as something else is shown in quotes, an
     const auto shown = [&](const std::string& text) {
         const auto path =
             scratch.write("p.yaml", "fluidcarve: 1\nparams:\n  text: {type: string, default: " + text + "}\nnodes:\n  a: {type: toy.count, path: b}\n");
-        return origins(path).params.at(0).second.value;
+        return sources(path).params.at(0).second.value;
     };
     for (const std::string plain : {"sh010", "-12", "-20%", "a/b.####.vdb", "$F4", "in:out", "<frame04>", "two words"}) CHECK(shown(plain) == plain);
     for (const std::string quoted : {R"("")", R"("~")", R"("null")", R"("- a")", R"("a: b")", R"("a #b")", R"("#a")", R"("a, b")", R"("%04d")", R"("{a}")",

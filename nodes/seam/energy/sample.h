@@ -20,12 +20,12 @@ enum class Measure {
 /// A vertex on a voxel centre (within 1e-5 voxels) takes the voxel's value; elsewhere the grid is sampled trilinearly. Inactive voxels
 /// count as well. By volume, energies are multiplied by |det Dg| / spacing^3 (METHOD 7 "Measure"), which is 1 in straight boxes. Where this
 /// factor exceeds 1, the energy is the mean of that many samples across the planes.
-/// @param slab  I * J * K entries
+/// @param codes  I * J * K entries
 /// @throws Failure naming the place of a negative, infinite, too large or undefined energy
-void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure = Measure::vertex);
+void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure = Measure::vertex);
 
 /// The same for a field, as field codes, always at the vertices.
 /// @throws Failure naming the place of a value that codes cannot hold
-void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab);
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes);
 
 }  // namespace fluidcarve

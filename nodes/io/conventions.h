@@ -10,7 +10,7 @@
 namespace fluidcarve {
 
 /// Conventions of an application for the grids in its .vdb files.
-struct Profile {
+struct Conventions {
     std::string_view name;         ///< "houdini"
     std::string_view application;  ///< "Houdini"
     struct Alias {
@@ -23,16 +23,16 @@ struct Profile {
     bool points_off = false;         ///< point positions in files are half a voxel too high along each axis, relative to the grids
 };
 
-/// The profiles of Blender, Houdini, EmberGen and Bifrost.
-std::span<const Profile> profiles();
-/// The profile of this name, or null.
-const Profile* profile(std::string_view name);
+/// The conventions of Blender, Houdini, EmberGen and Bifrost.
+std::span<const Conventions> all_conventions();
+/// The conventions of this name, or null.
+const Conventions* conventions_of(std::string_view name);
 
-/// The only profile that fits a file's grid names and metadata; null if none or several fit.
-const Profile* detected_profile(const VdbHeader& header);
+/// The only conventions that fit a file's grid names and metadata; null if none or several fit.
+const Conventions* detected_conventions(const VdbHeader& header);
 
-/// The name in the file of a grid that a pipeline asks for: the name itself if the file has it (a triplet counts), else the profile's
+/// The name in the file of a grid that a pipeline asks for: the name itself if the file has it (a triplet counts), else the conventions'
 /// first name that the file has, else the name itself.
-std::string name_in_file(const VdbHeader& header, const Profile* profile, const std::string& name);
+std::string name_in_file(const VdbHeader& header, const Conventions* conventions, const std::string& name);
 
 }  // namespace fluidcarve

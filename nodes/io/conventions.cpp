@@ -1,4 +1,4 @@
-#include "nodes/io/profile.h"
+#include "nodes/io/conventions.h"
 
 #include "nodes/io/triplet.h"
 
@@ -27,8 +27,8 @@ bool bears_marks(const VdbHeader& header, std::string_view profile) {
 
 }  // namespace
 
-std::span<const Profile> profiles() {
-    static const std::vector<Profile> all{
+std::span<const Conventions> all_conventions() {
+    static const std::vector<Conventions> all{
         {"blender",
          "Blender",
          {{"density", {"density"}}, {"temperature", {"temperature"}}, {"flame", {"flame"}}, {"velocity", {"velocity"}}},
@@ -54,15 +54,15 @@ std::span<const Profile> profiles() {
     return all;
 }
 
-const Profile* profile(std::string_view name) {
-    const auto all = profiles();
+const Conventions* conventions_of(std::string_view name) {
+    const auto all = all_conventions();
     const auto found = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == name; });
     return found == all.end() ? nullptr : &*found;
 }
 
-const Profile* detected_profile(const VdbHeader& header) {
-    const Profile* out = nullptr;
-    for (const auto& each : profiles()) {
+const Conventions* detected_conventions(const VdbHeader& header) {
+    const Conventions* out = nullptr;
+    for (const auto& each : all_conventions()) {
         if (!bears_marks(header, each.name)) continue;
         if (out) return nullptr;
         out = &each;
@@ -70,9 +70,9 @@ const Profile* detected_profile(const VdbHeader& header) {
     return out;
 }
 
-std::string name_in_file(const VdbHeader& header, const Profile* profile, const std::string& name) {
-    if (!profile || has_or_triplet(header, name)) return name;
-    for (const auto& alias : profile->grids)
+std::string name_in_file(const VdbHeader& header, const Conventions* conventions, const std::string& name) {
+    if (!conventions || has_or_triplet(header, name)) return name;
+    for (const auto& alias : conventions->grids)
         if (alias.common == name)
             for (const auto inside : alias.inside)
                 if (has_or_triplet(header, std::string(inside))) return std::string(inside);

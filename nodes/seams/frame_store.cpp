@@ -1,4 +1,4 @@
-#include "nodes/seams/slab_store.h"
+#include "nodes/seams/frame_store.h"
 
 #include "graph/confinement.h"
 #include "graph/text/problem.h"
@@ -33,7 +33,7 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
         throw Failure(fmt::format("the work folder '{}' {}", folder, refusal));
     std::error_code ignored;
     std::filesystem::create_directories(folder, ignored);
-    auto path = folder + "/slabs." + unique_part;
+    auto path = folder + "/frames." + unique_part;
     const int file = mkostemp(path.data(), O_CLOEXEC);
     if (file < 0) throw fault(errno);
     unlink(path.c_str());
@@ -46,7 +46,7 @@ int scratch_file(const std::string& folder, std::size_t bytes) {
 
 }  // namespace
 
-SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
+FrameStore::FrameStore(std::size_t count, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) : count_(count), entries_(entries) {
     std::size_t bytes = 0;
     if (__builtin_mul_overflow(count, entries, &bytes) || __builtin_mul_overflow(bytes, sizeof(std::uint16_t), &bytes) || bytes > PTRDIFF_MAX)
         throw Failure(fmt::format("{} frames of {} energies each are more than any memory holds; use a coarser or smaller lattice", count, entries));
@@ -61,6 +61,6 @@ SlabStore::SlabStore(std::size_t count, std::size_t entries, std::uint64_t memor
     data_ = {static_cast<std::uint16_t*>(at), Unmap{bytes}};
 }
 
-void SlabStore::Unmap::operator()(std::uint16_t* data) const { munmap(data, bytes); }
+void FrameStore::Unmap::operator()(std::uint16_t* data) const { munmap(data, bytes); }
 
 }  // namespace fluidcarve

@@ -1,4 +1,4 @@
-#include "graph/views/origins.h"
+#include "graph/views/value_sources.h"
 
 #include "graph/text/one_line.h"
 #include "graph/text/yaml_text.h"
@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 std::string dump(const Json& json, int indent = -1) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
-/// Finds the origins of values in a document.
+/// Finds the sources of values in a document.
 class Finder {
 public:
     explicit Finder(const Document& document) : document_(document) {
@@ -27,17 +27,17 @@ public:
             if (names_seen.emplace(place_of(in), name).second) inserted_[place_of(in)].push_back(name);
     }
 
-    ValueOrigin stated(const Value& value) const {
-        ValueOrigin out{yaml_text(value), place(value.mark), {}};
+    ValueSource stated(const Value& value) const {
+        ValueSource out{yaml_text(value), place(value.mark), {}};
         std::set<std::string> seen;
         add_names(value, out.with, seen);
         return out;
     }
 
-    static ValueOrigin fallback(const std::string& yaml) { return {yaml.empty() ? yaml_scalar(yaml) : yaml, "default", {}}; }
+    static ValueSource fallback(const std::string& yaml) { return {yaml.empty() ? yaml_scalar(yaml) : yaml, "default", {}}; }
 
-    Origins::Fields of_node(const NodeType& type, const Value& node) const {
-        Origins::Fields out;
+    ValueSources::Fields of_node(const NodeType& type, const Value& node) const {
+        ValueSources::Fields out;
         const auto add = [&](const std::string& name) {
             const auto* const field = node.find(name);
             if (field) out.emplace_back(name, stated(field->value));
@@ -76,29 +76,29 @@ private:
     std::map<Place, std::vector<std::string>> inserted_;  ///< names inserted at a place
 };
 
-std::string line(const std::string& name, const ValueOrigin& origin) {
-    const auto from = origin.from == "default" ? origin.from : "from " + origin.from;
-    const auto with = origin.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(origin.with, ", "));
-    return one_line(fmt::format("{} = {}, {}{}", name, origin.value, from, with)) + "\n";
+std::string line(const std::string& name, const ValueSource& source) {
+    const auto from = source.from == "default" ? source.from : "from " + source.from;
+    const auto with = source.with.empty() ? std::string() : fmt::format(" with {}", fmt::join(source.with, ", "));
+    return one_line(fmt::format("{} = {}, {}{}", name, source.value, from, with)) + "\n";
 }
 
-Json json_of(const ValueOrigin& origin) {
-    Json out{{"value", origin.value}, {"from", origin.from}};
-    if (!origin.with.empty()) out["with"] = origin.with;
+Json json_of(const ValueSource& source) {
+    Json out{{"value", source.value}, {"from", source.from}};
+    if (!source.with.empty()) out["with"] = source.with;
     return out;
 }
 
-Json json_of(const Origins::Fields& fields) {
+Json json_of(const ValueSources::Fields& fields) {
     auto out = Json::object();
-    for (const auto& [name, origin] : fields) out[name] = json_of(origin);
+    for (const auto& [name, source] : fields) out[name] = json_of(source);
     return out;
 }
 
 }  // namespace
 
-Origins origins_of(const Document& document, const Registry& registry) {
+ValueSources value_sources_of(const Document& document, const Registry& registry) {
     const Finder find(document);
-    Origins out;
+    ValueSources out;
     out.frames = document.frames.kind == Value::Kind::null ? Finder::fallback("1") : find.stated(document.frames);
     for (const auto& param : document.params.fields) out.params.emplace_back(param.name, find.stated(param.value));
     for (const auto& node : document.nodes.fields)
@@ -106,22 +106,22 @@ Origins origins_of(const Document& document, const Registry& registry) {
     return out;
 }
 
-std::string to_text(const Origins& origins) {
-    auto out = line("frames", origins.frames);
-    if (!origins.params.empty()) out += "\nparams:\n";
-    for (const auto& [name, origin] : origins.params) out += "  " + line(name, origin);
+std::string to_text(const ValueSources& sources) {
+    auto out = line("frames", sources.frames);
+    if (!sources.params.empty()) out += "\nparams:\n";
+    for (const auto& [name, source] : sources.params) out += "  " + line(name, source);
     out += "\nnodes:\n";
-    for (const auto& [node, fields] : origins.nodes) {
+    for (const auto& [node, fields] : sources.nodes) {
         out += "  " + node + ":\n";
-        for (const auto& [name, origin] : fields) out += "    " + line(name, origin);
+        for (const auto& [name, source] : fields) out += "    " + line(name, source);
     }
-    return origins.files.empty() ? out : out + "\n" + to_text(origins.files);
+    return sources.files.empty() ? out : out + "\n" + to_text(sources.files);
 }
 
-std::string to_json(const Origins& origins) {
-    Json out{{"frames", json_of(origins.frames)}, {"params", json_of(origins.params)}, {"nodes", Json::object()}};
-    for (const auto& [node, fields] : origins.nodes) out["nodes"][node] = json_of(fields);
-    for (const auto& file : origins.files) {
+std::string to_json(const ValueSources& sources) {
+    Json out{{"frames", json_of(sources.frames)}, {"params", json_of(sources.params)}, {"nodes", Json::object()}};
+    for (const auto& [node, fields] : sources.nodes) out["nodes"][node] = json_of(fields);
+    for (const auto& file : sources.files) {
         auto& entry = out["files"][file.node + "." + file.field];
         entry = {{"path", file.path}, {"writes", file.writes}};
         if (!file.writes) entry["found"] = file.found;

@@ -1,4 +1,4 @@
-#include "nodes/seam/energy/slab.h"
+#include "nodes/seam/energy/sample.h"
 
 #include "graph/text/problem.h"
 #include "nodes/field/leaf_cell.h"
@@ -117,20 +117,20 @@ const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; 
                       -highest_field, highest_field};
 
 template <class MakeReader>
-void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> slab, MakeReader&& make_reader) {
+void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> codes, MakeReader&& make_reader) {
     const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     tbb::parallel_for(tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
-        auto out = slab.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
+        auto out = codes.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
         for (int column = range.begin(); column < range.end(); ++column) {
             read.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
             for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
         }
     });
     // Searched serially, so that the message always names the first place.
-    const auto bad = std::find(slab.begin(), slab.end(), code.invalid);
-    if (bad == slab.end()) return;
-    const auto place = bad - slab.begin();
+    const auto bad = std::find(codes.begin(), codes.end(), code.invalid);
+    if (bad == codes.end()) return;
+    const auto place = bad - codes.begin();
     const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
     const auto at = vertex_of(axis, entry, lateral, static_cast<int>(place / entries / laterals));
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
@@ -143,15 +143,15 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
 
 }  // namespace
 
-void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab, Measure measure) {
-    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, slab, [&] { return ByIndex(energy, *alignment, axis); });
-    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, slab, [&] { return AtVertices(energy, lattice, axis); });
-    else fill(lattice, axis, energy_code, slab, [&] { return OverCells(energy, lattice, axis); });
+void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure) {
+    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, codes, [&] { return ByIndex(energy, *alignment, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, codes, [&] { return AtVertices(energy, lattice, axis); });
+    else fill(lattice, axis, energy_code, codes, [&] { return OverCells(energy, lattice, axis); });
 }
 
-void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> slab) {
-    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, slab, [&] { return ByIndex(field, *alignment, axis); });
-    else fill(lattice, axis, field_code, slab, [&] { return AtVertices(field, lattice, axis); });
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes) {
+    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, codes, [&] { return ByIndex(field, *alignment, axis); });
+    else fill(lattice, axis, field_code, codes, [&] { return AtVertices(field, lattice, axis); });
 }
 
 }  // namespace fluidcarve

@@ -21,7 +21,7 @@ openvdb::math::Transform::Ptr placed(const openvdb::math::Transform& in_file, co
 
 /// How a grid was stored in its file, so that a writer can write it back unchanged. It travels with the grid as metadata that exists
 /// only in memory: copies of the grid share it, files never hold it.
-struct Origin {
+struct StoredForm {
     Placement placement;
     openvdb::math::Transform::ConstPtr in_file;  ///< transform in the file; null if the placement moves nothing
 
@@ -33,14 +33,14 @@ struct Origin {
     bool class_in_file = false;   ///< the file states the class `unknown`
 };
 
-void set_origin(openvdb::GridBase& grid, Origin origin);
-/// The origin of a grid; null if it has none.
-std::shared_ptr<const Origin> origin_of(const openvdb::GridBase& grid);
+void set_stored_form(openvdb::GridBase& grid, StoredForm stored);
+/// How a grid was stored; null if it has none.
+std::shared_ptr<const StoredForm> stored_form_of(const openvdb::GridBase& grid);
 
-/// The grid in the shot's world: a shallow copy with an origin. The grid itself if the placement moves nothing.
+/// The grid in the shot's world: a shallow copy with a stored form. The grid itself if the placement moves nothing.
 openvdb::GridBase::ConstPtr placed(const openvdb::GridBase::ConstPtr& grid, const Placement& placement);
-/// The grid in its file's space, without its origin. If it has the reader's placement, its transform is bit for bit that of the file.
-/// @param placement  the placement to undo, with the offset of the origin; null: that of the origin, if there is one
+/// The grid in its file's space, without its stored form. If it has the reader's placement, its transform is bit for bit that of the file.
+/// @param placement  the placement to undo, with the offset of the stored form; null: that of the stored form, if there is one
 openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, const Placement* placement);
 
 }  // namespace fluidcarve
