@@ -11,6 +11,8 @@
 #include "tests/support/solver_bench.h"
 #include "tests/support/wavy_seams.h"
 
+#include <openvdb/tools/Interpolation.h>
+
 #include <catch2/catch.hpp>
 
 #include <random>
