@@ -29,6 +29,7 @@
 #include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
+#include "nodes/lattice/around_node.h"
 #include "nodes/lattice/box.h"
 #include "nodes/lattice/build_node.h"
 #include "nodes/lattice/payload_types.h"
@@ -143,6 +144,7 @@ Registry builtin_registry() {
     out.add(rig_advect());
     out.add(lattice_box());
     out.add(lattice_build());
+    out.add(lattice_around());
     out.add(lattice_write());
     out.add(seam_dynamic());
     out.add(seam_graph_cut());

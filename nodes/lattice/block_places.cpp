@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace fluidcarve {
 
@@ -144,7 +145,13 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
         const auto holds = slabs.settle(slab, solved, place);
         if (holds == Slabs::Holds::no || (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0)) return false;
         const auto& table = (*tables_)[static_cast<std::size_t>(slab)];
-        row.places[z] = {place, table.u + c * table.du, table.v + c * table.dv};
+        const auto u = table.u + c * table.du, v = table.v + c * table.dv;
+        if (slabs.polar()) {
+            const auto away = slabs.polar()->direction(place.y());
+            row.places[z] = {place, away.x() * u + away.y() * v, Vec3d(0)};
+        } else {
+            row.places[z] = {place, u, v};
+        }
         row.inside |= 1u << z;
         return holds == Slabs::Holds::yes;
     };
@@ -199,11 +206,18 @@ CoordBBox BlockPlaces::reach(const openvdb::Vec2d& least, const openvdb::Vec2d& 
         }
         out = transform_.worldToIndex(mapping_.world_box(range));
     }
+    // Away from a rig means in any direction.
+    auto low = least, high = most;
+    if (mapping_.slabs() && mapping_.slabs()->polar()) {
+        const double farthest = std::max(std::abs(least.x()), std::abs(most.x()));
+        low = openvdb::Vec2d(-farthest);
+        high = openvdb::Vec2d(farthest);
+    }
     // Within a slab, steps lie between those at its two planes.
     for (const auto& candidate : candidates_)
         for (int n = 0; n < 8; ++n) {
             const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
-            const double c = n >> 2, by_u = n & 1 ? most.x() : least.x(), by_v = n & 2 ? most.y() : least.y();
+            const double c = n >> 2, by_u = n & 1 ? high.x() : low.x(), by_v = n & 2 ? high.y() : low.y();
             const auto shift = by_u * (table.u + c * table.du) + by_v * (table.v + c * table.dv);
             out.expand(first + shift);
             out.expand(first + Vec3d(7) + shift);

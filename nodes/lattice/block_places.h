@@ -14,7 +14,8 @@ public:
     /// The place of a voxel in the lattice.
     struct Place {
         openvdb::Vec3d at;    ///< lattice index coordinates
-        openvdb::Vec3d u, v;  ///< steps to the next vertex along u and v, voxels; not set in a straight box or with the closed form
+        openvdb::Vec3d u, v;  ///< steps to the next vertex along u and v, voxels; not set in a straight box or with the closed form; around a
+                              ///< rig, v is 0: nothing moves along it
     };
     /// Eight voxels along z.
     struct Row {
@@ -38,8 +39,8 @@ public:
     /// @param block  the block's first voxel
     /// @return box around the lattice coordinates of the block's voxels and of points up to half a voxel below them, as Mapping::range
     openvdb::BBoxd move_to(const openvdb::Coord& block);
-    /// Whether shift() may be called: all points of the block between the first and the last plane lie in the lattice's own cells, and
-    /// places are found by tables.
+    /// Whether shift() may be called: all points of the block between the first and the last plane lie in the lattice's own cells, places
+    /// are found by tables, and the lattice does not go around its rig.
     bool interior() const { return interior_; }
     /// Moves all voxels of a row of an interior block by the same number of vertices.
     /// @param first   first voxel of the row

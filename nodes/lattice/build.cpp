@@ -66,13 +66,16 @@ private:
     /// Refuses a lattice so fine that no solver could hold it: folds and overlaps would be looked for a long time.
     void require_room(std::size_t planes) const {
         constexpr double most = 8e9;  // vertices; a solver takes 2 bytes for each, in every frame
-        const double i = vertices_along(spec_.u, spec_.spacing), j = vertices_along(spec_.v, spec_.spacing), all = i * j * static_cast<double>(planes);
+        const double i = vertices_along(spec_.u, spec_.spacing), j = vertices_beside(), all = i * j * static_cast<double>(planes);
         if (all <= most) return;
         throw Failure(
             fmt::format("a spacing of {:g} makes {:.0f} x {:.0f} x {} vertices, which take {:.0f} GB in each frame; take about the size of a voxel, and "
                         "{:.2g} at least",
                         spec_.spacing, i, j, planes, 2e-9 * all, spec_.spacing * std::cbrt(all / most)));
     }
+
+    /// Number of vertices along v.
+    double vertices_beside() const { return spec_.around ? vertices_around(spec_.u[1], spec_.spacing) : vertices_along(spec_.v, spec_.spacing); }
 
     void smooth_points(const Resampled& start) {
         Rig rig = rig_;
@@ -100,15 +103,16 @@ private:
     void assemble(const Resampled& line, const std::vector<Vec3d>& w) {
         const auto v = untwisted(line, w, rig_.closed, rig_.up);
         auto& lattice = out_.lattice;
-        const auto along = [&](const std::array<double, 2>& extent) { return static_cast<int>(vertices_along(extent, spec_.spacing)); };
-        lattice.shape = {along(spec_.u), along(spec_.v), static_cast<int>(w.size())};
+        lattice.shape = {static_cast<int>(vertices_along(spec_.u, spec_.spacing)), static_cast<int>(vertices_beside()), static_cast<int>(w.size())};
         lattice.spacing = spec_.spacing;
         lattice.closed = rig_.closed;
+        lattice.around = spec_.around;
         lattice.closed_form = spec_.closed_form;
         lattice.planes.clear();
         for (std::size_t k = 0; k < w.size(); ++k) {
             const auto u = (spec_.flip_u ? -1.0 : 1.0) * v[k].cross(w[k]).unit();
-            lattice.planes.push_back({line.points[k] + spec_.u[0] * u + spec_.v[0] * v[k], u, v[k], w[k]});
+            const auto first = spec_.around ? line.points[k] : line.points[k] + spec_.u[0] * u + spec_.v[0] * v[k];
+            lattice.planes.push_back({first, u, v[k], w[k]});
         }
         out_.step = line.step;
         out_.folds = count_folds(lattice, lattice.shape[0], lattice.shape[1]);
@@ -116,6 +120,9 @@ private:
 
     std::string describe() const {
         const auto& lattice = out_.lattice;
+        if (lattice.around)
+            return fmt::format("lattice of {} x {} x {} vertices around {}, radius {:g}, spacing {:g}", lattice.shape[0], lattice.shape[1], lattice.shape[2],
+                               text_of(rig_), spec_.u[1], lattice.spacing);
         return fmt::format("lattice of {} x {} x {} vertices along {}, u from {:g}, v from {:g}, spacing {:g}", lattice.shape[0], lattice.shape[1],
                            lattice.shape[2], text_of(rig_), spec_.u[0], spec_.v[0], lattice.spacing);
     }
@@ -135,10 +142,12 @@ BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec, std::optiona
 
 double vertices_along(const std::array<double, 2>& extent, double spacing) { return std::floor((extent[1] - extent[0]) / spacing + 1e-3) + 1; }
 
+int vertices_around(double radius, double spacing) { return static_cast<int>(std::lround(2 * M_PI * std::max(1.0, vertices_along({0, radius}, spacing) - 1))); }
+
 bool reaches_across(const Rig& rig, const LatticeSpec& spec) {
     if (!rig.oval) return false;
     const double radius = rig.oval->x.length();
-    return std::abs(radius - rig.oval->y.length()) <= 1e-12 * radius && (spec.flip_u ? spec.u[1] : -spec.u[0]) >= radius;
+    return std::abs(radius - rig.oval->y.length()) <= 1e-12 * radius && (spec.flip_u || spec.around ? spec.u[1] : -spec.u[0]) >= radius;
 }
 
 }  // namespace fluidcarve

@@ -17,6 +17,7 @@ enum class Smooth { points, directions, none };
 struct LatticeSpec {
     double spacing = 0;              ///< distance of neighbouring vertices, world units, above 0
     std::array<double, 2> u{}, v{};  ///< extents around the rig: lower end, upper end; world units; lower < upper
+    bool around = false;             ///< u is the distance from the rig, from 0 to the upper end; v goes around the rig, and its extent is not used
     bool flip_u = false;             ///< reverses u; the lattice is then left-handed
     bool closed_form = false;        ///< uses the paper's plane directions and inverse
     Smooth smooth = Smooth::points;
@@ -42,6 +43,9 @@ BuiltLattice build_lattice(const Rig& rig, const LatticeSpec& spec, std::optiona
 /// @param extent   lower and upper end, world units
 /// @param spacing  world units
 double vertices_along(const std::array<double, 2>& extent, double spacing);
+
+/// Number of vertices on the way around a rig: the outermost stand about one spacing apart.
+int vertices_around(double radius, double spacing);
 
 /// Whether a lattice reaches past the centre of a circular rig. Smoothing cannot unfold it then.
 bool reaches_across(const Rig& rig, const LatticeSpec& spec);

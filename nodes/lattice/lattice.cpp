@@ -1,5 +1,7 @@
 #include "nodes/lattice/lattice.h"
 
+#include "nodes/lattice/polar.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +38,7 @@ bool near(const Vec3d& a, const Vec3d& b, double tolerance) { return (a - b).len
 std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }
 
 bool Lattice::is_box() const {
-    if (planes.empty() || closed) return false;
+    if (planes.empty() || closed || around) return false;
     const auto& first = planes.front();
     const bool orthogonal = std::max({std::abs(first.u.dot(first.v)), std::abs(first.v.dot(first.w)), std::abs(first.w.dot(first.u))}) <= 1e-12;
     return orthogonal && std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
@@ -47,7 +49,8 @@ bool Lattice::is_box() const {
 }
 
 Vec3d Lattice::position(const Vec3d& at) const {
-    const auto on = [&](const Plane& plane) { return plane.origin + spacing * (at.x() * plane.u + at.y() * plane.v); };
+    const auto across = around ? Polar(shape[1]).across(at.x(), at.y()) : openvdb::Vec2d(at.x(), at.y());
+    const auto on = [&](const Plane& plane) { return plane.origin + spacing * (across.x() * plane.u + across.y() * plane.v); };
     const auto count = planes.size();
     if (count == 1) return on(planes[0]) + spacing * at.z() * planes[0].w;
     const double below = std::floor(at.z()), last = static_cast<double>(count - 2);
@@ -74,6 +77,8 @@ std::string lattice_hash(const Lattice& lattice) {
     hash.add(std::uint64_t{lattice.closed_form});
     for (const auto& plane : lattice.planes)
         for (const auto& vector : {plane.origin, plane.u, plane.v, plane.w}) hash.add(vector);
+    // Seam files state the hashes of lattices: those of all others stay as they are.
+    if (lattice.around) hash.add(std::uint64_t{1});
     return hash.text();
 }
 

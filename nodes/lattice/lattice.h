@@ -27,16 +27,18 @@ constexpr std::array<T, 3> vertex_of(Axis axis, T entry, T lateral, T k) {
 constexpr int most_vertices = 65534;
 
 /// A grid of `I x J x K` vertices `(i, j, k)` along a rig of planes: the uniform space in which seams are found and carved (paper 3.1). `i`
-/// runs along `u`, `j` along `v`, `k` from plane to plane (`w`). A dimension may have a single vertex.
+/// runs along `u`, `j` along `v`, `k` from plane to plane (`w`). A dimension may have a single vertex. Around a rig, `u` is the distance
+/// from it, and `v` goes around it (polar.h).
 struct Lattice {
     struct Plane {
-        openvdb::Vec3d origin;   ///< world position of vertex (0, 0, k)
+        openvdb::Vec3d origin;   ///< world position of vertex (0, 0, k); around a rig, of all vertices (0, j, k)
         openvdb::Vec3d u, v, w;  ///< unit directions
     };
 
     std::array<int, 3> shape{};  ///< I, J, K
     double spacing = 0;          ///< distance of neighbouring vertices, world units
     bool closed = false;         ///< plane K-1 is followed by plane 0; needs at least 3 planes
+    bool around = false;         ///< u and v go around the rig: vertex j = J-1 is followed by j = 0
     bool closed_form = false;    ///< positions are located by the paper's eq. 3, not by the true inverse of position()
     std::vector<Plane> planes;   ///< `[k]`
     std::string description;     ///< what the lattice was made from, for messages
@@ -45,13 +47,14 @@ struct Lattice {
     /// Whether the lattice is a straight box: open, all planes share their orthogonal directions and stand `spacing` apart along w.
     bool is_box() const;
     /// World position of a vertex (paper eq. 2) or of a point between vertices, trilinear in its cell. Continues straight beyond rims and
-    /// open ends. In a closed lattice `w` and `w + K` are the same place.
+    /// open ends. In a closed lattice `w` and `w + K` are the same place, around a rig `v` and `v + J`; there `u` and `v` are polar within a
+    /// plane.
     /// @param at  lattice index coordinates (u, v, w), in vertices
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
 };
 
 /// Extends a lattice before its first vertices along u and v. Existing vertices get higher indices.
-/// @param vertices  number of added vertices along u and v
+/// @param vertices  number of added vertices along u and v; none around a rig
 Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices);
 
 /// Hash over all fields of a lattice but its description, at full precision: 16 hex digits.

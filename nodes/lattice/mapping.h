@@ -9,7 +9,8 @@ namespace fluidcarve {
 
 /// Maps world positions to lattice index coordinates and back: `f` and `g` of METHOD 1 and METHOD 3. All code that needs `f` or `g` comes here.
 /// `g` is trilinear in a cell's vertices, and `f` is its true inverse. In a straight box both are affine. Other lattices are mapped slab by
-/// slab (slabs.h), and may use the paper's closed form for `f`. In a closed lattice `w` is cyclic: `w` and `w + K` are the same.
+/// slab (slabs.h), and may use the paper's closed form for `f`. In a closed lattice `w` is cyclic: `w` and `w + K` are the same. So are `v`
+/// and `v + J` around a rig, where `g` runs along arcs between vertices, not along chords.
 class Mapping {
 public:
     static constexpr double snap = snap_width;
@@ -22,7 +23,7 @@ public:
     Mapping(const Lattice& lattice, const std::array<int, 3>& extent);
 
     /// `f`: lattice index coordinates of a world position, snapped. Each lies within [0, extent - 1], `w` of a closed lattice within [0,
-    /// K). Nothing outside the lattice.
+    /// K), `v` around a rig within [0, J). Nothing outside the lattice.
     std::optional<openvdb::Vec3d> locate(const openvdb::Vec3d& world) const;
     /// `g`: world position of lattice index coordinates. Continues straight beyond rims and open ends.
     openvdb::Vec3d position(const openvdb::Vec3d& at) const {

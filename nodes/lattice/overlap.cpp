@@ -23,10 +23,10 @@ struct Hull {
     std::array<Vec3d, 8> corners;
     BBoxd box;
 
-    Hull(const Slabs& slabs, int k, const std::array<int, 3>& extent) {
+    Hull(const Slabs& slabs, int k) {
+        const auto rims = slabs.across();
         for (std::size_t n = 0; n < 8; ++n) {
-            const auto end = [&](std::size_t bit, int count) { return n & bit ? count - 1 + rim_slack : -rim_slack; };
-            corners[n] = slabs[k].position(end(1, extent[0]), end(2, extent[1]), n & 4 ? slabs.to(k) : slabs.from(k));
+            corners[n] = slabs[k].position((n & 1 ? rims.max() : rims.min()).x(), (n & 2 ? rims.max() : rims.min()).y(), n & 4 ? slabs.to(k) : slabs.from(k));
             box.expand(corners[n]);
         }
     }
@@ -40,9 +40,9 @@ struct Hull {
 
 /// World box around all points that several slabs may hold. It joins the boxes of all pairs of slabs that no plane separates. A slab's
 /// points lie above its lower divider and below its upper one.
-BBoxd meeting_box(const Slabs& slabs, const std::array<int, 3>& extent) {
+BBoxd meeting_box(const Slabs& slabs) {
     std::vector<Hull> hulls;
-    for (int k = 0; k < slabs.size(); ++k) hulls.emplace_back(slabs, k, extent);
+    for (int k = 0; k < slabs.size(); ++k) hulls.emplace_back(slabs, k);
     const auto same = [](const Slabs::Divider& a, const Slabs::Divider& b) { return a.normal == b.normal && a.point == b.point; };
     const bool ring = same(slabs.divider(0), slabs.divider(slabs.size()));
     return tbb::parallel_reduce(
@@ -70,7 +70,7 @@ BBoxd meeting_box(const Slabs& slabs, const std::array<int, 3>& extent) {
 Overlap count_overlap(const Mapping& mapping, const openvdb::math::Transform& transform) {
     if (!mapping.slabs()) return {};
     const int slabs = mapping.slabs()->size();
-    const auto meeting = meeting_box(*mapping.slabs(), mapping.extent());
+    const auto meeting = meeting_box(*mapping.slabs());
     if (meeting == BBoxd()) return {};
     const auto box = voxels_around(meeting, transform, "the lattice");
     require_walkable("the space where cells of the lattice meet", box, 2);

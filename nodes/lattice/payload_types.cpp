@@ -12,6 +12,7 @@ void write_lattice(const Lattice& lattice, std::ostream& to) {
     out.value(lattice.shape);
     out.value(lattice.spacing);
     out.value(lattice.closed);
+    out.value(lattice.around);
     out.value(lattice.closed_form);
     out.list(lattice.planes);
     out.text(lattice.description);
@@ -24,6 +25,7 @@ Ref<Lattice> read_lattice(std::istream& from) {
     out->shape = in.value<std::array<int, 3>>();
     out->spacing = in.value<double>();
     out->closed = in.value<bool>();
+    out->around = in.value<bool>();
     out->closed_form = in.value<bool>();
     out->planes = in.list<Lattice::Plane>();
     for (const int size : out->shape) in.require(size >= 1 && size <= most_vertices);
@@ -38,7 +40,7 @@ Ref<Lattice> read_lattice(std::istream& from) {
 void add_lattice_payloads(Registry& registry) {
     registry.add(payload_type<Lattice>("lattice", "Vertices along a rig: the space that is carved.",
                                        [](const Lattice& lattice) { return lattice.planes.size() * sizeof(Lattice::Plane); },
-                                       {1, &write_lattice, &read_lattice}));
+                                       {2, &write_lattice, &read_lattice}));
     registry.add(active_box_type());
 }
 

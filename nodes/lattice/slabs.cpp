@@ -34,6 +34,7 @@ void expand(BBoxd& box, double by) {
 Slabs::Slabs(const Lattice& lattice, const std::array<int, 3>& extent)
     : closed_(lattice.closed),
       closed_form_(lattice.closed_form),
+      polar_(lattice.around ? std::optional<Polar>(lattice.shape[1]) : std::nullopt),
       size_(static_cast<int>(lattice.planes.size()) - (lattice.closed ? 0 : 1)),
       open_slack_(lattice.closed ? 0 : rim_slack),
       spacing_(lattice.spacing),
@@ -68,8 +69,9 @@ Slabs::Bounds Slabs::bounds_of(int k) const {
     const auto u = slab.step_u(0), v = slab.step_v(0), normal = slab.normal(0);
     const double hand = u.cross(v).dot(normal) < 0 ? -1 : 1, square = normal.lengthSqr();
     Bounds out{{}, hand * v.cross(normal) / square, hand * normal.cross(u) / square, 0, 0};
+    const auto rims = across();
     for (int n = 0; n < 4; ++n) {
-        const double a = n & 1 ? end_u_ + rim_slack : -rim_slack, b = n & 2 ? end_v_ + rim_slack : -rim_slack;
+        const double a = (n & 1 ? rims.max() : rims.min()).x(), b = (n & 2 ? rims.max() : rims.min()).y();
         for (const double c : {from(k), to(k)}) {
             const auto corner = slab.position(a, b, c);
             out.box.expand(corner);
@@ -95,13 +97,47 @@ void Slabs::each(const BBoxd& world, Visit&& visit) const {
 }
 
 Vec3d Slabs::position(const Vec3d& at) const {
+    const auto across = polar_ ? polar_->across(at.x(), at.y()) : openvdb::Vec2d(at.x(), at.y());
     const double below = std::floor(at.z());
     if (!closed_) {
         const double k = std::clamp(below, 0.0, static_cast<double>(size() - 1));
-        return slabs_[static_cast<std::size_t>(k)].position(at.x(), at.y(), at.z() - k);
+        return slabs_[static_cast<std::size_t>(k)].position(across.x(), across.y(), at.z() - k);
     }
     const auto k = static_cast<std::size_t>(below - size() * std::floor(below / size()));
-    return slabs_[k].position(at.x(), at.y(), at.z() - below);
+    return slabs_[k].position(across.x(), across.y(), at.z() - below);
+}
+
+BBoxd Slabs::across() const {
+    if (!polar_) return {Vec3d(-rim_slack, -rim_slack, 0), Vec3d(end_u_ + rim_slack, end_v_ + rim_slack, 0)};
+    const double radius = end_u_ + rim_slack;
+    return {Vec3d(-radius, -radius, 0), Vec3d(radius, radius, 0)};
+}
+
+bool Slabs::beside(const BBoxd& box) const {
+    if (polar_) return around(box).min().x() > end_u_ + rim_slack;
+    return box.max().x() < -rim_slack || box.min().x() > end_u_ + rim_slack || box.max().y() < -rim_slack || box.min().y() > end_v_ + rim_slack;
+}
+
+BBoxd Slabs::around(const BBoxd& box) const {
+    const auto nearest = [](double low, double high) { return std::max({low, -high, 0.0}); };
+    const auto farthest = [](double low, double high) { return std::max(std::abs(low), std::abs(high)); };
+    const auto distance = [&](const auto& of) { return std::hypot(of(box.min().x(), box.max().x()), of(box.min().y(), box.max().y())); };
+    BBoxd out({distance(nearest), 0, box.min().z()}, {distance(farthest), polar_->turn(), box.max().z()});
+    if (out.min().x() <= hair) return out;
+    // A box beside the rig is less than half a turn wide.
+    const auto middle = 0.5 * (box.min() + box.max());
+    const double turn = polar_->turn(), v = polar_->around(middle.x(), middle.y()).y();
+    double low = 0, high = 0;
+    for (int n = 0; n < 4; ++n) {
+        const double off = polar_->around((n & 1 ? box.max() : box.min()).x(), (n & 2 ? box.max() : box.min()).y()).y() - v;
+        const double nearer = off - turn * std::round(off / turn);
+        low = std::min(low, nearer);
+        high = std::max(high, nearer);
+    }
+    const double first = v + low - hair, whole = turn * std::floor(first / turn);
+    out.min().y() = first - whole;
+    out.max().y() = v + high + hair - whole;
+    return out;
 }
 
 std::optional<Vec3d> Slabs::locate(const Vec3d& world) const {
@@ -129,13 +165,15 @@ BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
         const auto from_origin = centre - (*this)[k].origin();
         const double u = bounds.gradient_u.dot(from_origin), v = bounds.gradient_v.dot(from_origin);
         const double by_u = variation(bounds.gradient_u, half) + bounds.error_u, by_v = variation(bounds.gradient_v, half) + bounds.error_v;
-        if (u + by_u < -rim_slack || u - by_u > end_u_ + rim_slack || v + by_v < -rim_slack || v - by_v > end_v_ + rim_slack) return true;
-        range.expand(Vec3d(u - by_u, v - by_v, k));
-        range.expand(Vec3d(u + by_u, v + by_v, k + 1));
+        const BBoxd found({u - by_u, v - by_v, static_cast<double>(k)}, {u + by_u, v + by_v, static_cast<double>(k + 1)});
+        if (beside(found)) return true;
+        range.expand(found);
         slabs.push_back(k);
         return true;
     });
-    if (!closed_ || slabs.empty()) return range;
+    if (slabs.empty()) return range;
+    if (polar_) range = around(range);
+    if (!closed_) return range;
 
     // The range goes the shortest way around the ring: it leaves out the widest gap.
     int widest = slabs.front() + size() - slabs.back();
@@ -150,8 +188,12 @@ BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
 
 BBoxd Slabs::world_box(const BBoxd& range) const {
     BBoxd out;
+    const auto corner = [&](int n, double w) -> Vec3d {
+        if (polar_) return position({M_SQRT2 * range.max().x(), polar_->turn() * (2 * n + 1) / 8, w});
+        return position({n & 1 ? range.max().x() : range.min().x(), n & 2 ? range.max().y() : range.min().y(), w});
+    };
     const auto add = [&](double w) {
-        for (int n = 0; n < 4; ++n) out.expand(position({n & 1 ? range.max().x() : range.min().x(), n & 2 ? range.max().y() : range.min().y(), w}));
+        for (int n = 0; n < 4; ++n) out.expand(corner(n, w));
     };
     add(range.min().z());
     for (double w = std::floor(range.min().z()) + 1; w < range.max().z(); ++w) add(w);

@@ -68,7 +68,7 @@ void write_wireframe(const std::string& path, const Lattice& lattice, const std:
             for (std::size_t n = 0; n < size[b]; ++n) {
                 const auto first = 1 + m * stride[a] + n * stride[b], last = first + (size[along] - 1) * stride[along];
                 for (auto from = first; from < last; from += stride[along]) out << "l " << from << ' ' << from + stride[along] << '\n';
-                if (along == 2 && lattice.closed) out << "l " << last << ' ' << first << '\n';
+                if ((along == 2 && lattice.closed) || (along == 1 && lattice.around)) out << "l " << last << ' ' << first << '\n';
             }
     }
     out.close();

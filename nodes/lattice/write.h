@@ -10,7 +10,7 @@
 namespace fluidcarve {
 
 /// Writes lines through the vertices of a lattice as an OBJ file, whole or not at all: an element `l` for each edge between neighbouring
-/// chosen vertices. Lines around a closed lattice close.
+/// chosen vertices. Lines around a closed lattice close, and those around its rig.
 /// @param every  distance of neighbouring lines along u, v and w, vertices, at least 1; the last vertex always has a line
 /// @throws Failure if the file can't be written
 void write_wireframe(const std::string& path, const Lattice& lattice, const std::array<int, 3>& every, const Provenance& provenance = {});

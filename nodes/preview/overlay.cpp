@@ -42,13 +42,18 @@ private:
 std::vector<PictureLine> lattice_lines(const Lattice& lattice, const openvdb::math::Transform& space, View view) {
     Projected out(space, view);
     const auto [columns, rows, planes] = lattice.shape;
-    const std::array<std::array<int, 2>, 4> corners{{{0, 0}, {columns - 1, 0}, {columns - 1, rows - 1}, {0, rows - 1}}};
+    std::vector<std::array<int, 2>> corners{{0, 0}, {columns - 1, 0}, {columns - 1, rows - 1}, {0, rows - 1}};
+    if (lattice.around) {
+        corners.clear();
+        for (int j = 0; j < rows; ++j) corners.push_back({columns - 1, j});
+    }
     const auto corner = [&](std::size_t n, int k) {
         return lattice.position({static_cast<double>(corners[n][0]), static_cast<double>(corners[n][1]), static_cast<double>(k)});
     };
     for (const int k : lined_vertices(planes, every_by_default(planes)))
-        for (std::size_t n = 0; n < 4; ++n) out.add(corner(n, k), corner((n + 1) % 4, k));
-    for (std::size_t n = 0; n < 4; ++n) {
+        for (std::size_t n = 0; n < corners.size(); ++n) out.add(corner(n, k), corner((n + 1) % corners.size(), k));
+    // Around a rig, four lines along it are enough.
+    for (std::size_t n = 0; n < corners.size(); n += (corners.size() + 3) / 4) {
         for (int k = 0; k + 1 < planes; ++k) out.add(corner(n, k), corner(n, k + 1));
         if (lattice.closed) out.add(corner(n, planes - 1), corner(n, 0));
     }

@@ -38,7 +38,7 @@ public:
           space_(space),
           view_(view),
           plane_(plane),
-          laterals_(seams.lateral()),
+          laterals_(seams.lateral(), seams.around),
           slices_(seams.shape[2], seams.closed) {}
 
     std::vector<PictureLine> lines() {
@@ -164,6 +164,7 @@ private:
 }  // namespace
 
 bool seams_face(const Lattice& lattice, Axis axis, const openvdb::math::Transform& space, View view) {
+    if (lattice.around) return false;
     const Vec3d middle(0.5 * (lattice.shape[0] - 1), 0.5 * (lattice.shape[1] - 1), 0.5 * (lattice.shape[2] - 1));
     Vec3d step(0);
     step[static_cast<int>(axis)] = 1;

@@ -17,11 +17,13 @@ namespace {
 
 bool in_line(const Columns& columns) { return std::max({columns.laterals(), columns.slices(), columns.frames()}) == columns.count(); }
 
+bool closes(const Columns& columns) { return columns.ring(0) || columns.ring(1); }
+
 }  // namespace
 
 bool in_open_line(const EnergyVolume& energy) {
     const Columns columns(energy);
-    return in_line(columns) && !columns.closed();
+    return in_line(columns) && !closes(columns);
 }
 
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
@@ -31,7 +33,7 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
             "seam.dynamic needs columns in one line, as in images, but there are {} x {} x {} columns (lateral, k, frames); use seam.pyramid or seam.graph_cut",
             columns.laterals(), columns.slices(), columns.frames()));
     tick(0);
-    if (columns.closed()) return exact_seam(energy, window, number, [&] { tick(0); });
+    if (closes(columns)) return exact_seam(energy, window, number, [&] { tick(0); });
     if (!energy.steps()) return free_line_seam(energy, window, number);
 
     const auto length = columns.count(), width = static_cast<std::size_t>(window.size());

@@ -186,8 +186,8 @@ private:
                 const Entry* const d = earlier ? earlier : a;
                 Entry* const out = now + c * seams;
                 auto* const steps = steps_.data() + (t * columns + c) * step_bytes_;
-                if (step_costs_) {
-                    pass_column_with_steps(column, now, before, {lateral, k, t}, steps);
+                if (step_costs_ || columns_.ring(0)) {
+                    pass_any_column(column, now, before, {lateral, k, t}, steps);
                     continue;
                 }
                 if (ring_ == Ring::open || k == 0) {
@@ -235,25 +235,34 @@ private:
         }
     }
 
-    /// The same if steps cost something, for open and closed lattices.
+    /// The same in general: steps may cost something, and rows may close.
     /// @param now, before  entries in this frame and in the one before, `[column][seam]`
-    void pass_column_with_steps(const Cell* column, Entry* now, const Entry* before, const Columns::Place& at, std::uint8_t* steps) {
+    void pass_any_column(const Cell* column, Entry* now, const Entry* before, const Columns::Place& at, std::uint8_t* steps) {
         const auto seams = starts_.size(), frame_columns = columns_.per_frame(), first_column = at.t * frame_columns;
         const auto c = columns_.at(at.lateral, at.k, at.t);
         const auto around = columns_.around(c, at);
-        const bool ring = ring_ != Ring::open && at.k > 0;
-        const auto home = columns_.at(at.lateral, 0, at.t);
-        const auto reach = static_cast<int>(columns_.slices() - at.k);
+        // Where a ring began, and how far from there the seam may be.
+        struct Start {
+            bool given;
+            std::size_t column;
+            int reach;
+            bool closes;
+        };
+        const Start home{ring_ != Ring::open && at.k > 0, columns_.at(at.lateral, 0, at.t), static_cast<int>(columns_.slices() - at.k),
+                         at.k + 1 == columns_.slices()};
+        const Start row{columns_.ring(0) && at.lateral > 0, c - at.lateral, static_cast<int>(columns_.laterals() - at.lateral),
+                        at.lateral + 1 == columns_.laterals()};
         const auto entry_at = [&](std::size_t other, std::size_t s) -> int {
             return other < first_column ? before[(other + frame_columns - first_column) * seams + s] : now[(other - first_column) * seams + s];
         };
         // Neighbours that are passed already, and whether the step to them is in time.
-        std::array<std::pair<std::size_t, bool>, 4> passed;
+        std::array<std::pair<std::size_t, bool>, 5> passed;
         std::size_t count = 0;
         for (std::size_t d = 0; d < around.size(); d += 2)
             if (around[d] < c) passed[count++] = {around[d], d == 4};
         const auto before_closing = count;
-        if (ring && at.k + 1 == columns_.slices()) passed[count++] = {home, false};
+        for (const auto& start : {home, row})
+            if (start.given && start.closes) passed[count++] = {start.column, false};
         for (std::size_t s = 0; s < seams; ++s) {
             int low = static_cast<int>(first_), high = static_cast<int>(last_), nearest = -1;
             for (std::size_t n = 0; n < before_closing; ++n) {
@@ -262,18 +271,19 @@ private:
                 low = std::max(low, entry - 1);
                 high = std::min(high, entry + 1);
             }
-            const int from = ring ? entry_at(home, s) : 0;
-            if (ring) {
-                low = std::max(low, from - reach);
-                high = std::min(high, from + reach);
+            for (const auto& start : {home, row}) {
+                if (!start.given) continue;
+                low = std::max(low, entry_at(start.column, s) - start.reach);
+                high = std::min(high, entry_at(start.column, s) + start.reach);
             }
+            const int from = home.given ? entry_at(home.column, s) : 0;
             const auto stay = static_cast<unsigned>(std::clamp(nearest, low, high));
             auto best = ~std::uint64_t{0};
             float least = 0;
             for (int entry = low; entry <= high; ++entry) {
                 float cost = values_.cost(column[entry]);
                 for (std::size_t n = 0; n < count; ++n) cost += step_costs_(c, entry, passed[n].first, entry_at(passed[n].first, s), passed[n].second);
-                const float guided = ring_ == Ring::gaussian && ring ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
+                const float guided = ring_ == Ring::gaussian && home.given ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
                 const auto key = key_of(values_.rank(guided), static_cast<unsigned>(entry), stay);
                 if (key >= best) continue;
                 best = key;

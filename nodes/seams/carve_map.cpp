@@ -77,7 +77,7 @@ void CarveMap::fade(double vertices) {
                 throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `fade`",
                                           vertices, std::ceil(2 * vertices) + 1, along, size));
         };
-        require(step.laterals(), step.axis() == 0 ? "v" : "u");
+        if (!step.around()) require(step.laterals(), step.axis() == 0 ? "v" : "u");
         if (!step.closed()) require(step.slices(), "w");
         step.fade(vertices);
     }
@@ -95,8 +95,8 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
         // A point between an unmoved and a moved entry moves in part.
-        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) || !meets(b, step->first_lateral(), step->last_lateral()) ||
-            !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
+        if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) ||
+            !meets(b, step->first_lateral(), step->last_lateral() + (step->around() ? 1 : 0)) || !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
             continue;
         moved = true;
         frees = frees || step->may_free(range.min()[a], range.max()[a]);
@@ -109,6 +109,7 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
 openvdb::BBoxd CarveMap::moved() const {
     openvdb::BBoxd out(openvdb::Vec3d(0), openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
     if (!steps_.empty() && steps_.front().closed()) out.max().z() = reach_[2];
+    if (!steps_.empty() && steps_.front().around()) out.max().y() = reach_[1];
     // If both axes are carved, a step along one axis moves vertices all along the other.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
     if (steps_.empty() || !one_axis) return out;

@@ -38,6 +38,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
       inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       closed_(seams.closed),
+      around_(seams.around),
       count_(seams.warp ? 0 : count) {
     if (high() > most_vertices) throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1, to_text(seams.axis), most_vertices + 1));
     if (seams.warp) find_displacements(*seams.warp, t);
@@ -137,7 +138,7 @@ void CarveStep::set_soft(std::shared_ptr<const SmoothDisplacement> soft, int fir
 std::vector<CarveStep::Span> CarveStep::windows(const Seams& seams) const {
     const double whole = origin_ - start_, net = -growth();
     if (!paired_) {
-        const auto window = seams.window.value_or(Window{0, before_ - 1});
+        const auto window = seams.window.value_or(seams.whole_window());
         return {{{start_ + window.first, start_ + window.last + growth()}, whole, whole + net}};
     }
     std::array<Window, 2> out{Window{high(), low()}, Window{high(), low()}};

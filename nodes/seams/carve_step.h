@@ -33,6 +33,7 @@ public:
     bool paired() const { return paired_; }
     bool warps() const { return !column_ends_.empty(); }    ///< whether the set is a warp
     bool closed() const { return closed_; }                 ///< whether plane slices() is plane 0 again
+    bool around() const { return around_; }                 ///< whether column laterals() is column 0 again; first_lateral() is then 0
     int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
     int before() const { return before_; }                  ///< vertices along the axis before the carve
     int after() const { return after_; }
@@ -75,7 +76,7 @@ public:
     /// @param at  carved lattice coordinates
     bool holds(const openvdb::Vec3d& at) const {
         const double u = at[axis_], v = at[1 - axis_];
-        return u >= low() && u <= high() && v >= first_lateral_ && v <= last_lateral();
+        return u >= low() && u <= high() && v >= first_lateral_ && v <= (around_ ? laterals_ : last_lateral());
     }
     void fade(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade
     bool fades() const { return fade_ > 0; }
@@ -84,7 +85,8 @@ public:
     double scale(const openvdb::Vec3d& at) const {
         if (fade_ == 0) return 1;
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
-        return std::min(1.0, std::min(from_rim(at[1 - axis_] - first_lateral_, laterals_), closed_ ? fade_ : from_rim(at.z(), slices_)) / fade_);
+        const double lateral = around_ ? fade_ : from_rim(at[1 - axis_] - first_lateral_, laterals_), along = closed_ ? fade_ : from_rim(at.z(), slices_);
+        return std::min(1.0, std::min(lateral, along) / fade_);
     }
     /// Where something begins and ends along the axis.
     struct Ends {
@@ -159,7 +161,7 @@ private:
     Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
     int axis_, before_, after_, laterals_, slices_, first_lateral_, origin_, start_;
-    bool inserts_, paired_, closed_;
+    bool inserts_, paired_, closed_, around_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
     double fade_ = 0;                    ///< vertices; 0: none

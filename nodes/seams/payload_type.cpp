@@ -77,6 +77,7 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.value(seams.axis);
     out.value(seams.kind);
     out.value(seams.closed);
+    out.value(seams.around);
     out.value(seams.shape);
     out.list(seams.frames);
     out.text(seams.lattice);
@@ -97,6 +98,7 @@ Ref<Seams> read_all(std::istream& from) {
     out->axis = in.value_up_to(Axis::v);
     out->kind = in.value_up_to(Seams::Kind::insert);
     out->closed = in.value<bool>();
+    out->around = in.value<bool>();
     out->shape = in.value<std::array<int, 3>>();
     out->frames = in.list<int>();
     std::uint64_t columns = out->frames.size();

@@ -162,12 +162,13 @@ private:
 
     Tree read_tree(const FloatGrid& grid, int highest) const {
         std::vector<std::uint16_t> entries(columns_of(seams_));
+        const int lowest = seams_.whole_window().first;
         float most = 0;
         for (auto value = grid.cbeginValueOn(); value; ++value) {
             const auto box = value.getBoundingBox();
-            if (!(*value >= 0 && *value <= static_cast<float>(highest)) || *value != std::floor(*value))
+            if (!(*value >= static_cast<float>(lowest) && *value <= static_cast<float>(highest)) || *value != std::floor(*value))
                 throw wrong_seams(
-                    fmt::format("grid '{}' has {} at {}, but wants a whole number from 0 to {}", grid.getName(), *value, place(box.min()), highest));
+                    fmt::format("grid '{}' has {} at {}, but wants a whole number from {} to {}", grid.getName(), *value, place(box.min()), lowest, highest));
             most = std::max(most, *value);
             for (int t = box.min().z(); t <= box.max().z(); ++t)
                 for (int k = box.min().y(); k <= box.max().y(); ++k)

@@ -57,21 +57,22 @@ std::vector<int> read_frames(const std::string& text, int count) {
     return set->frames();
 }
 
-bool read_closed(const openvdb::MetaMap& metadata) {
-    if (!metadata["fluidcarve_closed"]) return false;
-    const auto text = of_file(metadata, "fluidcarve_closed");
-    if (text != "true" && text != "false") throw wrong_seams(fmt::format("'fluidcarve_closed' wants true or false, not '{}'", cut_short(text)));
+/// False if the file does not state it.
+bool read_bool(const openvdb::MetaMap& metadata, const char* name) {
+    if (!metadata[name]) return false;
+    const auto text = of_file(metadata, name);
+    if (text != "true" && text != "false") throw wrong_seams(fmt::format("'{}' wants true or false, not '{}'", name, cut_short(text)));
     return text == "true";
 }
 
 /// The two ends of a window; nothing if the file states none.
-std::optional<Window> read_window(const openvdb::MetaMap& metadata, const char* name, int size) {
+std::optional<Window> read_window(const openvdb::MetaMap& metadata, const char* name, const Window& whole) {
     if (!metadata[name]) return std::nullopt;
     const auto text = of_file(metadata, name);
     const auto ends = numbers<2>(text).value_or(std::array{-1, -1});
     const Window out{ends[0], ends[1]};
-    if (out.first < 0 || out.last < out.first || out.last >= size)
-        throw wrong_seams(fmt::format("'{}' wants two vertices from 0 to {}, first,last, not '{}'", name, size - 1, cut_short(text)));
+    if (out.first < whole.first || out.last < out.first || out.last > whole.last)
+        throw wrong_seams(fmt::format("'{}' wants two vertices from {} to {}, first,last, not '{}'", name, whole.first, whole.last, cut_short(text)));
     return out;
 }
 
@@ -111,6 +112,7 @@ std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams) 
         {"fluidcarve_lattice", seams.lattice},
         {"fluidcarve_lattice_hash", seams.lattice_hash}};
     if (seams.closed) out.emplace_back("fluidcarve_closed", "true");
+    if (seams.around) out.emplace_back("fluidcarve_around", "true");
     if (seams.window) out.emplace_back("fluidcarve_window", text(*seams.window));
     if (seams.pair_window) out.emplace_back("fluidcarve_pair_window", text(*seams.pair_window));
     if (seams.anchor != Anchor{}) out.emplace_back("fluidcarve_anchor", to_text(seams.anchor));
@@ -136,10 +138,13 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     out.frames = read_frames(of_file(metadata, "fluidcarve_frames"), shape[3]);
     out.lattice = of_file(metadata, "fluidcarve_lattice");
     out.lattice_hash = of_file(metadata, "fluidcarve_lattice_hash");
-    out.closed = read_closed(metadata);
-    out.window = read_window(metadata, "fluidcarve_window", out.carved());
-    out.pair_window = read_window(metadata, "fluidcarve_pair_window", out.carved());
+    out.closed = read_bool(metadata, "fluidcarve_closed");
+    out.around = read_bool(metadata, "fluidcarve_around");
+    out.window = read_window(metadata, "fluidcarve_window", out.whole_window());
+    out.pair_window = read_window(metadata, "fluidcarve_pair_window", out.whole_window());
     out.anchor = read_anchor(metadata, out.carved());
+    if (out.around && (out.axis != Axis::u || out.anchor != Anchor{}))
+        throw wrong_seams("'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig stays in place");
     return out;
 }
 

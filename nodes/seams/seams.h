@@ -32,11 +32,12 @@ struct Seams {
     Axis axis = Axis::u;
     Kind kind = Kind::remove;
     bool closed = false;                        ///< the lattice's last plane is followed by its first
+    bool around = false;                        ///< the lattice goes around its rig: the last lateral column is followed by the first
     std::array<int, 3> shape{};                 ///< I, J, K before these seams are carved
     std::vector<int> frames;                    ///< frame numbers; `t` is an index into this
     std::string lattice;                        ///< description of the lattice
     std::string lattice_hash;                   ///< one for all frames, or, if the lattice changes, one per frame, separated by commas
-    std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing: all; for pairs, as far as they reach
+    std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing: whole_window(); for pairs, as far as they reach
     Anchor anchor;
     std::vector<Seam> seams;
     /// The second seam of each pair (paper 3.6), or empty. They are of the opposite kind, and all lie on the positive side of all `seams`.
@@ -49,6 +50,8 @@ struct Seams {
     std::size_t size() const { return warp ? 1 : seams.size(); }
     int carved() const { return shape[dimension(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[lateral_dimension(axis)]; }
+    /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig itself, where all columns meet.
+    Window whole_window() const { return {around ? 1 : 0, carved() - 1}; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     bool paired() const { return !pairs.empty(); }
     /// The lattice hash of a frame.

@@ -95,6 +95,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int las
       slices_(step.slices()),
       first_lateral_(step.first_lateral()),
       closed_(step.closed()),
+      around_(step.around()),
       carved_{step.start(), step.last()},
       first_(first) {
     resize(last);
@@ -208,6 +209,7 @@ SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& war
 void SmoothDisplacement::smooth_across(std::span<const float> weights, bool along_w) {
     const int reach = static_cast<int>(weights.size() / 2), count = along_w ? slices_ : laterals_;
     if (count == 1) return;
+    const bool ring = along_w ? closed_ : around_;
     const auto laterals = static_cast<std::size_t>(laterals_);
     const auto stride = along_w ? laterals * row_ : row_, between = along_w ? row_ : laterals * row_;
     // Every line of columns is smoothed in place, from a copy.
@@ -219,7 +221,7 @@ void SmoothDisplacement::smooth_across(std::span<const float> weights, bool alon
             for (int at = 0; at < count; ++at) {
                 const auto row = [&](std::size_t n) {
                     const int near = at + static_cast<int>(n) - reach;
-                    const int held = along_w && closed_ ? (near % count + count) % count : std::clamp(near, 0, count - 1);
+                    const int held = ring ? (near % count + count) % count : std::clamp(near, 0, count - 1);
                     return copy.data() + static_cast<std::size_t>(held) * row_;
                 };
                 weighted_mean(weights, row, row_, first + static_cast<std::size_t>(at) * stride);
@@ -242,6 +244,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
     const std::array<int, 3> first{carved_.first, first_lateral_, 0}, last{carved_.last, first_lateral_ + laterals_ - 1, slices_ - 1};
     const auto value = [&](std::array<int, 3> vertex) {
         if (closed_) vertex[2] = (vertex[2] + slices_) % slices_;
+        if (around_) vertex[1] = (vertex[1] + laterals_) % laterals_;
         const auto d = [&] {
             const double here = entry(std::clamp(vertex[0], carved_.first, carved_.last), vertex[1], vertex[2]);
             if (!ends_ || (vertex[0] >= carved_.first && vertex[0] <= carved_.last)) return here;
@@ -266,7 +269,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
             --below[d];
             ++above[d];
             // At an end of a mirrored map, the mirror image gives the slope. Otherwise slopes are one-sided at rims.
-            if (d == 0 ? !ends_ : d == 1 || !closed_) {
+            if (d == 0 ? !ends_ : d == 1 ? !around_ : !closed_) {
                 below[d] = std::max(below[d], first[d]);
                 above[d] = std::min(above[d], last[d]);
             }

@@ -75,7 +75,7 @@ private:
     void smooth_across(std::span<const float> weights, bool along_w);
 
     int axis_, laterals_, slices_, first_lateral_;
-    bool closed_;
+    bool closed_, around_;
     Window carved_;                                  ///< entries of the carved space
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond these entries; set if the map is mirrored there
     int first_, last_;                               ///< displacements are constant along the axis below first_ and above last_

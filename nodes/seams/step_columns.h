@@ -15,13 +15,15 @@ public:
     /// @param lateral, w  coordinates inside the step's lattice, vertices
     StepColumns(const CarveStep& step, double lateral, double w) : step_(step) {
         const auto cell = [](double x, int first, int last) { return std::clamp(static_cast<int>(std::floor(x)), first, std::max(first, last)); };
-        const int j = cell(lateral, step.first_lateral(), step.last_lateral() - 1), k = cell(w, 0, step.slices() - (step.closed() ? 1 : 2));
+        const int j = cell(lateral, step.first_lateral(), step.last_lateral() - (step.around() ? 0 : 1)),
+                  k = cell(w, 0, step.slices() - (step.closed() ? 1 : 2));
         const double b = lateral - j, c = w - k;
         for (std::size_t n = 0; n < 4; ++n) {
             const bool next_j = n & 1, next_k = n & 2;
             weights_[n] = (next_j ? b : 1 - b) * (next_k ? c : 1 - c);
             // A column of weight 0 may not exist.
-            places_[n] = {weights_[n] > 0 && next_j ? j + 1 : j, weights_[n] > 0 && next_k ? (k + 1) % step.slices() : k};
+            places_[n] = {weights_[n] > 0 && next_j ? (step.around() ? (j + 1) % step.laterals() : j + 1) : j,
+                          weights_[n] > 0 && next_k ? (k + 1) % step.slices() : k};
             all_[n] = step.bounds(places_[n][0], places_[n][1]);
         }
     }

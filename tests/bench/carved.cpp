@@ -248,7 +248,7 @@ private:
 Samples sampled(const Scene& scene, const std::vector<Ref<Volume>>& volumes, const std::vector<Ref<Lattice>>& lattices, int first, int width) {
     const auto& lattice = *lattices.at(0);
     const auto laterals = static_cast<std::size_t>(lattice.shape[1]), slices = static_cast<std::size_t>(lattice.shape[2]);
-    Samples out(volumes.size(), {static_cast<std::size_t>(width), laterals, slices}, lattice.closed);
+    Samples out(volumes.size(), {static_cast<std::size_t>(width), laterals, slices}, lattice.closed, lattice.around);
     for (std::size_t t = 0; t < volumes.size(); ++t) {
         const Sampler value(scene, *volumes[t]);
         tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
@@ -339,7 +339,9 @@ Carved carve_by_warp(const Shot& shot, const std::string& count) {
 Samples samples_before(const Scene& scene, const Carved& carved) { return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]); }
 
 Samples samples_after(const Scene& scene, const Carved& carved, int grown) {
-    const int before = carved.lattices.at(0)->shape[0], low = std::min(0, -grown);
+    // Around a rig there is nothing before the low end.
+    const auto& lattice = *carved.lattices.at(0);
+    const int before = lattice.shape[0], low = lattice.around ? 0 : std::min(0, -grown);
     const auto width = static_cast<std::size_t>(before + grown);
     const auto wide = sampled(scene, carved.after, carved.lattices, low, before + std::max(0, grown) - low);
     std::vector<double> along(wide.shape[0]);

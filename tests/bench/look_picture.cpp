@@ -73,7 +73,7 @@ DrawnRow drawn(const LookRow& row) {
 }  // namespace
 
 Samples middle_frame(const Samples& samples) {
-    Samples out(1, samples.shape, samples.closed);
+    Samples out(1, samples.shape, samples.closed, samples.around);
     const auto size = out.values.size();
     std::copy_n(samples.values.begin() + static_cast<std::ptrdiff_t>(size * (samples.frames / 2)), size, out.values.begin());
     return out;

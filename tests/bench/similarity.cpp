@@ -50,7 +50,7 @@ void mean_over(const Samples& like, Patch patch, std::vector<float>& values, std
     std::size_t stride = 1;
     for (std::size_t d = 0; d < lengths.size(); ++d) {
         if (const int size = d < 3 ? patch.size : patch.frames; lengths[d] > 1 && size > 1) {
-            mean_along(values, spare, lengths[d], stride, size, d == 2 && like.closed);
+            mean_along(values, spare, lengths[d], stride, size, (d == 1 && like.around) || (d == 2 && like.closed));
             values.swap(spare);
         }
         stride *= lengths[d];
@@ -178,7 +178,7 @@ double visible_width(const Samples& samples, float visible) {
 }
 
 Samples stretched(const Samples& source, std::size_t width, const std::function<double(double)>& from) {
-    Samples out(source.frames, {width, source.shape[1], source.shape[2]}, source.closed);
+    Samples out(source.frames, {width, source.shape[1], source.shape[2]}, source.closed, source.around);
     const double last = static_cast<double>(source.shape[0]) - 1;
     for (std::size_t i = 0; i < width; ++i) {
         const double at = std::clamp(from(static_cast<double>(i)), 0.0, last);

@@ -11,11 +11,12 @@ struct Samples {
     std::size_t frames = 0;
     std::array<std::size_t, 3> shape{};  ///< I, J, K; u is the carved axis
     bool closed = false;                 ///< plane K - 1 is followed by plane 0
+    bool around = false;                 ///< vertex j = J - 1 is followed by j = 0
     std::vector<float> values;           ///< i fastest, then j, k and t
 
     Samples() = default;
-    Samples(std::size_t frames, const std::array<std::size_t, 3>& shape, bool closed)
-        : frames(frames), shape(shape), closed(closed), values(frames * shape[0] * shape[1] * shape[2]) {}
+    Samples(std::size_t frames, const std::array<std::size_t, 3>& shape, bool closed, bool around)
+        : frames(frames), shape(shape), closed(closed), around(around), values(frames * shape[0] * shape[1] * shape[2]) {}
 
     std::size_t rows() const { return frames * shape[1] * shape[2]; }
     float* row(std::size_t n) { return values.data() + n * shape[0]; }

@@ -20,10 +20,10 @@ using SeamVector = std::vector<std::uint16_t>;
 /// The columns of a volume, lateral fastest, then k, then t, and which of them are neighbours, in lists.
 struct ColumnGraph {
     std::array<int, 3> size;  ///< laterals, slices, frames
-    bool closed;
+    bool closed, around;
     std::vector<std::vector<std::size_t>> neighbours;
 
-    explicit ColumnGraph(const std::array<int, 3>& size, bool closed = false) : size(size), closed(closed) {
+    explicit ColumnGraph(const std::array<int, 3>& size, bool closed = false, bool around = false) : size(size), closed(closed), around(around) {
         const auto at = [&](int lateral, int k, int t) { return static_cast<std::size_t>(lateral + size[0] * (k + size[1] * t)); };
         neighbours.resize(at(0, 0, size[2]));
         const auto join = [&](std::size_t one, std::size_t other) {
@@ -35,6 +35,7 @@ struct ColumnGraph {
             for (int k = 0; k < size[1]; ++k)
                 for (int lateral = 0; lateral < size[0]; ++lateral) {
                     if (lateral > 0) join(at(lateral, k, t), at(lateral - 1, k, t));
+                    if (around && lateral == 0) join(at(lateral, k, t), at(size[0] - 1, k, t));
                     if (k > 0) join(at(lateral, k, t), at(lateral, k - 1, t));
                     if (closed && k == 0) join(at(lateral, k, t), at(lateral, size[1] - 1, t));
                     if (t > 0) join(at(lateral, k, t), at(lateral, k, t - 1));
@@ -174,7 +175,8 @@ inline std::array<int, 3> random_size(std::mt19937& random, int most_columns) {
 }
 
 inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt& energy) {
-    EnergyVolume out({width, graph.size[0], graph.size[1]}, Axis::u, static_cast<std::size_t>(graph.size[2]), ~std::uint64_t{0}, "", graph.closed);
+    EnergyVolume out({width, graph.size[0], graph.size[1]}, Axis::u, static_cast<std::size_t>(graph.size[2]), ~std::uint64_t{0}, "", graph.closed,
+                     graph.around);
     for (std::size_t c = 0; c < graph.count(); ++c)
         for (int entry = 0; entry < width; ++entry)
             out.codes(c / out.columns_per_frame())[c % out.columns_per_frame() * out.stride() + static_cast<std::size_t>(entry)] =

@@ -33,13 +33,13 @@ struct Heard : Context::Host {
     void report(const std::string& section, const nlohmann::ordered_json& entry) override { reported[section] = entry; }
 };
 
-/// All lattices of lattice.build, and what it said.
+/// All lattices of lattice.build, or of another node, and what it said.
 struct Run {
     std::vector<Ref<Lattice>> lattices;
     Heard heard;
 
-    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {}) {
-        NodeBench bench(lattice_build(), yaml, {{"rig", 1}});
+    Run(const std::string& yaml, const std::vector<Rig>& rigs, const std::vector<int>& frames = {}, const NodeType& type = lattice_build()) {
+        NodeBench bench(type, yaml, {{"rig", 1}});
         REQUIRE(bench.faults().empty());
         const std::vector<int> none{1};
         Context context(heard, frames.empty() ? none : frames);
@@ -68,6 +68,13 @@ inline std::vector<openvdb::Vec3d> saddle_points() {
         out.push_back({3 * std::cos(a), 3 * std::sin(a), std::sin(2 * a) + 0.5 * std::cos(3 * a)});
     }
     return out;
+}
+
+/// A lattice around a rig.
+inline Lattice around(const Rig& rig, double radius, double spacing) {
+    auto of = spec(spacing, {0, radius});
+    of.around = true;
+    return build_lattice(rig, of).lattice;
 }
 
 }  // namespace fluidcarve::test

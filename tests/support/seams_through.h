@@ -14,6 +14,7 @@ inline Seams no_seams(const Lattice& lattice, Axis axis = Axis::u, Seams::Kind k
     out.axis = axis;
     out.kind = kind;
     out.closed = lattice.closed;
+    out.around = lattice.around;
     out.shape = lattice.shape;
     out.frames = std::move(frames);
     out.lattice = lattice.description;

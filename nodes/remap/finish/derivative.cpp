@@ -8,13 +8,24 @@ namespace fluidcarve {
 using openvdb::Mat3d;
 using openvdb::Vec3d;
 
+namespace {
+/// On a rig that a lattice goes around, v has no direction. The derivative is that at this distance from it, vertices.
+constexpr double beside_rig = 1e-3;
+}  // namespace
+
 Mat3d position_slope(const Mapping& mapping, const Vec3d& at) {
     double plane = std::floor(at.z());
     if (const auto* const slabs = mapping.slabs()) plane = std::min(plane, slabs->size() - 1.0);
     const auto here = mapping.position(at), low = mapping.position({at.x(), at.y(), plane});
     Mat3d out;
     out.setCol(0, mapping.position(at + Vec3d(1, 0, 0)) - here);
-    out.setCol(1, mapping.position(at + Vec3d(0, 1, 0)) - here);
+    if (const auto polar = mapping.slabs() ? mapping.slabs()->polar() : std::nullopt) {
+        // v runs at a right angle to u: as u does a quarter of a turn further.
+        const Vec3d beside(at.x(), at.y() + polar->turn() / 4, at.z()), rig(0, 0, at.z());
+        out.setCol(1, 2 * M_PI / polar->turn() * (mapping.position(beside) - mapping.position(rig)));
+    } else {
+        out.setCol(1, mapping.position(at + Vec3d(0, 1, 0)) - here);
+    }
     out.setCol(2, mapping.position({at.x(), at.y(), plane + 1}) - low);
     return out;
 }
@@ -24,7 +35,9 @@ CarveDerivative::CarveDerivative(const Mapping& mapping, const CarveMap& map) : 
     for (const auto& step : map.steps()) smooth_.push_back(step.soft() ? *step.soft() : SmoothDisplacement(step));
 }
 
-std::optional<CarveDerivative::Image> CarveDerivative::image(const Vec3d& at) const {
+std::optional<CarveDerivative::Image> CarveDerivative::image(const Vec3d& asked) const {
+    auto at = asked;
+    if (mapping_.slabs() && mapping_.slabs()->polar()) at.x() = std::max(at.x(), beside_rig);
     auto source = at;
     auto slope = Mat3d::identity();
     for (auto n = smooth_.size(); n > 0; --n) {
@@ -50,7 +63,8 @@ bool CarveDerivative::exact() const {
 openvdb::BBoxd CarveDerivative::range() const {
     const auto& reach = map_.reach();
     const bool closed = !map_.empty() && map_.steps().front().closed();
-    return {Vec3d(0), Vec3d(reach[0] - 1, reach[1] - 1, closed ? reach[2] : reach[2] - 1)};
+    const bool around = !map_.empty() && map_.steps().front().around();
+    return {Vec3d(0), Vec3d(reach[0] - 1, around ? reach[1] : reach[1] - 1, closed ? reach[2] : reach[2] - 1)};
 }
 
 }  // namespace fluidcarve

@@ -112,8 +112,8 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
         const auto look = [&](const auto& values) {
             for (int axis = 0; axis < (lattice.closed ? 2 : 3); ++axis)
                 for (const bool high : {false, true}) {
-                    // A dimension of one vertex has no rims: everything beside it is out of reach.
-                    if (carved.dim()[axis] == 1) continue;
+                    // A dimension of one vertex has no rims: everything beside it is out of reach. Around a rig only u has one, the outer.
+                    if (carved.dim()[axis] == 1 || (lattice.around && (axis == 1 || (axis == 0 && !high)))) continue;
                     const double share = share_of(values, lattice, map, before, carved, {axis, high});
                     const bool own_end = axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
                     if (share > 0)

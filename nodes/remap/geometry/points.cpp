@@ -55,9 +55,11 @@ public:
         for (int n = 0; n < 3; ++n) {
             seed = mixed(seed);
             const double by = amount_ * (static_cast<double>(seed >> 11) * 0x1p-52 - 1);
+            const auto wrapped = [&](int size) { return at[n] + by - size * std::floor((at[n] + by) / size); };
             if (n == step.axis()) out[n] = reflected(at[n] + by, room);
+            else if (n == step.lateral_axis() && step.around()) out[n] = wrapped(step.laterals());
             else if (n == step.lateral_axis()) out[n] = step.laterals() > 1 ? reflected(at[n] + by, Vec2d(step.first_lateral(), step.last_lateral())) : at[n];
-            else if (step.closed()) out[n] = at[n] + by - step.slices() * std::floor((at[n] + by) / step.slices());
+            else if (step.closed()) out[n] = wrapped(step.slices());
             else out[n] = step.slices() > 1 ? reflected(at[n] + by, Vec2d(0, step.slices() - 1)) : at[n];
         }
         return out;

@@ -10,7 +10,7 @@ template <class Column>
 void CarveBlock::Table::each_column(const CarveStep& step, const Column& column) const {
     for (int k = first[2]; k < first[2] + size[2]; ++k)
         for (int j = first[1]; j < first[1] + size[1]; ++j)
-            column(std::min(j, step.last_lateral()), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
+            column(step.around() ? j % step.laterals() : std::min(j, step.last_lateral()), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
 }
 
 void CarveBlock::Table::fill_smooth(const CarveStep& step) {
@@ -74,7 +74,7 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         auto& table = tables_[n];
         const std::array<int, 3> axes{step.axis(), step.lateral_axis(), 2};
         const std::array<int, 3> first{step.low(), step.first_lateral(), 0},
-            last{step.high(), step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
+            last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
         bool meets = true, within = true;
         for (std::size_t d = 0; d < 3; ++d) {
             const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];

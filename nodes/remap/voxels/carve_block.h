@@ -26,7 +26,8 @@ public:
     /// @param map  must outlive this object
     explicit CarveBlock(const CarveMap& map) : map_(map), tables_(map.steps().size()) {}
 
-    /// Moves to a box of carved lattice coordinates. It may reach beyond the lattice; `w` of a closed lattice is as in Mapping::range.
+    /// Moves to a box of carved lattice coordinates. It may reach beyond the lattice; `w` of a closed lattice, and `v` around a rig, are as in
+    /// Mapping::range.
     /// @return false if nothing in the box moves
     bool move_to(const openvdb::BBoxd& range);
 
@@ -64,9 +65,10 @@ private:
         int low = 0, high = 0;               ///< bounds of all displacements, half vertices
         void fill(const CarveStep& step);
         /// Index of the displacement of a cell's lowest entry.
-        int cell(int i, int j, int k, int slices) const {
-            const int along_w = k < first[2] ? k + slices - first[2] : k - first[2];
-            return (along_w * size[1] + j - first[1]) * size[0] + i - first[0];
+        int cell(int i, int j, int k, const CarveStep& step) const {
+            const int along_w = k < first[2] ? k + step.slices() - first[2] : k - first[2];
+            const int lateral = j < first[1] ? j + step.laterals() - first[1] : j - first[1];
+            return (along_w * size[1] + lateral) * size[0] + i - first[0];
         }
 
     private:
@@ -91,7 +93,7 @@ inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d&
     out.fraction = u - i;
     out.count = 0;
     out.rigid = true;
-    const int* const corner = table.all.data() + table.cell(i, j, k, of.slices());
+    const int* const corner = table.all.data() + table.cell(i, j, k, of);
     const double to_j = v - j, to_k = w - k;
     for (int n = 0; n < 4; ++n) {
         const double weight = (n & 1 ? to_j : 1 - to_j) * (n & 2 ? to_k : 1 - to_k);
@@ -109,7 +111,7 @@ inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) con
     const auto& of = map_.steps()[step];
     const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
     const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
-    const float* const a = table.smooth.data() + table.cell(i, j, k, of.slices());
+    const float* const a = table.smooth.data() + table.cell(i, j, k, of);
     const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
     const auto x = static_cast<float>(u - i), y = static_cast<float>(v - j), z = static_cast<float>(w - k);
     // Equal values stay equal to the last bit.
@@ -134,7 +136,7 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
             out.fades = out.fades || scale < 1;
             continue;
         }
-        const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step.slices());
+        const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step);
         const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
         const int by = a[0];
         if (((by & 1) | (a[1] ^ by) | (b[0] ^ by) | (b[1] ^ by) | (c[0] ^ by) | (c[1] ^ by) | (d[0] ^ by) | (d[1] ^ by)) != 0) return std::nullopt;

@@ -17,10 +17,12 @@ CoordBBox within(const CarveStep& step, CoordBBox vertices) {
         low[dimension] = std::max(low[dimension], first);
         high[dimension] = std::min(high[dimension], last);
     };
+    const auto once = [&](int dimension, int size) { high[dimension] = std::min(high[dimension], low[dimension] + size - 1); };
     clip(step.axis(), step.start(), step.last());
-    clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
-    if (!step.closed()) clip(2, 0, step.slices() - 1);
-    else high.z() = std::min(high.z(), low.z() + step.slices() - 1);
+    if (step.around()) once(step.lateral_axis(), step.laterals());
+    else clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
+    if (step.closed()) once(2, step.slices());
+    else clip(2, 0, step.slices() - 1);
     return vertices;
 }
 
@@ -29,14 +31,19 @@ CoordBBox corners(const CarveStep& step, const BBoxd& range) {
     return within(step, {Coord::ceil(range.min()).offsetBy(-1), Coord::floor(range.max()).offsetBy(1)});
 }
 
+/// The column at a vertex: its lateral index, and k.
+std::array<int, 2> column_at(const CarveStep& step, int lateral, int w) {
+    return {step.around() ? (lateral + step.laterals()) % step.laterals() : lateral, (w + step.slices()) % step.slices()};
+}
+
 /// The common displacement of all vertices of a box of a step's carved space, half vertices; nothing if they differ.
-/// @param vertices  not empty; along w they may lie one turn off
+/// @param vertices  not empty; along w, and around a rig along v, they may lie one turn off
 std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& vertices) {
     const int first = vertices.min()[step.axis()], last = vertices.max()[step.axis()];
     std::optional<int> out;
-    for (int w = vertices.min().z(); w <= vertices.max().z(); ++w) {
-        const int k = (w + step.slices()) % step.slices();
-        for (int lateral = vertices.min()[step.lateral_axis()]; lateral <= vertices.max()[step.lateral_axis()]; ++lateral) {
+    for (int w = vertices.min().z(); w <= vertices.max().z(); ++w)
+        for (int v = vertices.min()[step.lateral_axis()]; v <= vertices.max()[step.lateral_axis()]; ++v) {
+            const auto [lateral, k] = column_at(step, v, w);
             const auto bounds = step.bounds(lateral, k);
             const auto passed = CarveStep::passed(first, bounds);
             const int displacement = step.displacement(first, passed, bounds);
@@ -45,15 +52,16 @@ std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& v
                 return std::nullopt;
             out = displacement;
         }
-    }
     return out;
 }
 
 /// Whether no vertex of a box of a step's carved space is displaced.
 bool stays(const CarveStep& step, const CoordBBox& vertices) {
     if (!step.soft()) return common_displacement(step, vertices) == 0;
-    for (auto at = vertices.begin(); at; ++at)
-        if (step.soft()->entry((*at)[step.axis()], (*at)[step.lateral_axis()], ((*at).z() + step.slices()) % step.slices()) != 0) return false;
+    for (auto at = vertices.begin(); at; ++at) {
+        const auto [lateral, k] = column_at(step, (*at)[step.lateral_axis()], (*at).z());
+        if (step.soft()->entry((*at)[step.axis()], lateral, k) != 0) return false;
+    }
     return true;
 }
 

@@ -127,12 +127,12 @@ public:
             size_ += static_cast<std::size_t>(cut_.column_[c].size());
             unsigned sides = 0;
             for (unsigned d = 0; d < 3; ++d) {
-                const bool whole = box.low[d] == 0 && box.high[d] == size[d], ring = d == 1 && all.closed();
+                const bool whole = box.low[d] == 0 && box.high[d] == size[d], ring = all.ring(d);
                 for (unsigned ahead = 0; ahead < 2; ++ahead) {
                     const bool rim = at[d] == (ahead ? size[d] - 1 : 0), edge = at[d] == (ahead ? box.high[d] - 1 : box.low[d]);
                     if ((rim && !ring) || (edge && walled && !(ring && whole))) continue;
                     sides |= 1u << (2 * d + ahead);
-                    if (rim) sides |= 1u << (closing + ahead);
+                    if (rim) sides |= 1u << (closing + 2 * d + ahead);
                     if (edge && !whole) sides |= 1u << (leaving + ahead);
                 }
                 if (!whole) along_ = d;
@@ -217,7 +217,7 @@ public:
 
 private:
     // closing, leaving: bits of Cut::sides_ behind those of the directions. wrapped: where step_ holds the steps across the closing.
-    static constexpr unsigned closing = 6, leaving = 8, wrapped = 6;
+    static constexpr unsigned closing = 6, leaving = 10, wrapped = 6;
 
     static std::uint16_t higher(int entry) { return static_cast<std::uint16_t>(entry + 1); }
     static std::uint16_t lower(int entry) { return static_cast<std::uint16_t>(entry - 1); }
@@ -237,7 +237,7 @@ private:
         const unsigned sides = cut_.sides_[c];
         for (unsigned rest = sides & 63; rest != 0; rest &= rest - 1) {
             const auto d = static_cast<unsigned>(std::countr_zero(rest));
-            const bool across = d / 2 == 1 && (sides >> (closing + d % 2) & 1), leaves = d / 2 == along_ && (sides >> (leaving + d % 2) & 1);
+            const bool across = d < 4 && (sides >> (closing + d) & 1), leaves = d / 2 == along_ && (sides >> (leaving + d % 2) & 1);
             call(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(c) + step_[across ? d + wrapped : d]), d, leaves ? static_cast<int>(d % 2) : -1);
         }
     }

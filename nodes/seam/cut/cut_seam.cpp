@@ -109,7 +109,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
     for (std::size_t begin = 0; begin < all.frames(); begin += static_cast<std::size_t>(interval)) {
         const auto frames = std::min(static_cast<std::size_t>(interval), all.frames() - begin);
         // The band of all columns that are left. The seam may drift from the last finished frame by one entry per frame.
-        const Columns rest(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(all.frames() - begin), all.closed());
+        const Columns rest(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(all.frames() - begin), all.ring(1), all.ring(0));
         auto band = Band::whole(rest.count(), window);
         for (std::size_t c = 0; begin > 0 && c < rest.count(); ++c) {
             const int home = at[begin * all.per_frame() - all.per_frame() + c % all.per_frame()], reach = static_cast<int>(c / all.per_frame()) + 1;
@@ -130,7 +130,7 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
                 return (cost > 0 && cost < threshold ? 0.0f : cost) + step_there(c, entry);
             };
             if (energy.protects()) band = tightened(rest, band, later);
-            const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.closed());
+            const Columns columns(static_cast<int>(all.laterals()), static_cast<int>(all.slices()), static_cast<int>(frames), all.ring(1), all.ring(0));
             auto cut = solve(columns, {{band.columns.begin(), band.columns.begin() + static_cast<std::ptrdiff_t>(columns.count())}}, above_threshold, steps,
                              energy.protects(), 0, number, tick)
                            .at;

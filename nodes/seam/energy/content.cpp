@@ -19,10 +19,11 @@ class Reach {
 public:
     Reach(const Lattice& lattice, double voxel_size)
         : margin_(std::clamp(voxel_size / lattice.spacing, 1.0, static_cast<double>(most_vertices)) / 2 + hair),
+          around_(lattice.around),
           // A mapping can't tell what is before its first vertices.
-          before_(static_cast<int>(std::ceil(margin_))),
+          before_(around_ ? 0 : static_cast<int>(std::ceil(margin_))),
           shape_(lattice.shape),
-          mapping_(lattice.is_box() ? Mapping(lattice) : bent(lattice, before_)),
+          mapping_(lattice.is_box() ? Mapping(lattice) : bent(lattice, static_cast<int>(std::ceil(margin_)))),
           box_(lattice.is_box() ? &lattice.planes.front() : nullptr),
           spacing_(lattice.spacing) {}
 
@@ -32,20 +33,23 @@ public:
             return within(from.dot(box_->u), 0) && within(from.dot(box_->v), 1) && within(from.dot(box_->w), 2);
         }
         const auto at = mapping_.locate(world);
-        return at && within(at->x() - before_, 0) && within(at->y() - before_, 1);
+        return at && within(at->x() - before_, 0) && (around_ || within(at->y() - before_, 1));
     }
 
 private:
     static constexpr double hair = 1e-3;  ///< vertices
 
-    static Mapping bent(const Lattice& lattice, int before) {
-        const auto extended = extended_below(lattice, {before, before});
-        return {extended, {extended.shape[0] + before, extended.shape[1] + before, extended.shape[2]}};
+    /// @param more  vertices beyond each rim
+    static Mapping bent(const Lattice& lattice, int more) {
+        if (lattice.around) return {lattice, {lattice.shape[0] + more, lattice.shape[1], lattice.shape[2]}};
+        const auto extended = extended_below(lattice, {more, more});
+        return {extended, {extended.shape[0] + more, extended.shape[1] + more, extended.shape[2]}};
     }
     bool within(double at, std::size_t dimension) const { return at >= -margin_ && at <= shape_[dimension] - 1 + margin_; }
 
     const double margin_;  ///< vertices
-    const int before_;
+    const bool around_;
+    const int before_;  ///< vertices of the mapping before the lattice's first
     const std::array<int, 3> shape_;
     const Mapping mapping_;
     const Lattice::Plane* const box_;

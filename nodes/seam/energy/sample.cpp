@@ -74,10 +74,10 @@ public:
     float operator()(int entry) {
         auto at = first_;
         at[static_cast<int>(axis_)] += entry;
-        // Within a plane, vertices are one spacing apart. Only the distance between planes varies.
+        // Within a plane, vertices are one spacing apart, but around a rig. Else only the distance between planes varies.
         const auto& plane = lattice_.planes[static_cast<std::size_t>(at.z())];
         const auto across = 0.5 * (lattice_.position(at + Vec3d(0, 0, 1)) - lattice_.position(at - Vec3d(0, 0, 1)));
-        const double volume = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing;
+        const double straight = std::abs(across.dot(plane.u.cross(plane.v))) / lattice_.spacing, volume = straight * share_of_turn(at);
         const int samples = std::max(1, static_cast<int>(std::ceil(volume - whole)));
         double sum = 0;
         for (int n = 0; n < samples; ++n) {
@@ -88,6 +88,13 @@ public:
     }
 
 private:
+    /// Around a rig: area of the part of a plane nearest to a vertex, in squares of the spacing. Else 1.
+    double share_of_turn(const Vec3d& at) const {
+        if (!lattice_.around) return 1;
+        const double inner = std::max(at.x() - 0.5, 0.0), outer = at.x() + 0.5;
+        return M_PI * (outer * outer - inner * inner) / lattice_.shape[1];
+    }
+
     static constexpr double whole = 1e-6;
     Trilinear sample_;
     const openvdb::math::Transform& transform_;

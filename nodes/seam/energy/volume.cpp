@@ -11,22 +11,25 @@ namespace fluidcarve {
 
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
-EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed)
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed,
+                           bool around)
     : width_(shape[dimension(axis)]),
       laterals_(shape[lateral_dimension(axis)]),
       slices_(shape[2]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
+      around_(around),
       codes_(frames, stride_ * columns_per_frame(), memory_budget, folder) {}
 
-EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed)
+EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around)
     : width_(shape[dimension(axis)]),
       laterals_(shape[lateral_dimension(axis)]),
       slices_(shape[2]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
+      around_(around),
       codes_(frames, 0, 0, ""),
       sums_(std::move(costs)) {}
 
@@ -99,7 +102,7 @@ EnergyVolume EnergyVolume::sum() const {
             sums[at] = static_cast<float>(part[n]);
         }
     });
-    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums), closed_);
+    EnergyVolume out({static_cast<int>(stride_), laterals_, slices_}, Axis::u, 1, std::move(sums), closed_, around_);
     out.width_ = width_;
     out.energies_ = std::move(energies);
     out.frames_summed_ = frames();

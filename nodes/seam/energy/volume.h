@@ -40,11 +40,13 @@ public:
     /// A volume whose energies are all 0.
     /// @param memory_budget  bytes that may be held in memory; else files in `folder` are used
     /// @param closed         column k = K-1 is a neighbour of k = 0
+    /// @param around         the last lateral column is a neighbour of the first
     /// @throws Failure as FrameStore
-    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false);
+    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false,
+                 bool around = false);
     /// A volume of 32-bit costs instead of codes.
     /// @param costs  laid out as codes, frame after frame
-    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed);
+    EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around = false);
 
     /// Sets the cost of any step, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
@@ -90,6 +92,7 @@ public:
     std::size_t frames() const { return frames_; }
     std::size_t stride() const { return stride_; }  ///< entries from a column to the next
     bool closed() const { return closed_; }
+    bool around() const { return around_; }
 
     std::span<std::uint16_t> codes(std::size_t t) { return codes_.entries(t); }
     const std::uint16_t* codes(std::size_t t) const { return codes_.entries(t).data(); }
@@ -130,7 +133,7 @@ private:
 
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
-    bool closed_;
+    bool closed_, around_;
     FrameStore codes_;
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted

@@ -83,7 +83,7 @@ template <class Cell, bool protects>
 EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     const Columns fine(energy);
     const std::array<int, 3> shape{(window.size() + 1) / 2, static_cast<int>(half(fine.laterals())), static_cast<int>(half(fine.slices()))};
-    const Columns coarse(shape[1], shape[2], static_cast<int>(half(fine.frames())), energy.closed());
+    const Columns coarse(shape[1], shape[2], static_cast<int>(half(fine.frames())), energy.closed(), energy.around());
     const auto row_size = static_cast<std::size_t>(shape[0]) * coarse.laterals();
     const auto for_rows = [&](const auto& take) {
         tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
@@ -97,9 +97,9 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
         std::vector<float> costs(row_size * coarse.slices() * coarse.frames());
         for_rows(
             [&](std::size_t row, const std::vector<float>& of_row) { std::ranges::copy(of_row, costs.begin() + static_cast<std::ptrdiff_t>(row * row_size)); });
-        return {shape, Axis::u, coarse.frames(), std::move(costs), energy.closed()};
+        return {shape, Axis::u, coarse.frames(), std::move(costs), energy.closed(), energy.around()};
     }
-    EnergyVolume out(shape, Axis::u, coarse.frames(), ~std::uint64_t{0}, "", energy.closed());
+    EnergyVolume out(shape, Axis::u, coarse.frames(), ~std::uint64_t{0}, "", energy.closed(), energy.around());
     const auto most = decode_energy(highest_energy_code);
     for_rows([&](std::size_t row, const std::vector<float>& of_row) {
         auto* const codes = out.codes(row / coarse.slices()).data() + row % coarse.slices() * row_size;
@@ -114,11 +114,11 @@ struct Between {
     int weight;
 };
 
-Between between(std::size_t fine, std::size_t fine_size, bool closed) {
+Between between(std::size_t fine, std::size_t fine_size, bool ring) {
     const auto size = half(fine_size), near = fine / 2;
     if (fine_size < 2) return {near, near, 4};
-    if (fine % 2 == 0) return {near, near > 0 ? near - 1 : closed ? size - 1 : near, 3};
-    return {near, near + 1 < size ? near + 1 : closed ? 0 : near, 3};
+    if (fine % 2 == 0) return {near, near > 0 ? near - 1 : ring ? size - 1 : near, 3};
+    return {near, near + 1 < size ? near + 1 : ring ? 0 : near, 3};
 }
 
 }  // namespace
@@ -137,9 +137,9 @@ EnergyVolume restrict_energy(const EnergyVolume& energy, Window window) {
 std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const std::uint16_t> seam, const Columns& fine, Window window) {
     std::vector<std::uint16_t> out(fine.count());
     tbb::parallel_for(std::size_t{0}, fine.slices() * fine.frames(), [&](std::size_t row) {
-        const auto k = between(row % fine.slices(), fine.slices(), fine.closed()), t = between(row / fine.slices(), fine.frames(), false);
+        const auto k = between(row % fine.slices(), fine.slices(), fine.ring(1)), t = between(row / fine.slices(), fine.frames(), false);
         for (std::size_t l = 0; l < fine.laterals(); ++l) {
-            const auto lateral = between(l, fine.laterals(), false);
+            const auto lateral = between(l, fine.laterals(), fine.ring(0));
             int sum = 0;
             for (int corner = 0; corner < 8; ++corner) {
                 const auto pick = [&](const Between& b, int bit) { return corner >> bit & 1 ? std::pair(b.other, 4 - b.weight) : std::pair(b.near, b.weight); };
@@ -152,8 +152,8 @@ std::vector<std::uint16_t> prolong_seam(const Columns& coarse, std::span<const s
             out[row * fine.laterals() + l] = static_cast<std::uint16_t>(std::min(window.first + (2 * sum + 32) / 64, window.last));
         }
     });
-    // In a ring of odd length, the last coarse slice is half as long. The seam may be too steep there.
-    for (bool again = fine.closed() && fine.slices() % 2 != 0; again;) {
+    // In a ring of odd length, the last coarse column is half as long. The seam may be too steep there.
+    for (bool again = (fine.ring(0) && fine.laterals() % 2 != 0) || (fine.ring(1) && fine.slices() % 2 != 0); again;) {
         again = false;
         for (std::size_t c = 0; c < out.size(); ++c)
             for (const auto other : fine.around(c, fine.place(c)))

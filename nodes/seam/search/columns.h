@@ -15,17 +15,23 @@ public:
     /// The opposite direction.
     static constexpr unsigned back(unsigned direction) { return direction ^ 1; }
 
-    explicit Columns(const EnergyVolume& energy) : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed()) {}
-    Columns(int laterals, int slices, int frames, bool closed)
+    explicit Columns(const EnergyVolume& energy)
+        : Columns(energy.laterals(), energy.slices(), static_cast<int>(energy.frames()), energy.closed(), energy.around()) {}
+    /// @param closed  the last slice is a neighbour of the first
+    /// @param around  the last lateral column is a neighbour of the first
+    Columns(int laterals, int slices, int frames, bool closed, bool around = false)
         : laterals_(static_cast<std::size_t>(laterals)),
           slices_(static_cast<std::size_t>(slices)),
           frames_(static_cast<std::size_t>(frames)),
-          closed_(closed && slices > 1) {}
+          closed_(closed && slices > 1),
+          around_(around && laterals > 1) {}
 
     std::size_t laterals() const { return laterals_; }
     std::size_t slices() const { return slices_; }
     std::size_t frames() const { return frames_; }
-    bool closed() const { return closed_; }
+    /// Whether the lines along a dimension are rings.
+    /// @param along  0 lateral, 1 k, 2 t
+    bool ring(std::size_t along) const { return along == 0 ? around_ : along == 1 && closed_; }
     std::size_t per_frame() const { return laterals_ * slices_; }
     std::size_t count() const { return per_frame() * frames_; }
     std::size_t at(std::size_t lateral, std::size_t k, std::size_t t) const { return lateral + laterals_ * (k + slices_ * t); }
@@ -41,9 +47,9 @@ public:
     /// @param at      place(column)
     std::array<std::size_t, directions> around(std::size_t column, const Place& at) const {
         std::array<std::size_t, directions> out;
-        const auto ring = laterals_ * (slices_ - 1), frame = per_frame();
-        out[0] = at.lateral > 0 ? column - 1 : none;
-        out[1] = at.lateral + 1 < laterals_ ? column + 1 : none;
+        const auto row = laterals_ - 1, ring = laterals_ * (slices_ - 1), frame = per_frame();
+        out[0] = at.lateral > 0 ? column - 1 : around_ ? column + row : none;
+        out[1] = at.lateral + 1 < laterals_ ? column + 1 : around_ ? column - row : none;
         out[2] = at.k > 0 ? column - laterals_ : closed_ ? column + ring : none;
         out[3] = at.k + 1 < slices_ ? column + laterals_ : closed_ ? column - ring : none;
         out[4] = at.t > 0 ? column - frame : none;
@@ -53,7 +59,7 @@ public:
 
 private:
     std::size_t laterals_, slices_, frames_;
-    bool closed_;
+    bool closed_, around_;
 };
 
 }  // namespace fluidcarve

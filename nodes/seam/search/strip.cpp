@@ -218,17 +218,17 @@ void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
         if (size[along] < 2) continue;
         // Of the other two dimensions, `outer` is divided among the threads.
         const std::size_t inner = along == 0 ? 1 : 0, outer = along == 2 ? 1 : 2;
-        const bool ring = along == 1 && columns.closed();
-        const auto still = ring ? static_cast<std::ptrdiff_t>(static_cast<std::size_t>(turn) * size[1] / 2 % size[1]) : -1;
-        // In a ring of odd length, the lines of the last slice are neighbours of those of the first.
-        const std::size_t odd = columns.closed() && size[1] % 2 != 0 && along != 1 ? 1 : 0;
-        for (std::size_t colour = 0; colour < 2 + 2 * odd; ++colour)
+        const auto still = columns.ring(along) ? static_cast<std::ptrdiff_t>(static_cast<std::size_t>(turn) * size[along] / 2 % size[along]) : -1;
+        // In a ring of odd length, the last lines are neighbours of the first: they take turns of their own.
+        const auto odd = [&](std::size_t d) { return d != along && columns.ring(d) && size[d] % 2 != 0; };
+        const auto last_of = [&](std::size_t d, std::size_t at) { return odd(d) && at + 1 == size[d]; };
+        const std::size_t rings = (odd(inner) ? 1 : 0) + (odd(outer) ? 1 : 0);
+        for (std::size_t colour = 0; colour < std::size_t{2} << rings; ++colour)
             tbb::parallel_for(std::size_t{0}, size[outer], [&](std::size_t a) {
                 ColumnLine<stepping> line(strip, seam);
                 for (std::size_t b = 0; b < size[inner]; ++b) {
-                    const auto k = outer == 1 ? a : b;
-                    const bool last = odd && k + 1 == size[1];
-                    if ((a + b) % 2 + (last ? 2 : 0) != colour) continue;
+                    const std::size_t last_outer = last_of(outer, a) ? 2 : 0, last_inner = last_of(inner, b) ? (odd(outer) ? 4 : 2) : 0;
+                    if ((a + b) % 2 + last_outer + last_inner != colour) continue;
                     line.improve(a * step[outer] + b * step[inner], step[along], size[along], along, still);
                 }
             });

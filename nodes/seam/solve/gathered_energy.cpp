@@ -95,7 +95,7 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 }
 
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const {
-    EnergyVolume out(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed);
+    EnergyVolume out(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed, lattices_.front()->around);
     out.set_spread(params.spread.value_or(forward_ ? 3 : 0));
     if (forward_) out.add_field(0, budget, context.work_folder());
     return out;

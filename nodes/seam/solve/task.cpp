@@ -19,7 +19,11 @@ std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
 }
 
 Window window_of(const std::string& name, const Auto<Interval>& window, Axis axis, int size, const CarvedSpace& space) {
-    if (!window) return {0, size - 1};
+    const int first = space.lattices().front()->around ? 1 : 0;
+    if (!window) return {first, size - 1};
+    if (window->low < first)
+        throw Failure(fmt::format("{} {} holds the rig, vertex 0, where the lattice's columns meet, so that nothing can be taken or added; begin at 1", name,
+                                  window_text(*window)));
     if (window->high > size - 1)
         throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices_along(axis, size, space)));
     return {static_cast<int>(window->low), static_cast<int>(window->high)};
@@ -28,6 +32,7 @@ Window window_of(const std::string& name, const Auto<Interval>& window, Axis axi
 }  // namespace
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
+    require_rig_stays(params, *space.lattices().front());
     SeamTask out;
     out.axis = params.axis;
     out.shape = space.shape();
@@ -67,12 +72,23 @@ void require_vertex_left(const SolverParams& params, int size, const std::string
         fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count, removed == size ? "all" : "more than the", size, axis, size - 1));
 }
 
+void require_rig_stays(const SolverParams& params, const Lattice& lattice) {
+    if (!lattice.around) return;
+    if (params.axis != Axis::u) throw Failure("the lattice goes around its rig, so that v closes and has no end to take from: carve `axis: u`");
+    if (params.anchor != Anchor{})
+        throw Failure(
+            fmt::format("anchor {} would move the rig, which the lattice goes around and where all its columns meet: leave `anchor` out, so that the "
+                        "rig stays in place",
+                        to_text(params.anchor)));
+}
+
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space) {
     const auto& lattice = *space.lattices().front();
     Seams out;
     out.axis = task.axis;
     out.kind = task.seams.kind;
     out.closed = lattice.closed;
+    out.around = lattice.around;
     out.shape = task.shape;
     out.frames = space.frames();
     out.lattice = lattice.description;

@@ -30,7 +30,8 @@ struct SeamTask {
 };
 
 /// The task that parameters set in a space.
-/// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too little room, or as require_vertex_left()
+/// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too little room, or as require_vertex_left() and
+/// require_rig_stays()
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space);
 
 /// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
@@ -38,6 +39,10 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space);
 /// @param space  what these are vertices of, for the message: empty, or " once the seams of `after` are carved"
 /// @throws Failure that says how many can go
 void require_vertex_left(const SolverParams& params, int size, const std::string& space);
+
+/// Requires what a lattice around a rig needs: that its u is carved, and that its rig stays in place.
+/// @throws Failure
+void require_rig_stays(const SolverParams& params, const Lattice& lattice);
 
 /// The set of a task that has no seams yet.
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space);

@@ -34,6 +34,7 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 Ref<Lattice> bent_lattice() {
     auto out = turned(make_box(Vec3d(0.1, -0.2, 0.3), {7, 5, 4}, 1.0 / 3, {0, 1, 2}), 0.7);
     out.closed = true;
+    out.around = true;
     out.closed_form = true;
     out.planes[1].u[2] = -0.0;
     out.planes[2].w[0] = std::numeric_limits<double>::denorm_min();
@@ -182,6 +183,7 @@ TEST_CASE("lattices come back from a file to the last bit, with their hash") {
     CHECK(back->shape == lattice->shape);
     CHECK(back->spacing == lattice->spacing);
     CHECK(back->closed);
+    CHECK(back->around);
     CHECK(back->closed_form);
     CHECK(same_bits(back->planes, lattice->planes));
     CHECK(back->description == lattice->description);
@@ -189,6 +191,7 @@ TEST_CASE("lattices come back from a file to the last bit, with their hash") {
     CHECK(lattice_hash(*back) == lattice->hash);
     const auto box = there_and_back<Lattice>(std::make_shared<Lattice>(make_box(Vec3d(0), {3, 2, 1}, 0.5, {0, 1, 2})));
     CHECK_FALSE(box->closed);
+    CHECK_FALSE(box->around);
     CHECK_FALSE(box->closed_form);
 }
 
@@ -200,6 +203,7 @@ TEST_CASE("seams come back from a file: pairs, bounds, frames, entries in memory
     CHECK(back->axis == Axis::v);
     CHECK(back->kind == Seams::Kind::insert);
     CHECK(back->closed == seams->closed);
+    CHECK(back->around == seams->around);
     CHECK(back->shape == seams->shape);
     CHECK(back->frames == seams->frames);
     CHECK(back->lattice == seams->lattice);

@@ -18,7 +18,7 @@ namespace {
 
 const auto quiet = [] {};
 
-Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed}; }
+Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed, graph.around}; }
 
 Cut::CostOf whole_costs(const CostAt& cost) {
     return [&cost](std::size_t c, Band::Column band, std::int32_t* costs) {
@@ -61,7 +61,7 @@ auto with_threads(int threads, const Call& call) {
 TEST_CASE("a cut finds the least cost of all seams in a band, and of equal seams the highest, or reversed the lowest") {
     std::mt19937 random(1);
     for (int n = 0; n < 6000; ++n) {
-        const ColumnGraph graph(random_size(random, 12), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 12), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 6);
         // From many ties to the dearest that there may be.
         const RandomCosts costs(random, graph, width, n % 3 == 0 ? 2 : n % 3 == 1 ? 100 : Cut::most_cost);
@@ -83,7 +83,7 @@ TEST_CASE("a cut with a tolerance keeps to it, and its flow is a bound") {
     std::mt19937 random(2);
     int stopped_early = 0;
     for (int n = 0; n < 500; ++n) {
-        const ColumnGraph graph(random_size(random, 14), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 14), n % 2 == 0, n % 3 == 0);
         const int width = 2 + static_cast<int>(random() % 5);
         const RandomCosts costs(random, graph, width, 1000);
         const CostAt cost = std::cref(costs);
@@ -107,7 +107,7 @@ TEST_CASE("no seam goes through an endless entry if it can go elsewhere") {
     std::mt19937 random(3);
     int possible = 0;
     for (int n = 0; n < 1000; ++n) {
-        const ColumnGraph graph(random_size(random, 10), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 10), n % 2 == 0, n % 3 == 0);
         const int width = 3 + static_cast<int>(random() % 4);
         RandomCosts costs(random, graph, width, n % 2 == 0 ? 5 : Cut::most_cost);
         for (std::size_t i = 0; i < costs.costs.size(); ++i) {
@@ -134,7 +134,7 @@ TEST_CASE("no seam goes through an endless entry if it can go elsewhere") {
 TEST_CASE("cuts of energies are exact to the last digit in any window and band, and say so") {
     std::mt19937 random(4);
     for (int n = 0; n < 4000; ++n) {
-        const ColumnGraph graph(random_size(random, 14), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 14), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 7), number = static_cast<int>(random() % 2);
         const auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);

@@ -26,16 +26,18 @@ Seams::Seam pyramid_seam(const EnergyVolume& energy, Window window, int number =
 
 std::size_t half_of(int size) { return (static_cast<std::size_t>(size) + 1) / 2; }
 
-ColumnGraph halved(const ColumnGraph& graph) { return ColumnGraph({(graph.size[0] + 1) / 2, (graph.size[1] + 1) / 2, (graph.size[2] + 1) / 2}, graph.closed); }
+ColumnGraph halved(const ColumnGraph& graph) {
+    return ColumnGraph({(graph.size[0] + 1) / 2, (graph.size[1] + 1) / 2, (graph.size[2] + 1) / 2}, graph.closed, graph.around);
+}
 
-Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed}; }
+Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed, graph.around}; }
 
 }  // namespace
 
 TEST_CASE("in small volumes the pyramid is exact") {
     std::mt19937 random(1);
     for (int n = 0; n < 500; ++n) {
-        const ColumnGraph graph(random_size(random, 12), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 12), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 6);
         const auto energy = random_volume(random, graph, width);
         const auto window = random_window(random, width);
@@ -149,13 +151,13 @@ TEST_CASE("half the resolution: a coarse entry costs the mean over its columns o
     REQUIRE(share <= 0.5);
     std::mt19937 random(8);
     for (int n = 0; n < 300; ++n) {
-        const ColumnGraph graph(random_size(random, 40), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 40), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 9);
         const auto codes = random_volume(random, graph, width);
         const bool summed = n % 3 == 0;
         const auto sums = codes.sum();
         const auto& energy = summed ? sums : codes;
-        const ColumnGraph fine({graph.size[0], graph.size[1], summed ? 1 : graph.size[2]}, graph.closed);
+        const ColumnGraph fine({graph.size[0], graph.size[1], summed ? 1 : graph.size[2]}, graph.closed, graph.around);
         const auto window = random_window(random, width);
         const auto coarse = restrict_energy(energy, window);
         const auto expected = halved(fine);
@@ -164,6 +166,7 @@ TEST_CASE("half the resolution: a coarse entry costs the mean over its columns o
         REQUIRE(coarse.slices() == expected.size[1]);
         REQUIRE(coarse.frames() == static_cast<std::size_t>(expected.size[2]));
         REQUIRE(coarse.closed() == fine.closed);
+        REQUIRE(coarse.around() == fine.around);
 
         const auto fine_energy = energies_of(energy), coarse_energy = energies_of(coarse);
         std::vector<double> sum(expected.count() * half_of(window.size()), 0.0), count(expected.count(), 0.0);
@@ -188,13 +191,13 @@ TEST_CASE("half the resolution: a coarse entry costs the mean over its columns o
 TEST_CASE("a seam of half the resolution becomes one of the whole, twice as high, in rings of any length") {
     std::mt19937 random(9);
     for (int n = 0; n < 2000; ++n) {
-        const ColumnGraph fine(random_size(random, 120), n % 2 == 0), coarse = halved(fine);
+        const ColumnGraph fine(random_size(random, 120), n % 2 == 0, n % 3 == 0), coarse = halved(fine);
         const Window window{static_cast<int>(random() % 4), 4 + static_cast<int>(random() % 12)};
         const auto seam = random_seam(random, coarse, {0, static_cast<int>(half_of(window.size())) - 1});
         const auto out = prolong_seam(columns_of(coarse), seam, columns_of(fine), window);
         INFO("case " << n << ": " << fine.size[0] << " x " << fine.size[1] << " x " << fine.size[2]);
         REQUIRE(is_seam(fine, Band::whole(fine.count(), window), out));
-        const bool bent = fine.closed && fine.size[1] % 2 != 0;
+        const bool bent = (fine.closed && fine.size[1] % 2 != 0) || (fine.around && fine.size[0] % 2 != 0);
         for (std::size_t c = 0; c < out.size(); ++c) {
             const auto place = columns_of(fine).place(c);
             const int twice = window.first + 2 * seam[columns_of(coarse).at(place.lateral / 2, place.k / 2, place.t / 2)];
@@ -211,7 +214,7 @@ TEST_CASE("a seam of half the resolution becomes one of the whole, twice as high
 TEST_CASE("sweeps over lines leave seams feasible, in their strip and no dearer, in rings of any length") {
     std::mt19937 random(10);
     for (int n = 0; n < 1000; ++n) {
-        const ColumnGraph graph(random_size(random, 60), n % 2 == 0);
+        const ColumnGraph graph(random_size(random, 60), n % 2 == 0, n % 3 == 0);
         const int width = 1 + static_cast<int>(random() % 12);
         const auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);

@@ -23,6 +23,7 @@ TEST_CASE("a checksum of seams depends on all that a seam file holds of them, an
         [](Seams& it) { it.axis = Axis::v; },
         [](Seams& it) { it.kind = Seams::Kind::insert; },
         [](Seams& it) { it.closed = true; },
+        [](Seams& it) { it.around = true; },
         [](Seams& it) { it.shape[0] = 10; },
         [](Seams& it) {
             it.frames = {1, 3};

@@ -129,6 +129,33 @@ TEST_CASE("pairs, and that their lattice is closed, come back from their file") 
     CHECK(!volume.metadata["fluidcarve_closed"]);
 }
 
+TEST_CASE("seams around a rig come back from their file, and must leave out the rig, be carved along u, and keep the rig in place") {
+    const Scratch scratch;
+    const auto lattice = make_box(Vec3d(0), {7, 5, 4}, 1, {0, 1, 2});
+    auto seams = no_seams(lattice);
+    seams.around = true;
+    seams.seams.push_back(straight_seam(seams, 2));
+    write_seams(scratch / "seams.vdb", seams);
+    CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
+    CHECK(read_seams(scratch / "seams.vdb").around);
+
+    const auto refused = [&](const auto& edit, const std::string& why) {
+        auto wrong = seams;
+        edit(wrong);
+        CHECK_THROWS_WITH(seams_from_volume(seams_to_volume(wrong)), why);
+    };
+    refused([](Seams& it) { it.seams[0] = straight_seam(it, 0); }, "grid 'seam.0000' has 0 at (0, 0, 0), but wants a whole number from 1 to 6");
+    refused([](Seams& it) { it.window = Window{0, 4}; }, "'fluidcarve_window' wants two vertices from 1 to 6, first,last, not '0,4'");
+    const auto* const fixed = "'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig stays in place";
+    refused([](Seams& it) { it.anchor.at = Anchor::At::high; }, fixed);
+    refused(
+        [](Seams& it) {
+            it.axis = Axis::v;
+            it.seams[0] = straight_seam(it, 2);
+        },
+        fixed);
+}
+
 TEST_CASE("a file of pairs that is wrong is refused with the reason") {
     const auto pair_fault = [](const auto& edit, Seams::Kind kind = Seams::Kind::remove) { return fault(edit, kind, true); };
     CHECK(pair_fault([](Volume& volume, auto&) { volume.grids.pop_back(); }) ==
@@ -145,6 +172,7 @@ TEST_CASE("a file of pairs that is wrong is refused with the reason") {
               grids[1]->tree().setValueOn(Coord(4, 0, 2), 5);
               grids[3]->tree().setValueOn(Coord(4, 0, 2), 4);
           }) == "at (4, 0, 2) a pair takes entry 4, but must be above all seams of the first window, which reach 4");
+    CHECK(metadata_fault("fluidcarve_around", "maybe") == "'fluidcarve_around' wants true or false, not 'maybe'");
     CHECK(metadata_fault("fluidcarve_closed", "maybe") == "'fluidcarve_closed' wants true or false, not 'maybe'");
 }
 

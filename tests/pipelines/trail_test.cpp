@@ -1,0 +1,138 @@
+#include "nodes/io/vdb_file.h"
+#include "nodes/lattice/build.h"
+#include "nodes/lattice/mapping.h"
+#include "nodes/rig/curve_file.h"
+#include "nodes/rig/transform.h"
+#include "tests/support/program.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <nlohmann/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+using namespace fluidcarve;
+using openvdb::Vec3d;
+
+// `pipelines/trail.yaml`, run by the program and measured: does the trail get thinner and thicker from all sides, whole to its ends?
+
+namespace {
+
+constexpr double voxel = 0.0480769;
+constexpr int frame = 48;
+const Vec3d place(-1.2759615, -1.2759615, 0.0240385);
+
+/// As the pipeline builds it.
+Lattice tube() {
+    Rig rig;
+    rig.points = read_curve(TEST_DATA "/trail/path.csv");
+    LatticeSpec spec;
+    spec.spacing = voxel;
+    spec.u = {0, 0.75};
+    spec.around = true;
+    spec.smooth = Smooth::points;
+    spec.max_iterations = 1000;
+    return build_lattice(extended(rig, 0.6), spec).lattice;
+}
+
+FloatGrid::ConstPtr density_of(const std::string& path) {
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(read_vdb(path).find("density")->deepCopyGrid());
+    grid->setTransform(grid->transform().copy());
+    grid->transform().postTranslate(place);
+    return grid;
+}
+
+struct Carved {
+    Scratch scratch;
+    nlohmann::json report;
+
+    explicit Carved(int count) {
+        std::string call = "run pipelines/trail.yaml -q --progress none --report " + (scratch / "report.json") + " --set count=" + std::to_string(count);
+        for (const auto& [param, file] : {std::pair("out", "trail.####.vdb"), std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
+            call += std::string(" --set ") + param + "=" + (scratch / file);
+        const auto ran = fluidcarve_program(call);
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        CHECK(ran.err.find("may tear") == std::string::npos);
+        report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
+        REQUIRE(report["lattices"]["tube"]["folded_cells"] == 0);
+        REQUIRE(report["lattices"]["tube"]["around"] == true);
+    }
+    FloatGrid::ConstPtr density() const { return density_of(scratch / ("trail.00" + std::to_string(frame) + ".vdb")); }
+};
+
+/// Sums over the smoke around the rig: `across[n]` is the mean square distance from the rig along the n-th of four directions across it.
+struct Spread {
+    double mass = 0;
+    std::array<double, 4> across{};
+
+    Spread(const FloatGrid& grid, const Lattice& lattice, int first, int last) {
+        const auto values = grid.getConstAccessor();
+        for (int k = first; k < last; ++k)
+            for (int j = 0; j < lattice.shape[1]; ++j)
+                for (int i = 1; i < lattice.shape[0] + 4; ++i) {
+                    const double sample = openvdb::tools::BoxSampler::sample(values, grid.worldToIndex(lattice.position(Vec3d(i, j, k)))), weight = i * sample;
+                    mass += weight;
+                    for (std::size_t n = 0; n < across.size(); ++n) {
+                        const double angle = 2 * M_PI * j / lattice.shape[1] - M_PI * static_cast<double>(n) / static_cast<double>(across.size());
+                        across[n] += weight * i * i * std::cos(angle) * std::cos(angle);
+                    }
+                }
+        for (auto& square : across) square = std::sqrt(square / mass);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("the trail gets thinner and thicker in all directions alike") {
+    const auto lattice = tube();
+    const int whole = lattice.shape[2], part = whole / 4;
+    const auto before = density_of(TEST_DATA "/trail/trail.0048.vdb");
+    for (const int count : {-3, 3}) {
+        const Carved carved(count);
+        const auto after = carved.density();
+        // All of it, and the fresh half near the rocket, where it is thin.
+        for (const auto& [first, last] : {std::pair(part, 3 * part), std::pair(0, whole)}) {
+            const Spread was(*before, lattice, first, last), is(*after, lattice, first, last);
+            std::array<double, 4> factor;
+            for (std::size_t n = 0; n < 4; ++n) factor[n] = is.across[n] / was.across[n];
+            const auto [least, most] = std::ranges::minmax(factor);
+            INFO("count " << count << ", planes " << first << " to " << last << ": factors " << factor[0] << ", " << factor[1] << ", " << factor[2] << ", "
+                          << factor[3]);
+            if (count < 0) CHECK(most < 0.95);
+            else CHECK(least > 1.05);
+            CHECK(most / least < 1.1);
+        }
+    }
+}
+
+TEST_CASE("no voxel of the trail is lost on its rig, and its ends do not tear") {
+    const auto lattice = tube();
+    const Mapping mapping(lattice);
+    const auto before = density_of(TEST_DATA "/trail/trail.0048.vdb");
+    for (const int count : {-3, 3}) {
+        const Carved carved(count);
+        const auto after = carved.density();
+        const auto was = before->getConstAccessor(), is = after->getConstAccessor();
+        double kept = 0, all = 0;
+        for (double w = 0; w < lattice.shape[2] - 1; w += 0.5) {
+            const auto at = after->worldToIndex(mapping.position(Vec3d(0, 0, w)));
+            all += openvdb::tools::BoxSampler::sample(was, at);
+            kept += std::abs(openvdb::tools::BoxSampler::sample(is, at) - openvdb::tools::BoxSampler::sample(was, at));
+        }
+        // On the rig nothing moves but what half a voxel beside it does.
+        CHECK(kept < 0.1 * all);
+        // Beyond the lattice the smoke is what it was.
+        int outside = 0;
+        for (auto value = before->cbeginValueOn(); value; ++value) {
+            const auto found = mapping.locate(before->indexToWorld(value.getCoord()));
+            if (found || count > 0) continue;
+            ++outside;
+            REQUIRE(is.getValue(value.getCoord()) == *value);
+        }
+        if (count < 0) CHECK(outside > 100);
+    }
+}
