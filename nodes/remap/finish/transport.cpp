@@ -18,7 +18,7 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
 /// Number of positions that are sampled for each further voxel pressed into one, and the largest number in all.
-constexpr int places_per_voxel = 2, most_places = 32;
+constexpr int places_per_voxel = 4, most_places = 64;
 /// Compression by less than this share does not count.
 constexpr double hardly = 1e-3;
 
