@@ -17,9 +17,9 @@ namespace fluidcarve {
 
 namespace {
 
-using Columns = tbb::blocked_range<std::size_t>;
+using ColumnRange = tbb::blocked_range<std::size_t>;
 
-constexpr std::size_t columns_at_once = 64;
+constexpr std::size_t columns_per_task = 64;
 constexpr double tolerance = 2e-6;  ///< of a displacement, as a share of the amount
 constexpr int most_cycles = 40;
 constexpr int most_raises = 16;
@@ -47,7 +47,7 @@ float share_of(const WarpTask& task, const Warp& warp, std::size_t t, std::size_
 template <class Work>
 void each_column(const Warp& warp, const Work& work) {
     for (std::size_t t = 0; t < warp.frames(); ++t)
-        tbb::parallel_for(Columns(0, columns_of(warp), columns_at_once), [&](const Columns& range) {
+        tbb::parallel_for(ColumnRange(0, columns_of(warp), columns_per_task), [&](const ColumnRange& range) {
             for (auto c = range.begin(); c < range.end(); ++c) work(t, c);
         });
 }
@@ -117,8 +117,8 @@ private:
         double out = 0;
         for (std::size_t t = 0; t < warp_.frames(); ++t)
             out = tbb::parallel_reduce(
-                Columns(0, columns_of(warp_), columns_at_once), out,
-                [&](const Columns& range, double most) {
+                ColumnRange(0, columns_of(warp_), columns_per_task), out,
+                [&](const ColumnRange& range, double most) {
                     for (auto c = range.begin(); c < range.end(); ++c) {
                         const auto values = column(t, c);
                         for (std::size_t p = 0; p + 1 < values.size(); ++p)
@@ -228,8 +228,8 @@ std::optional<NoRoom> no_room(const WarpTask& task, const Warp& warp, const Fram
     Room found;
     for (std::size_t t = 0; t < warp.frames(); ++t)
         found = tbb::parallel_reduce(
-            Columns(0, columns_of(warp), columns_at_once), found,
-            [&](const Columns& range, Room out) {
+            ColumnRange(0, columns_of(warp), columns_per_task), found,
+            [&](const ColumnRange& range, Room out) {
                 const auto look = [&](std::size_t c, const Window& window, double squeezed, bool pair) {
                     auto room = room_in(warp, weights.entries(t).subspan(c * row_of(warp), row_of(warp)), points_in(window, warp), squeezed);
                     room.t = t;

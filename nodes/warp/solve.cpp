@@ -180,13 +180,17 @@ private:
         return empty_seams(gathering_params(params), task, space);
     }
 
-    /// Vertices from point to point: as few as memory has room for.
-    static int factor_for(const Params& params, const Seams& set, std::size_t frames, const Context& context) {
+    /// Vertices from point to point: as few as there is room for in memory beside the energies.
+    static int factor_for(const Params& params, const Seams& set, const EnergyVolume& energy, std::size_t frames, const Context& context) {
         if (params.factor) return *params.factor;
+        const auto energies =
+            std::uint64_t{energy.columns_per_frame()} * energy.stride() * energy.frames() * sizeof(std::uint16_t) * (energy.has_field() ? 2 : 1);
+        // Energies beyond the budget are on disk.
+        const auto budget = context.memory_budget(), left = energies < budget ? budget - energies : budget;
         for (const int factor : {1, 2}) {
             std::uint64_t points = frames;
             for (const int vertices : set.shape) points *= static_cast<std::uint64_t>(Warp::points_along(vertices, factor));
-            if (points * bytes_per_point <= context.memory_budget()) return factor;
+            if (points * bytes_per_point <= left) return factor;
         }
         return 4;
     }
@@ -232,7 +236,7 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         auto taken = gathered_.take_unpriced(gathering_params(params), space, context);
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
-        const int factor = factor_for(params, set, frames, context);
+        const int factor = factor_for(params, set, taken.energy, frames, context);
         const std::array vertices{set.carved(), set.lateral(), set.shape[2]};
         auto& warp = set.warp.emplace(vertices, set.closed, factor, frames, context.memory_budget(), context.work_folder());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(), context.work_folder());

@@ -14,7 +14,7 @@ namespace fluidcarve {
 
 namespace {
 
-using Columns = tbb::blocked_range<std::size_t>;
+using ColumnRange = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t columns_at_once = 64;
 constexpr std::size_t coarsest_columns = 8;  ///< a level of so few columns is solved by sweeps alone
@@ -25,7 +25,7 @@ constexpr double weak_coupling = 0.25;
 
 }  // namespace
 
-/// The points at one resolution across the axis. Columns are counted `[t][k][lateral]`. The finest level refers to the warp and its weights; a
+/// The points at one resolution across the axis. ColumnRange are counted `[t][k][lateral]`. The finest level refers to the warp and its weights; a
 /// coarser one solves for a correction, which is 0 at both ends.
 class WarpSystem::Level {
 public:
@@ -66,7 +66,7 @@ public:
 
     /// Sets each weight to the mean of those that it stands for.
     void average_weights(const Level& finer) {
-        tbb::parallel_for(Columns(0, columns(), columns_at_once), [&](const Columns& range) {
+        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once), [&](const ColumnRange& range) {
             std::vector<float> line(width_);
             for (auto c = range.begin(); c < range.end(); ++c) {
                 const auto out = std::span(weights_).subspan(c * width_, width_);
@@ -87,8 +87,8 @@ public:
         double change = 0;
         for (int turn = 0; turn < turns(); ++turn)
             change = std::max(change, tbb::parallel_reduce(
-                                          Columns(0, columns(), columns_at_once), 0.0,
-                                          [&](const Columns& range, double most) {
+                                          ColumnRange(0, columns(), columns_at_once), 0.0,
+                                          [&](const ColumnRange& range, double most) {
                                               Lines lines(width_);
                                               for (auto c = range.begin(); c < range.end(); ++c)
                                                   if (!fixed_[c] && turn_of(place(c)) == turn) most = std::max(most, solve_column(c, lines));
@@ -101,7 +101,7 @@ public:
     /// Sets the equations of the correction to the mean of what is left of the finer level's, and the correction to 0.
     void restrict_from(const Level& finer) {
         std::ranges::fill(values_, 0.0f);
-        tbb::parallel_for(Columns(0, columns(), columns_at_once), [&](const Columns& range) {
+        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once), [&](const ColumnRange& range) {
             Lines lines(width_);
             for (auto c = range.begin(); c < range.end(); ++c) {
                 const auto out = std::span(wanted_).subspan(c * width_, width_);
@@ -119,7 +119,7 @@ public:
 
     /// Adds a coarser level's correction, linear between its columns.
     void correct(const Level& coarser) {
-        tbb::parallel_for(Columns(0, columns(), columns_at_once), [&](const Columns& range) {
+        tbb::parallel_for(ColumnRange(0, columns(), columns_at_once), [&](const ColumnRange& range) {
             std::vector<float> line(width_);
             for (auto c = range.begin(); c < range.end(); ++c) {
                 if (fixed_[c]) continue;
