@@ -45,11 +45,12 @@ bool made_good(const Json& task, const StepStatus& step) {
     return std::ranges::all_of(frames, [&](int frame) { return step.frames.contains(frame); });
 }
 
-/// How a step is: "done", "running", "failed", "begun" or "waits".
+/// How a step is: "done", "running", "failed", "interrupted", "begun" or "waits".
 std::string state_of(const StepStatus& step, std::size_t wanted, bool chunked) {
     if (chunked ? wanted > 0 && step.frames.size() >= wanted : step.done > 0) return "done";
     if (step.running > 0) return "running";
-    if (!step.failed.empty()) return "failed";
+    if (std::ranges::any_of(step.failed, [](const auto& each) { return each.second["state"] != "interrupted"; })) return "failed";
+    if (!step.failed.empty()) return "interrupted";
     return step.done > 0 ? "begun" : "waits";
 }
 
@@ -90,7 +91,12 @@ Json about(const Json& job, const std::string& folder) {
             out["failures"].push_back({{"task", task}, {"state", said["state"]}, {"host", said["host"]}, {"messages", said.value("faults", Json::array())}});
     }
     const auto any = [&](const char* state) { return states.contains(state); };
-    out["state"] = any("running") ? "running" : any("failed") ? "failed" : any("begun") ? "begun" : any("waits") ? any("done") ? "begun" : "waits" : "done";
+    out["state"] = any("running")       ? "running"
+                   : any("failed")      ? "failed"
+                   : any("interrupted") ? "interrupted"
+                   : any("begun")       ? "begun"
+                   : any("waits")       ? any("done") ? "begun" : "waits"
+                                        : "done";
     out["again"] = job["again"];
     return out;
 }
@@ -129,7 +135,7 @@ std::string text_of(const Json& job) {
     for (const auto& failure : job["failures"]) {
         const auto task = failure["task"].get<std::string>();
         const auto& messages = failure["messages"];
-        if (messages.empty()) out += fmt::format("failed: {}: {} on {}\n", task, failure["state"].get<std::string>(), failure["host"].get<std::string>());
+        if (messages.empty()) out += fmt::format("{}: {} on {}\n", failure["state"].get<std::string>(), task, failure["host"].get<std::string>());
         for (const auto& message : messages) out += fmt::format("failed: {}: {}\n", task, message.is_string() ? message.get<std::string>() : message.dump());
     }
     if (job["state"] != "done") out += fmt::format("to go on, type: {}\n", job["again"].get<std::string>());

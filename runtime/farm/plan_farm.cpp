@@ -80,7 +80,10 @@ std::string name_of(const FarmJob& job, const std::vector<std::string>& argument
 std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const FarmChunking& chunking,
                                  const FarmCommand& command) {
     Report report(pipeline);
-    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    // Without the work folder no input is hashed: the steps are the same, whatever is in it.
+    auto options = request.options;
+    options.cache = false;
+    const Preparation prepared(pipeline, registry, options, request.wish, request.deliver, report);
     if (!request.quiet)
         for (const auto& warning : report.warnings()) tell("warning: " + warning);
     for (const auto* faults : {&prepared.inputs().missing, &prepared.inputs().clashes})
@@ -97,7 +100,7 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     out.executable = command.executable;
     out.work = request.options.work_folder;
     out.again = command.again;
-    out.name = name_of(out, command.arguments, steps);
+    out.name = name_of(out, command.pipeline, steps);
     out.paths = paths_of(pipeline, out.work);
     std::uint64_t kept = 0;
     for (const auto& step : steps) {
@@ -108,7 +111,8 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
         for (const auto need : step.needs) added.needs.push_back(steps[need].name);
         added.tasks = step.chunked ? chunks_of(FrameSet(step.frames), frames_of_task(step, chunking)) : std::vector<FarmTask>(1);
         added.resources = resources_of(step.cost(added.tasks.front().frames.frames().size()));
-        added.arguments = command.arguments;
+        added.arguments = command.pipeline;
+        added.arguments.insert(added.arguments.end(), command.options.begin(), command.options.end());
         added.arguments.insert(added.arguments.end(), {step.wish.only ? "--only" : "--to", step.wish.to, "--task", out.name + "/" + step.name});
         kept += step.cost(step.frames.size()).disk;
     }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array parts{"cache", "files", "history", "runs"};
+constexpr std::array parts{"cache", "farm", "files", "history", "runs"};
 constexpr auto mark_name = "CACHEDIR.TAG";
 // The signature is that of the Cache Directory Tagging Specification: backups leave such folders out.
 constexpr auto mark_text =
@@ -83,6 +83,23 @@ bool is_record(const fs::path& file, bool run) {
     if (!record.is_object()) return false;
     if (run) return record.contains("pid") && record.contains("host") && record.contains("pipeline") && record.contains("nodes");
     return std::ranges::all_of(record, [](const auto& node) { return node.is_object() && node.contains("type") && node.contains("version"); });
+}
+
+/// What fluidcarve wrote into the folder of a farm's job: what its tasks say, logs of the local engine, which begin with a command, and the job,
+/// which comes last.
+std::vector<fs::path> files_of_job(const fs::path& folder) {
+    std::vector<fs::path> out;
+    for (const auto& file : files_in(folder / "tasks", 0))
+        if (is_record(file, true) || OutputFile::is_aside(file.filename().string())) out.push_back(file);
+    for (const auto& file : files_in(folder / "logs", 0)) {
+        std::string first;
+        std::ifstream in(file);
+        if (file.extension() == ".log" && std::getline(in, first) && first.starts_with("$ ")) out.push_back(file);
+    }
+    std::ifstream in(folder / "job.json");
+    const auto job = nlohmann::json::parse(in, nullptr, false);
+    if (job.is_object() && job.contains("pipeline") && job.contains("engine") && job.contains("steps")) out.push_back(folder / "job.json");
+    return out;
 }
 
 bool older(const fs::path& file, std::chrono::hours age) {
@@ -174,6 +191,11 @@ WorkFolder::Cleaned WorkFolder::clean() const {
     for (const auto* const part : {"history", "runs"})
         for (const auto& file : files_in(root / part, 0))
             if (is_record(file, part == std::string_view("runs"))) ours.push_back(file);
+    std::error_code none;
+    if (fs::symlink_status(root / "farm", none).type() == fs::file_type::directory)
+        for (const auto& job : fs::directory_iterator(root / "farm", none))
+            if (!job.is_symlink(none))
+                for (auto& file : files_of_job(job.path())) ours.push_back(std::move(file));
     for (const auto* const part : parts)
         for (const auto& file : temporary_files(root / part)) ours.push_back(file);
 

@@ -70,7 +70,7 @@ std::vector<Target> targets_of(const Wish& wish, const Pipeline& pipeline, std::
 bool digests_apart(const Node& node) { return node.streams_in() && node.type->digest != typeid(void) && node.digests_kept; }
 
 bool gathers_apart(const Node& node) {
-    return node.streams_in() && node.rate != Rate::frame && node.kept && (node.type->growth || node.type->digest == typeid(void));
+    return node.streams_in() && node.rate != Rate::frame && node.kept && !node.outputs.empty() && (node.type->growth || node.type->digest == typeid(void));
 }
 
 std::string fault_of(const Wish& wish, const Pipeline& pipeline) {

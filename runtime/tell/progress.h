@@ -81,7 +81,7 @@ private:
     double shown_share_ = 0;
     mutable std::mutex mutex_;
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    std::chrono::steady_clock::time_point shown_{};
+    std::chrono::steady_clock::time_point shown_ = style_ == ProgressStyle::plain ? start_ : std::chrono::steady_clock::time_point();
     bool drawn_ = false;
 };
 

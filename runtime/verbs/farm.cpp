@@ -7,7 +7,6 @@
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <sys/vfs.h>
@@ -36,7 +35,7 @@ std::string fault_of(const FarmArguments& arguments, const RunArguments& run) {
     if (!find_engine(arguments.engine)) {
         std::vector<std::string> names;
         for (const auto& engine : farm_engines()) names.push_back(engine.name);
-        return fmt::format("there is no farm engine '{}'{}; there are: {}", arguments.engine, did_you_mean(arguments.engine, names), fmt::join(names, ", "));
+        return fmt::format("there is no farm engine '{}'{}", arguments.engine, did_you_mean(arguments.engine, names));
     }
     if (arguments.chunk_option->count() > 0 && arguments.chunk == 0) return "--chunk 0: a task takes at least 1 frame";
     if (arguments.minutes_option->count() > 0 && !(arguments.minutes > 0))
@@ -99,8 +98,8 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (arguments.chunk > 0) chunking.frames = arguments.chunk;
     else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
     else if (!engine.other_machines) chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
-    FarmCommand shared{CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, {}};
-    for (const auto& words : {pipeline_arguments.words(), run.words()}) shared.arguments.insert(shared.arguments.end(), words.begin(), words.end());
+    FarmCommand shared{CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
+    for (auto& word : pipeline_arguments.words()) shared.pipeline.push_back(std::move(word));
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
     const auto job = plan_farm(*pipeline, registry, *request, chunking, shared);
     if (!job) return exit_code::input;
