@@ -245,10 +245,8 @@ private:
         out += "frames=${1//:/x}\nshift\n\n";
         out += "# What the scheduler has elsewhere is told to the program: moved FIELD FILE WAS IS\n";
         out += "moves=()\n";
-        out += "quote=\\'\n";
         out += "moved() {\n";
-        out += "    local path=$4${2:+/$2}\n";
-        out += "    [ \"$3\" = \"$4\" ] || moves+=(--set \"$1='${path//$quote/$quote$quote}'\")\n";
+        out += "    [ \"$3\" = \"$4\" ] || moves+=(--set \"$1=$4${2:+/$2}\")\n";
         out += "}\n";
         out += fmt::format("pipeline={}\n", code_of(job_.pipeline));
         for (const auto& [name, path] : parameters_) {

@@ -17,13 +17,14 @@ namespace {
 /// A shot of few small frames, in a project with spaces, quotes and braces in its name.
 class Project {
 public:
-    explicit Project(const std::string& frames = "51-56") {
+    /// @param file  what each frame reads
+    explicit Project(const std::string& frames = "51-56", const std::string& file = "p.####.vdb") {
         fs::create_directories(folder() + "/in put");
         for (int frame = 51; frame <= 56; ++frame)
             fs::copy_file(fmt::format(TEST_DATA "/plume/plume.{:04}.vdb", frame), folder() + fmt::format("/in put/p.{:04}.vdb", frame));
         scratch_.write(name + "/shot {{a}}.yaml", "fluidcarve: 1\nframes: " + frames + R"(
 nodes:
-  sim:    {type: vdb.read, path: "in put/p.####.vdb", grids: {density: float}, missing: hold}
+  sim:    {type: vdb.read, path: "in put/)" + file + R"(", grids: {density: float}}
   energy: {type: energy.gradient, field: sim.density}
   box:    {type: lattice.box, fit: sim.density}
   seams:  {type: seam.pyramid, energy: energy, field: sim.density, lattice: box, axis: u, count: -1}
@@ -39,6 +40,13 @@ nodes:
     Called schedule(const std::string& bundle, const std::string& verb) const {
         return call_shell(
             fmt::format("/usr/bin/python3 tests/support/openjd.py tests/data/farm/openjd_template.schema.json \"{}/{}\" {}", folder(), bundle, verb));
+    }
+    /// Files of `one` and `out` that differ, but for the unique number that OpenVDB puts into the first 57 bytes of a file, or are only in one.
+    std::string differences() const {
+        return call_shell(
+                   fmt::format("cd \"{}\" && ls one >names && ls out | diff names -; for each in one/*; do cmp -i 57 \"$each\" \"out/${{each#*/}}\" 2>&1; done",
+                               folder()))
+            .out;
     }
     std::string folder() const { return scratch_ / name; }
     const Scratch& scratch() const { return scratch_; }
@@ -76,7 +84,7 @@ TEST_CASE("job bundles are valid, and their tasks have each frame once") {
         int first, last, step;
     };
     for (const auto& [frames, first, last, step] : {Case{"1001-1240", 1001, 1240, 1}, {"1-100x3", 1, 100, 3}, {"-5-5", -5, 5, 1}, {"52", 52, 52, 1}}) {
-        const Project project(frames);
+        const Project project(frames, "p.0051.vdb");
         std::map<int, int> wanted;
         for (int frame = first; frame <= last; frame += step) wanted[frame] = 1;
         for (const std::string extension : {"", "--no-chunk-extension"}) {
@@ -134,7 +142,7 @@ TEST_CASE("a job bundle makes what one run makes, also where its scheduler has m
         INFO(ran.err);
         REQUIRE(ran.code == 0);
         CHECK_THAT(ran.out, Catch::Contains("openjd_progress: 100.0"));
-        CHECK(call_shell(fmt::format("diff -r \"{0}/one\" \"{0}/out\"", project.folder())).out.empty());
+        CHECK(project.differences().empty());
         fs::remove_all(project.folder() + "/out");
         fs::remove_all(project.folder() + "/work");
     }
@@ -150,7 +158,7 @@ TEST_CASE("a job bundle makes what one run makes, also where its scheduler has m
 }
 
 TEST_CASE("Slurm's scripts are shell code, and their arrays index chunks") {
-    const Project project("-5-5");
+    const Project project("-5-5", "p.0051.vdb");
     REQUIRE(project.call("farm slurm", "--chunk 4 --threads 3 --output job").code == 0);
     CHECK(call_shell(fmt::format("cd \"{}/job\" && bash -n submit && for each in *.sbatch; do bash -n $each || exit 1; done", project.folder())).code == 0);
     const auto script = Scratch::read(project.folder() + "/job/seams-energy.sbatch");
@@ -163,7 +171,7 @@ TEST_CASE("Slurm's scripts are shell code, and their arrays index chunks") {
 }
 
 TEST_CASE("arrays of more tasks than Slurm takes are split") {
-    const Project project("1-2500");
+    const Project project("1-2500", "p.0051.vdb");
     REQUIRE(project.call("farm slurm", "--chunk 1 --output job --to seams.energy").code == 0);
     // An sbatch that says what it is given.
     fs::create_directories(project.scratch() / "bin");
