@@ -113,7 +113,7 @@ public:
     std::vector<Mark> sources;  ///< the files read so far
 
 private:
-    /// Whether an extended file is a pipeline: it says so, or it extends another and has nothing but a pipeline's fields.
+    /// Whether an extended file is a pipeline: it says so, or it extends another and has only a pipeline's fields.
     static bool is_pipeline(const Value& root) {
         if (const auto* const version = root.find("fluidcarve")) return version->value.text == "1";
         return root.find("extends") &&

@@ -40,7 +40,7 @@ struct Node {
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;                       ///< at least one input arrives per frame
-    Provenance provenance;                              ///< of a writer: what its files state, but for checksums (state_provenance)
+    Provenance provenance;                              ///< of a writer: what its files state, except checksums (state_provenance)
     std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
 
     std::vector<Problem> warnings;  ///< what its check warns of

@@ -50,7 +50,7 @@ struct ParamType {
     bool (*takes)(const Value& value, ValueReader& reader);  ///< whether a value is of the type and within the reader's range; else adds a problem
 };
 
-/// All types of params, in the order in which people are told of them.
+/// All types of params, in the order in which messages list them.
 const std::vector<ParamType>& param_types();
 std::vector<std::string> names_of(const std::vector<ParamType>& types);
 

@@ -29,7 +29,7 @@ private:
     std::vector<int> frames_;
 };
 
-/// What a file's name is, but for its frame numbers: the text before the first and after the last. A name without one is both.
+/// A file's name without its frame numbers: the text before the first and after the last. A name without one is both.
 struct NameEnds {
     std::string begin, end;
 

@@ -46,7 +46,7 @@ public:
         for (const auto& [in, name] : document.insertions) inserted_[place_of(in)].insert(name);
     }
 
-    /// Whether a value, or a part of it, is not as the files state it; but for params, which have values of their own.
+    /// Whether a value, or a part of it, differs from what the files state; except params, which have values of their own.
     bool changed(const Value& value) const {
         if (param_at(value.mark)) return false;
         const auto in_file = [&](const Mark& file) { return file.source == value.mark.source; };
@@ -190,7 +190,7 @@ private:
     std::map<std::string, std::size_t> index_;
     // Of the writer at hand:
     std::vector<bool> upstream_;
-    std::vector<std::string> settings_;  ///< what the command sets, but for params
+    std::vector<std::string> settings_;  ///< what the command sets, except params
     std::set<std::string> params_;       ///< that its values hold
     bool plugins_ = false;
 };

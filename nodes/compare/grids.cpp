@@ -151,7 +151,7 @@ private:
     using Lower = typename Upper::ChildNodeType;
     static constexpr std::array<int, 4> sizes{Upper::DIM, Lower::DIM, Leaf::DIM, 1};
 
-    /// @param level  of the block: as many nodes lie above it, but for the root
+    /// @param level  of the block: as many nodes lie above it, except at the root
     void visit(const Coord& block, int level) {
         const int size = sizes[static_cast<std::size_t>(level)];
         if (std::max(at_a_.getValueDepth(block), at_b_.getValueDepth(block)) <= level) {

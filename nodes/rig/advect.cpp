@@ -80,7 +80,7 @@ public:
 
     static void check(const Params& params, NodeCheck& check) {
         if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
-        if (!(params.scale > 0)) check.fault("scale", "'scale' wants more than 0");
+        if (!(params.scale > 0)) check.fault("scale", "'scale' must be more than 0");
     }
 
     void add(const Params& params, const Ports& io, Context& context) {

@@ -46,7 +46,7 @@ struct RigCircle {
 
     static void check(const Params& params, NodeCheck& check) {
         if (Vec3d(params.normal.data()).length() == 0) check.fault("normal", "'normal' has no direction");
-        if (!(params.radius.of[0] > 0 && params.radius.of[1] > 0)) check.fault("radius", "'radius' wants more than 0");
+        if (!(params.radius.of[0] > 0 && params.radius.of[1] > 0)) check.fault("radius", "'radius' must be more than 0");
     }
     static void foresee(const Params& params, Outlook& ahead) { ahead.lies(region_of(rig_of(params))); }
     static void run(const Params& params, Ports& io, Context&) { io.rig = std::make_shared<Rig>(rig_of(params)); }

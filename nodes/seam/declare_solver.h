@@ -23,8 +23,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .input(
             "attract", &Ports::attract,
             "What seams take first, to remove or widen an object: a mask or any grid, as for `protect`, which has precedence. An attracted vertex is worth a "
-            "way through 64 vertices of the highest energy, and has no energy itself. seam.greedy looks only one step ahead, so it takes only attracted "
-            "vertices beside its way.")
+            "path through 64 vertices of the highest energy, and has no energy itself. seam.greedy looks only one step ahead, so it takes only attracted "
+            "vertices beside its path.")
         .input("after", &Ports::after,
                "Seam sets of this lattice that are carved before, in order. The new seams are found in the space that they leave; windows count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")

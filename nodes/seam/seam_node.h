@@ -47,7 +47,7 @@ public:
     /// One frame's energy at the lattice's vertices, with its field and masks.
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io, Context& context);
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) { gathered_.add(params, *frame, context); }
-    /// Continues from seams that were found before, with the same energy and parameters but for `count`.
+    /// Continues from seams that were found before, with the same energy and parameters except `count`.
     /// @param result  the seams
     /// @param entry   their report
     void resume(const Payload& result, const nlohmann::ordered_json& entry);

@@ -22,7 +22,7 @@ public:
     /// A parameter. Paths are no dependencies: what is in the files counts.
     struct Param {
         std::string name, text;
-        /// The part that belongs to the cache key: all of it, but for the count of a growing result (Growth::rest); nothing of Growth::best_effort.
+        /// The part that belongs to the cache key: all of it, except the count of a growing result (Growth::rest); nothing of Growth::best_effort.
         std::optional<std::string> rest;
     };
     /// A connected input; one of a list is a dependency of its own.

@@ -49,8 +49,8 @@ struct NodeNow {
     std::optional<GrownResult> grown;  ///< how much of its growing result is kept
 };
 
-/// Why each node runs, in words; empty for nodes that do not run. What changed is told in the order of the pipeline: first the nodes upstream,
-/// then the node itself. A count is told only if it is why the node runs: smaller ones are answered by what is kept.
+/// Why each node runs, in words; empty for nodes that do not run. What changed is listed in the order of the pipeline: first the nodes upstream,
+/// then the node itself. A count is named only if it is why the node runs: smaller ones are answered by what is kept.
 /// @return one text per node
 std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Share>& shares, const History& history, const Dependencies& dependencies,
                                  const std::function<NodeNow(std::size_t node)>& now);

@@ -28,7 +28,7 @@ constexpr std::string_view pack_magic{"fluidcarve pack\n", 16};
 constexpr auto closed = ".pack", opened = ".open";
 constexpr std::size_t name_digits = 32;
 
-/// What stands before the bytes of each record. A pack is nothing but records.
+/// What stands before the bytes of each record. A pack consists of records.
 struct RecordHead {
     std::array<char, 16> magic;
     Key key;

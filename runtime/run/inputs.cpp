@@ -151,7 +151,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         std::vector<int> asked;
         for (const auto frame : of.left_out)
             if (deliver && deliver->contains(frame)) asked.push_back(frame);
-        if (!asked.empty()) report.warn(n, fmt::format("left out for want of a file, though -f names them: {}", FrameSet(asked).text()));
+        if (!asked.empty()) report.warn(n, fmt::format("left out because their files are missing, though -f names them: {}", FrameSet(asked).text()));
         left_out.insert(of.left_out.begin(), of.left_out.end());
     }
     for (const auto frame : pipeline.frames.frames())

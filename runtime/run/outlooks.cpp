@@ -9,7 +9,7 @@ namespace {
 /// Regions that are known, by node and output.
 using Regions = std::map<std::pair<std::size_t, std::size_t>, Region>;
 
-/// What one node is told of its inputs, and what it says of its outputs.
+/// What one node knows of its inputs, and states of its outputs.
 class OutlookOf : public Outlook {
 public:
     OutlookOf(const Node& node, const Regions& known) {

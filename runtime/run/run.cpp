@@ -224,7 +224,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     try {
         if (request.options.cache) WorkFolder(request.options.work_folder).make();
     } catch (const Failure&) {
-        // Results are then not kept, which is told at the end.
+        // Results are then not kept; a message at the end says so.
     }
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report, manifest ? &*manifest : nullptr);
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)

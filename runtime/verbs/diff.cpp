@@ -130,7 +130,7 @@ private:
             pair.comparison.only_a = FrameSet(std::move(only_a));
             pair.comparison.only_b = FrameSet(std::move(only_b));
         }
-        // A frame that is asked for and not there can't be read, and is told as such.
+        // A frame that is asked for and not there can't be read, and is reported as such.
         pair.comparison.frames = wanted_ ? *wanted_ : FrameSet(std::move(both));
         for (const int frame : pair.comparison.frames.frames()) frames_.push_back({pairs_.size(), frame, {}, {}});
         pairs_.push_back(std::move(pair));

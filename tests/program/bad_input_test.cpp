@@ -146,7 +146,7 @@ TEST_CASE("a missing frame is an error before anything runs, is left out, or is 
     CHECK(bench.files() == Files{"o.0001.vdb", "o.0003.vdb", "o.0004.vdb", "o.0006.vdb"});
     fs::remove_all(bench.scratch / "out");
     require(bench.run("--set sim.missing=skip -f 2,5"), 0,
-            "warning: sim (vdb.read): left out for want of a file, though -f names them: 2,5\ndone: 0 frames in N s\n");
+            "warning: sim (vdb.read): left out because their files are missing, though -f names them: 2,5\ndone: 0 frames in N s\n");
     CHECK(bench.files().empty());
 
     require(bench.run("--keep-going"), 4, both);

@@ -281,7 +281,7 @@ nodes:
   count: {type: toy.count, path: in.##, skip: 3}
   print: {type: toy.print, number: count, path: out.##}
 )";
-    const nlohmann::json warned = {{{"node", "count"}, {"message", "left out for want of a file, though -f names them: 3"}}};
+    const nlohmann::json warned = {{{"node", "count"}, {"message", "left out because their files are missing, though -f names them: 3"}}};
     auto ran = run(yaml, deliver("3"));
     CHECK(ran.code == exit_code::done);
     CHECK(ran.log.empty());

@@ -58,7 +58,7 @@ TEST_CASE("a work folder is marked where there was nothing, and only there") {
 TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
     std::mt19937 random(5);
     const std::string hex = "0123456789abcdef";
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < 100; ++round) {
         const Scratch scratch;
         const auto work = scratch / "work";
         WorkFolder(work).make();

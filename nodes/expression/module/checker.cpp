@@ -26,7 +26,7 @@ enum class Gives {
     whole,
 };
 
-/// The allowed functions: they read nothing but their arguments and the voxel's position, and have no state.
+/// The allowed functions: they read only their arguments and the voxel's position, and have no state.
 const std::map<std::string, Gives>& functions() {
     static const std::map<std::string, Gives> all{
         {"abs", Gives::as_given},         {"acos", Gives::fraction},      {"asin", Gives::fraction},         {"atan", Gives::fraction},

@@ -19,7 +19,7 @@ public:
     ExpressionChecker(const Expression& expression, const ExpressionSource& source, std::vector<ExpressionFault>& faults)
         : expression_(expression), source_(source), faults_(faults) {}
 
-    /// Finds all faults, but none that follows from another: a name that is wrong in many places is told once.
+    /// Finds all faults, but none that follows from another: a name that is wrong in many places is reported once.
     void check();
     /// Adds a warning for each input and constant that the program never reads. Call it if there are no faults.
     void warn_of_unread();

@@ -24,7 +24,7 @@ struct Tear {
 /// @param volume  before the carve
 std::vector<Tear> find_tears(const Volume& volume, const Lattice& lattice, const CarveMap& map);
 
-/// A warning about a tear. Shares are told in powers of ten, so that similar frames give the same warning.
+/// A warning about a tear. Shares are given in powers of ten, so that similar frames give the same warning.
 std::string to_text(const Tear& tear);
 
 }  // namespace fluidcarve

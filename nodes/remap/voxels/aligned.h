@@ -8,7 +8,7 @@
 namespace fluidcarve {
 
 /// Carves a grid whose voxels are the lattice's vertices one to one: classical seam carving, by voxel indices. Values and states are
-/// copied, but for inserted entries: these get the mean of their neighbours (in grids of integers, booleans and masks the lower neighbour's
+/// copied, except inserted entries: these get the mean of their neighbours (in grids of integers, booleans and masks the lower neighbour's
 /// value) and are active if either neighbour is. Under a smoothed step, values are interpolated between two voxels. Components of a
 /// staggered grid travel with their voxel.
 /// @param alignment  one_to_one()

@@ -22,7 +22,7 @@ public:
 
     /// @param extent     CarveMap::reach
     /// @param transform  of the grid; must outlive this object and its copies
-    /// @param cells      of the voxels with which the grid's values travel: the same as `transform`, but for a component on faces
+    /// @param cells      of the voxels with which the grid's values travel: the same as `transform`, except for a component on faces
     CarvedPlaces(const Lattice& lattice, const std::array<int, 3>& extent, const openvdb::math::Transform& transform, const openvdb::math::Transform& cells);
 
     /// Whether voxels are vertices. Components of a staggered grid then stand at their voxel.

@@ -62,7 +62,7 @@ private:
     using Label = std::uint32_t;
     static constexpr Label far = 0xFFFFFF;
 
-    /// Residual capacities of a node's arcs, but for arcs of unlimited capacity.
+    /// Residual capacities of a node's arcs, except arcs of unlimited capacity.
     struct Arcs {
         std::int32_t up;                            ///< to the next node of the column
         std::int32_t lowered[Columns::directions];  ///< flow that went to the next lower node of each neighbour

@@ -89,7 +89,7 @@ Band tightened(const Columns& columns, const Band& band, const CostAt& cost_at) 
 
 /// Moves a seam aside where it passes protected vertices: to the highest seam below it or to the lowest above it, whichever is cheaper.
 /// Where everything below or above is protected, it goes to the other side.
-/// @param seam  in the band, feasible but for protected vertices
+/// @param seam  in the band, feasible except at protected vertices
 /// @param band  holds at least one seam
 template <class CostAt>
 std::vector<std::uint16_t> moved_aside(const Columns& columns, const std::vector<std::uint16_t>& seam, const Band& band, const CostAt& cost_at,

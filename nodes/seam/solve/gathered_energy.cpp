@@ -18,7 +18,7 @@ namespace {
 
 constexpr float default_rigidity = 0.2f;  ///< with a field; in mean energies of content
 constexpr double small_share = 0.05;      ///< of the content: if less of it lies in the lattice, that is hardly meant
-constexpr double least_share = 1e-4;      ///< that is told as a number
+constexpr double least_share = 1e-4;      ///< below it, no number is given
 
 Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = forward ? default_rigidity : 0.0f;

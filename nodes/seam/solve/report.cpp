@@ -74,7 +74,7 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
     const auto& zero_share = report.at("zero_share");
     if (const auto idle = std::count(zero_share.begin(), zero_share.end(), 1.0); idle > 0)
         out.push_back(
-            fmt::format("{} of {} seams meet{} no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an energy of "
+            fmt::format("{} of {} seams take{} no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an energy of "
                         "its own, and `window: [first, last]` holds seams where the content is",
                         idle, zero_share.size(), idle == 1 ? "s" : ""));
     if (!report.contains("attracted")) return out;
@@ -82,8 +82,8 @@ std::vector<std::string> seam_warnings(const nlohmann::ordered_json& report) {
     if (const auto idle = std::count(attracted.begin(), attracted.end(), 0);
         idle > 0 && report.at("kind") == "remove" && report.at("attracted_left").back() > 0)
         out.push_back(
-            fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it is out of their window, or the way there too long; "
-                        "seam.greedy sees only what is beside its way, other solvers all",
+            fmt::format("{} of {} seams take nothing of `attract`, though some of it is left: it is out of their window, or the path there is too long; "
+                        "seam.greedy sees only vertices beside its path, other solvers see all",
                         idle, attracted.size()));
     return out;
 }

@@ -105,8 +105,8 @@ TEST_CASE("rig.circle runs clockwise seen from its normal's tip, from x towards 
 
 TEST_CASE("rig.circle says what is wrong with it") {
     const auto faults = [](const std::string& yaml) { return NodeBench(rig_circle(), yaml).faults(); };
-    CHECK(faults("{center: [0, 0, 0], radius: 0}") == "radius: 'radius' wants more than 0\n");
-    CHECK(faults("{center: [0, 0, 0], radius: [1, 0]}") == "radius: 'radius' wants more than 0\n");
+    CHECK(faults("{center: [0, 0, 0], radius: 0}") == "radius: 'radius' must be more than 0\n");
+    CHECK(faults("{center: [0, 0, 0], radius: [1, 0]}") == "radius: 'radius' must be more than 0\n");
     CHECK(faults("{center: [0, 0, 0], radius: [1, 2, 3]}") == "radius wants one radius or two, not 3\n");
     CHECK(faults("{center: [0, 0, 0], radius: -1}") == "radius must be at least 0, not -1\n");
     CHECK(faults("{center: [0, 0, 0], radius: 1, normal: [0, 0, 0]}") == "normal: 'normal' has no direction\n");
@@ -350,7 +350,7 @@ TEST_CASE("rig.advect leaves out middles that hardly moved, and refuses if none 
     CHECK(failure_of([&] {
               advected("{seed: [0, 0, 0], radius: 0}", flow({NAN, 0, 0}), {1, 2});
           }) == "grid 'sampled' has a value that is not finite near (0, 0, 0)");
-    CHECK(NodeBench(rig_advect(), "{seed: [0, 0, 0], radius: 0, scale: 0}").faults() == "scale: 'scale' wants more than 0\n");
+    CHECK(NodeBench(rig_advect(), "{seed: [0, 0, 0], radius: 0, scale: 0}").faults() == "scale: 'scale' must be more than 0\n");
 }
 
 TEST_CASE("rig.advect goes by the points that are in the flow, and ends where it ends") {

@@ -368,7 +368,7 @@ TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and se
     const auto idle = solve("{count: -6}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; });
     CHECK(idle.listener.entry["zero_share"] == nlohmann::json({1.0, 1.0, 1.0, 1.0, 1.0, 0.0}));
     CHECK(idle.listener.warnings ==
-          std::vector<std::string>{"5 of 6 seams meet no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an "
+          std::vector<std::string>{"5 of 6 seams take no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an "
                                    "energy of its own, and `window: [first, last]` holds seams where the content is"});
     const auto half = solve("{count: -1, window: [3, 3]}", [](const Coord& at, int t) { return at.z() < 2 && t == 0 ? 0.0f : 1.0f; });
     CHECK(half.listener.entry["zero_share"] == nlohmann::json({0.125}));
