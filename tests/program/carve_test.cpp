@@ -90,24 +90,26 @@ TEST_CASE("carve says what is wrong with its words before it reads much") {
 
 TEST_CASE("init writes a pipeline that passes the check, runs and narrows") {
     const Scratch scratch;
-    const auto input = plume_in(scratch, {51, 52});
-    const auto made = fluidcarve_program("init " + input + " -o " + (scratch / "shot.yaml"));
+    plume_in(scratch, {51, 52});
+    const auto init = "cd " + scratch.path() + " && mkdir -p shots && " FLUIDCARVE_PROGRAM " init plume.####.vdb -o shots/shot.yaml";
+    const auto made = call_shell(init);
     INFO(made.err);
     REQUIRE(made.code == 0);
-    const auto text = Scratch::read(scratch / "shot.yaml");
-    // Paths start at the pipeline's folder, so that both may move together.
-    CHECK_THAT(text, Catch::Contains("default: plume.####.vdb") && Catch::Contains("frames: auto") && Catch::Contains("profile: blender"));
-    const auto checked = fluidcarve_program("check " + (scratch / "shot.yaml"));
+    const auto pipeline = scratch / "shots/shot.yaml";
+    // Paths start at the pipeline's folder, so that all may move together.
+    CHECK_THAT(Scratch::read(pipeline),
+               Catch::Contains("default: ../plume.####.vdb") && Catch::Contains("\nframes: auto\n") && Catch::Contains("profile: blender"));
+    const auto checked = fluidcarve_program("check " + pipeline);
     CHECK(checked.code == 0);
     CHECK_THAT(checked.out, Catch::Contains("2 frames"));
     const auto outputs = " --set out=" + (scratch / "o.####.vdb") + " --set seams=" + (scratch / "s.vdb") + " --set sheet=" + (scratch / "s.png");
-    REQUIRE(fluidcarve_program("run " + (scratch / "shot.yaml") + outputs + " --report " + (scratch / "r.json")).code == 0);
+    REQUIRE(fluidcarve_program("run " + pipeline + outputs + " --report " + (scratch / "r.json")).code == 0);
     const auto [before, after] = widths(scratch / "r.json", "carved", "density");
     CHECK(after < before * 0.9);
 
-    const auto again = fluidcarve_program("init " + input + " -o " + (scratch / "shot.yaml"));
+    const auto again = call_shell(init);
     CHECK(again.code == 2);
-    CHECK(again.err == "-o: " + (scratch / "shot.yaml") + " exists already; name another file\n");
+    CHECK(again.err == "-o: shots/shot.yaml exists already; name another file\n");
 }
 
 TEST_CASE("the rig in the comments of init may stand in place of the box") {
