@@ -118,6 +118,8 @@ private:
             context.check_cancelled();
             if (planes(built_[t]) != most) built_[t] = build_lattice(*rigs_[t], spec_of(params), most);
         }
+        // Rigs that sway are never of exactly one length.
+        if (built_[shortest].step > 0.95 * params.spacing) return;
         context.warn(fmt::format(
             "the rig needs {} planes in frame {}, but {} in frame {}; all frames get {} planes, which are {:.4g} apart{} instead of {:.4g}", most,
             context.frames()[longest], least, context.frames()[shortest], most, built_[shortest].step, in_frame(context, shortest), params.spacing));
