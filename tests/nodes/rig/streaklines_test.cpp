@@ -5,7 +5,6 @@
 #include "tests/support/sampled.h"
 
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
