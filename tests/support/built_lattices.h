@@ -4,8 +4,6 @@
 #include "nodes/lattice/build_node.h"
 #include "tests/support/node_bench.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <string>
 #include <vector>
