@@ -153,7 +153,7 @@ TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rig
 }
 
 TEST_CASE("a rig.advect that is steadied moves less than a step from frame to frame, and says nothing") {
-    const Moving moving("{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: 6}", swaying(two_dozen), two_dozen);
+    const Moving moving("{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: 11}", swaying(two_dozen), two_dozen);
     CHECK(moving.heard.warnings.empty());
     double most = 0;
     for (std::size_t t = 1; t < moving.rigs.size(); ++t) most = std::max(most, largest_distance(moving.rigs[t - 1]->points, moving.rigs[t]->points));
