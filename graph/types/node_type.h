@@ -226,7 +226,7 @@ FLUIDCARVE_HOOK(conclude)
 ///
 /// Any node may also have
 ///
-///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does
+///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does; false, if it gathers: has one result
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
 ///     static void foresee(const Params&, Outlook&);                  looks before the run at where its inputs lie

@@ -56,6 +56,8 @@ void LatticeNode::make_equal(const LatticeSpec& spec, const Context& context) {
         context.check_cancelled();
         if (planes(built_[t]) != most) built_[t] = build_lattice(*rigs_[t], spec, most);
     }
+    // Rigs that sway are never of exactly one length.
+    if (built_[shortest].step > 0.95 * spec.spacing) return;
     context.warn(fmt::format("the rig needs {} planes in frame {}, but {} in frame {}; all frames get {} planes, which are {:.4g} apart{} instead of {:.4g}",
                              most, context.frames()[longest], least, context.frames()[shortest], most, built_[shortest].step, in_frame(context, shortest),
                              spec.spacing));

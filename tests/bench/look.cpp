@@ -1,6 +1,6 @@
 // How carved sequences look, scene by scene, beside the same sequences scaled evenly.
 //
-//   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]    all shipped scenes on plume/, vortex/, bonfire/, trail/ and images/ of the
+//   build/look [--no-loop] [--scene NAME]... [FOLDER] [OUT]    all shipped scenes on plume/, vortex/, bonfire/, torch/, trail/ and images/ of the
 //                                                              folder (tests/data): OUT.md and OUT.png (out/look)
 //
 // --scene NAME: only this pipeline; --no-loop: without the paper's method, which takes most of the time.
@@ -28,6 +28,7 @@ const std::vector<Scene> scenes{
     {"bonfire", "sim", "bonfire/bonfire.####.vdb", {"flame"}, {"-4", "+5"}},
     {"bonfire_hot", "sim", "bonfire/bonfire.####.vdb", {"density"}, {"-8", "+8"}},
     {"trail", "sim", "trail/trail.####.vdb", {"density"}, {"-3", "+3"}},
+    {"torch", "sim", "torch/torch.####.vdb", {"flame"}, {"-10", "+10"}},
     {"image", "photo", "images/*", {}, {"-20%", "+20%"}},
     {"image_ring", "photo", "images/chelsea.png", {"R", "G", "B"}, {"-8", "+12"}},
 };

@@ -79,6 +79,32 @@ nodes:
     CHECK_THROWS_WITH(registry.add(type), "node type 'toy.passing': it has no input 'numbre' whose grids 'sum' could have");
 }
 
+TEST_CASE("a node that gathers gives one result for all frames, or one per frame, as its `animates` says") {
+    Registry registry = toy::registry();
+    auto type = *registry.node("toy.share");
+    type.name = "toy.own";
+    type.gathers = [](const void*) { return true; };
+    type.animates = [](const void* params) { return static_cast<const toy::Share::Params*>(params)->stated; };
+    registry.add(type);
+    Problems found;
+    const auto pipeline = build_pipeline(read_document(Scratch().write("p.yaml", R"(fluidcarve: 1
+frames: 1-3
+nodes:
+  count: {type: toy.count, path: in.##.txt}
+  still: {type: toy.count, path: in.txt}
+  one: {type: toy.own, number: count}
+  each: {type: toy.own, number: count, stated: true}
+  fixed: {type: toy.own, number: still, stated: true}
+)"),
+                                                       {}, found),
+                                         registry, found);
+    REQUIRE(to_text(found) == "");
+    CHECK(pipeline.find("one")->rate == Rate::sequence);
+    CHECK(pipeline.find("each")->rate == Rate::frame);
+    // Nothing that it gathers tells the frames apart.
+    CHECK(pipeline.find("fixed")->rate == Rate::fixed);
+}
+
 TEST_CASE("without a frame token a reader, and what hangs on it, is static") {
     const auto [pipeline, text] = check(Scratch(), R"(fluidcarve: 1
 nodes:
