@@ -31,7 +31,7 @@ Lattice tube() {
     rig.points = read_curve(TEST_DATA "/trail/path.csv");
     LatticeSpec spec;
     spec.spacing = voxel;
-    spec.u = {0, 0.85};
+    spec.u = {0, 0.75};
     spec.around = true;
     spec.smooth = Smooth::points;
     spec.max_iterations = 1000;
