@@ -20,7 +20,7 @@ struct LatticeAround : LatticeNode {
         if (vertices_along({0, params.radius}, params.spacing) < 2)
             check.fault("radius", fmt::format("'radius' {:g} is less than the spacing, {:g}: nothing can be carved", params.radius, params.spacing));
         else if (const double most = params.spacing * most_vertices / (2 * M_PI); params.radius > most)
-            check.fault("radius", fmt::format("'radius' {:g} takes more than {} vertices for a turn at a spacing of {:g}; {:g} is the most", params.radius,
+            check.fault("radius", fmt::format("'radius' {:g} takes more than {} vertices for a turn at a spacing of {:g}; {:.4g} is the most", params.radius,
                                               most_vertices, params.spacing, most));
     }
 

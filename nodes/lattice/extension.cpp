@@ -14,6 +14,7 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
     below_ = below;
     above_ = above;
     planes_ = lattice.shape[2];
+    around_ = lattice.around;
     std::array<int, 2> before{};
     before[dimension(axis)] = below;
     const auto whole = extended_below(lattice, before);
@@ -47,8 +48,9 @@ std::string Extension::fault() const {
     if (overlap_.count > 0)
         out += fmt::format("{} {} voxels, as large as the spacing, lie in several cells{}", folds_.count > 0 ? ", and" : "", overlap_.count, where(overlap_));
     return out +
-           ": part of what is pushed there is lost; insert fewer seams, or turn the lattice around with its `flip_u` or its rig's `up`, so that it grows to "
-           "the other side";
+           (around_ ? ": part of what is pushed there is lost; insert fewer seams, or lower `radius`"
+                    : ": part of what is pushed there is lost; insert fewer seams, or turn the lattice around with its `flip_u` or its rig's `up`, so that it "
+                      "grows to the other side");
 }
 
 }  // namespace fluidcarve

@@ -28,7 +28,7 @@ private:
     std::string where(const Worst& worst) const;
 
     std::string hash_;  ///< of the last lattice checked
-    bool moves_ = false;
+    bool moves_ = false, around_ = false;
     Axis axis_ = Axis::u;
     int below_ = 0, above_ = 0, planes_ = 0;
     Worst folds_, overlap_;

@@ -177,8 +177,8 @@ TEST_CASE("lattice.around says what it built, and a bend sharper than its radius
                                          "radius"));
 
     const auto faults = [](const std::string& yaml) { return NodeBench(lattice_around(), yaml, {{"rig", 1}}).faults(); };
-    CHECK(faults("{spacing: 0.5, radius: 0.4}") == "'radius' 0.4 is less than the spacing, 0.5: nothing can be carved\n");
-    CHECK(faults("{spacing: 0.001, radius: 20}") == "'radius' 20 takes more than 65534 vertices for a turn at a spacing of 0.001; 10.43 is the most\n");
+    CHECK(faults("{spacing: 0.5, radius: 0.4}") == "radius: 'radius' 0.4 is less than the spacing, 0.5: nothing can be carved\n");
+    CHECK(faults("{spacing: 0.001, radius: 20}") == "radius: 'radius' 20 takes more than 65534 vertices for a turn at a spacing of 0.001; 10.43 is the most\n");
     CHECK(faults("{spacing: 0.5, radius: 3}").empty());
 }
 

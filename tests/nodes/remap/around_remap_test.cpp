@@ -78,7 +78,7 @@ TEST_CASE("a round trail gets thinner or thicker from all sides alike, and what 
         const auto place = before.locate(p);
         return place ? static_cast<float>(std::clamp(7 - place->x(), 0.0, 1.0)) : 0.0f;
     };
-    const FloatGrid::ConstPtr grid = field_around(lattice, 0.05, thick);
+    const FloatGrid::ConstPtr grid = field_around(lattice, 0.08, thick);
     const auto map = map_of(lattice, straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{3, 3} : std::vector{3, 4}), 3);
     const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
     auto values = carved->getConstAccessor();
@@ -96,8 +96,10 @@ TEST_CASE("a round trail gets thinner or thicker from all sides alike, and what 
     CHECK(least > want - 0.3);
     CHECK(most < want + 0.3);
     const Mapping inside(lattice, map.reach());
+    int changed = 0;
     for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel)
-        if (!inside.locate(grid->indexToWorld(voxel.getCoord()))) REQUIRE(values.getValue(voxel.getCoord()) == *voxel);
+        if (!inside.locate(grid->indexToWorld(voxel.getCoord()))) changed += values.getValue(voxel.getCoord()) != *voxel;
+    CHECK(changed == 0);
 }
 
 TEST_CASE("every voxel around a rig comes from where the map says, soft or whole, across the closing of v and on the rig") {
@@ -105,27 +107,30 @@ TEST_CASE("every voxel around a rig comes from where the map says, soft or whole
     for (const auto& lattice : {helix_lattice(), ring_lattice()}) {
         const Vec3d slope(1, -0.5, 0.25);
         const auto linear = [&](const Vec3d& at) { return static_cast<float>(20 + slope.dot(at)); };
-        const FloatGrid::ConstPtr grid = field_around(lattice, 0.07, linear);
+        const FloatGrid::ConstPtr grid = field_around(lattice, 0.09, linear);
         const auto map = map_of(lattice, wandering(lattice, kind, 2, 1), 3);
         const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
         const Mapping mapping(lattice, map.reach());
         auto values = carved->getConstAccessor();
-        int moved = 0, near = 0, closing = 0;
+        int moved = 0, near = 0, closing = 0, inactive = 0;
+        double worst = 0;
         for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel) {
             const auto p = grid->indexToWorld(voxel.getCoord());
             const auto place = mapping.locate(p);
             const auto source = place ? source_of(map, *place) : std::nullopt;
             if (!source) continue;
             const double want = linear(p + mapping.position(*source) - mapping.position(*place));
-            REQUIRE(values.isValueOn(voxel.getCoord()));
-            REQUIRE(values.getValue(voxel.getCoord()) == Approx(want).margin(2e-4));
+            inactive += !values.isValueOn(voxel.getCoord());
+            worst = std::max(worst, std::abs(values.getValue(voxel.getCoord()) - want));
             moved += *source != *place;
             near += place->x() < 1;
             closing += place->y() > lattice.shape[1] - 1;
         }
+        CHECK(inactive == 0);
+        CHECK(worst < 2e-4);
         CHECK(moved > 10000);
-        CHECK(near > 1000);
-        CHECK(closing > 1000);
+        CHECK(near > 300);
+        CHECK(closing > 300);
     }
 }
 
@@ -134,7 +139,7 @@ TEST_CASE("on the rig no voxel is lost or torn: it stays, its neighbours stay be
     const double soft = GENERATE(0, 3);
     const int count = 3;
     const auto lattice = helix_lattice();
-    const double voxel = 0.05;
+    const double voxel = 0.08;
     const auto map = map_of(lattice, wandering(lattice, kind, count, 1), soft);
     const Mapping mapping(lattice, map.reach());
     for (int axis = 0; axis < 3; ++axis) {
@@ -142,22 +147,25 @@ TEST_CASE("on the rig no voxel is lost or torn: it stays, its neighbours stay be
         const FloatGrid::ConstPtr grid = field_around(lattice, voxel, [&](const Vec3d& at) { return static_cast<float>(10 + at[axis]); });
         const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
         auto values = carved->getConstAccessor();
-        int looked = 0;
+        int looked = 0, inactive = 0, far = 0, torn = 0;
         for (auto at = grid->cbeginValueOn(); at; ++at) {
             const auto place = mapping.locate(grid->indexToWorld(at.getCoord()));
             if (!place || place->x() > 1 || place->z() < 1 || place->z() > lattice.shape[2] - 2) continue;
             ++looked;
             const auto voxel_at = at.getCoord();
-            REQUIRE(values.isValueOn(voxel_at));
+            inactive += !values.isValueOn(voxel_at);
             // Beside the rig, content comes from at most so many times as far from it.
-            REQUIRE(std::abs(values.getValue(voxel_at) - *at) <= count * place->x() * lattice.spacing + 1e-3);
+            far += std::abs(values.getValue(voxel_at) - *at) > count * place->x() * lattice.spacing + 1e-3;
             for (int c = 0; c < 3; ++c) {
                 auto next = voxel_at;
                 ++next[c];
-                REQUIRE(std::abs(values.getValue(next) - values.getValue(voxel_at)) < (1 + 2 * count) * voxel);
+                torn += std::abs(values.getValue(next) - values.getValue(voxel_at)) > (1 + 2 * count) * voxel;
             }
         }
-        CHECK(looked > 1000);
+        CHECK(inactive == 0);
+        CHECK(far == 0);
+        CHECK(torn == 0);
+        CHECK(looked > 200);
     }
     if (soft == 0) return;
     std::mt19937 random(1);
@@ -220,13 +228,13 @@ TEST_CASE("a density around a rig keeps its mass, and particles keep their numbe
         return place ? static_cast<float>(std::max(0.0, 1 - place->x() / 5.5)) : 0.0f;
     };
     Volume source;
-    source.grids.push_back(field_around(lattice, 0.05, cloud));
+    source.grids.push_back(field_around(lattice, 0.08, cloud));
     const auto map = map_of(lattice, wandering(lattice, kind, 2, 1), 3);
     const auto carved = finished(source, carve_volume(source, lattice, map, Interpolation::linear), lattice, map, {std::nullopt, {"density"}, false});
     const auto sum = [](const Volume& volume) {
         double out = 0;
         for (auto value = openvdb::GridBase::grid<FloatGrid>(volume.grids[0])->cbeginValueOn(); value; ++value) {
-            REQUIRE(std::isfinite(*value));
+            if (!std::isfinite(*value)) return std::numeric_limits<double>::quiet_NaN();
             out += *value;
         }
         return out;
