@@ -92,7 +92,7 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     if (prepared.frames().empty()) return tell("failed: no frame is left: every frame lacks a file of a reader with `missing: skip`"), std::nullopt;
 
     const History history(request.options.work_folder, pipeline.name);
-    const auto steps = steps_of(pipeline, prepared, history, request.options);
+    const auto steps = steps_of(pipeline, registry, prepared, history, request.options);
     FarmJob out;
     out.pipeline = pipeline.name;
     out.folder = fs::current_path().string();

@@ -71,8 +71,8 @@ std::vector<std::vector<std::size_t>> delivering_groups(const Pipeline& pipeline
 /// Plays the steps of a run one after the other, with a work folder that is empty at first.
 class Rehearsal {
 public:
-    Rehearsal(const Pipeline& pipeline, const Preparation& prepared, const History& history, const RunOptions& options)
-        : pipeline_(pipeline), prepared_(prepared), history_(history), options_(options) {
+    Rehearsal(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history, const RunOptions& options)
+        : pipeline_(pipeline), registry_(registry), prepared_(prepared), history_(history), options_(options) {
         const std::vector<Maker> nobody(std::max<std::size_t>(1, prepared.frames().size()));
         results_.assign(pipeline.nodes.size(), nobody);
         digests_ = results_;
@@ -202,10 +202,16 @@ private:
 
     void set_cost(RunStep& step, const Schedule& schedule, const std::vector<Share>& shares, std::size_t all) const {
         const auto calls = calls_of(schedule);
-        const auto expected = expected_costs(pipeline_, prepared_, calls, shares, history_, options_);
+        // A step may read fewer grids than the whole run, and so has frames of another size.
+        auto options = options_;
+        options.cache = false;
+        Report unused(pipeline_);
+        const auto frames = step.chunked ? std::optional(FrameSet(step.frames)) : std::nullopt;
+        const Preparation own(pipeline_, registry_, options, step.wish, frames, unused);
+        const auto expected = expected_costs(pipeline_, own, calls, shares, history_, options_);
         std::vector<StepWork> works;
         for (std::size_t n = 0; n < calls.size(); ++n) works.push_back({calls[n], shares[n], frames_of(schedule, n)});
-        step.cost = [&pipeline = pipeline_, options = options_, input_bytes = prepared_.inputs().frame_bytes, works = std::move(works), expected,
+        step.cost = [&pipeline = pipeline_, options = options_, input_bytes = own.inputs().frame_bytes, works = std::move(works), expected,
                      all](std::size_t frames) {
             RunCost out;
             out.cores = options.threads;
@@ -225,6 +231,7 @@ private:
     }
 
     const Pipeline& pipeline_;
+    const Registry& registry_;
     const Preparation& prepared_;
     const History& history_;
     const RunOptions& options_;
@@ -235,8 +242,9 @@ private:
 
 }  // namespace
 
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Preparation& prepared, const History& history, const RunOptions& options) {
-    return Rehearsal(pipeline, prepared, history, options).steps();
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history,
+                              const RunOptions& options) {
+    return Rehearsal(pipeline, registry, prepared, history, options).steps();
 }
 
 nlohmann::ordered_json to_json(const std::vector<RunStep>& steps) {

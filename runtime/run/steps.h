@@ -37,7 +37,8 @@ struct RunStep {
 /// Cuts a run into steps, each after those that it needs: for every gatherer with digests one that makes them, for every node that makes
 /// something of all frames (gathers_apart) one that runs it, and then those that deliver. Nodes that deliver frames from one and the same
 /// computation share a step. So each kept result is computed once in all steps, whatever the work folder holds at present.
-std::vector<RunStep> steps_of(const Pipeline& pipeline, const Preparation& prepared, const History& history, const RunOptions& options);
+std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history,
+                              const RunOptions& options);
 
 /// [{"name", "what", "needs", "frames"?, "cores", "memory", "disk", "seconds"?}]; of a step in one run. `seconds` is left out if a node was
 /// never measured.
