@@ -256,7 +256,7 @@ private:
                 out += fmt::format("moved {} {} {} \"$1\"\n", code_of(path.name), code_of(path.file), code_of(path.path));
             out += "shift\n";
         }
-        out += "\ncd -- \"$project\"\nmkdir -p -- \"$work\"\n";
+        out += "\ncd -- \"$project\"\n";
         return out + "exec " + command(step) + " \"${moves[@]}\" ${frames:+\"--frames=$frames\"}\n";
     }
 
