@@ -35,8 +35,8 @@ public:
     }
     Json status(const std::string& into) const { return Json::parse(call_shell(FLUIDCARVE_PROGRAM " status --json --work " + work(into)).out).at(0); }
 
-    /// How many frames of each node the tasks of a job computed, all together.
-    std::map<std::string, int> computed(const std::string& into) const {
+    /// How many frames of each node all tasks computed, by their reports.
+    std::map<std::string, int> computed() const {
         std::map<std::string, int> out;
         for (const auto& each : fs::directory_iterator(scratch / "reports")) {
             const auto report = Json::parse(Scratch::read(each.path()));
@@ -67,7 +67,7 @@ TEST_CASE("a farm on one machine makes what one run makes, and computes each ene
             for (auto* const bytes : {&one, &many}) bytes->erase(head, id);
         CHECK(one == many);
     }
-    const auto computed = plume.computed("many");
+    const auto computed = plume.computed();
     for (const auto* const energy : {"edges", "energy"}) CHECK(computed.at(energy) == 6);
     CHECK(computed.at("out") == 6);
     CHECK(plume.status("many").at("state") == "done");
