@@ -209,7 +209,12 @@ TEST_CASE("engines refuse what they can't do, and make nothing") {
     CHECK(!fs::exists(project.folder() + "/job"));
     refused("farm slurm", "--output job --chunk 0", 2, "--chunk 0: ");
     refused("farm openjd", "--output job --set energy.field=sim.densty", 2, "densty");
-    const auto held = project.call("farm slurm", "--output 'in put'");
+    fs::create_directories(project.folder() + "/taken");
+    project.scratch().write("it's {{here}}/taken/submit", "echo mine\n");
+    const auto held = project.call("farm slurm", "--output taken");
     CHECK(held.code == 1);
-    CHECK_THAT(held.err, Catch::Contains("in put holds files of others; choose another --output, or an empty folder"));
+    CHECK_THAT(held.err, Catch::Contains("taken/submit is there already, and of others; choose another --output"));
+    CHECK(!fs::exists(project.folder() + "/taken/out.sbatch"));
+    CHECK(project.call("farm slurm", "--output .").code == 0);
+    CHECK(project.call("farm slurm", "--output .").code == 0);
 }
