@@ -6,20 +6,29 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace fluidcarve {
 namespace {
 
 namespace fs = std::filesystem;
 
+bool bears_mark(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return text.find(job_mark) != std::string::npos;
+}
+
 }  // namespace
 
 void write_job_files(const std::string& folder, const std::vector<JobFile>& files) {
     std::error_code error;
     const fs::path base(folder);
-    if (fs::exists(base, error) && !fs::is_directory(base, error)) throw Failure(fmt::format("{} is no folder; choose another --output", folder));
-    if (fs::is_directory(base, error) && !fs::is_empty(base, error) && !fs::exists(base / files.back().name, error))
-        throw Failure(fmt::format("{} holds files of others; choose another --output, or an empty folder", folder));
+    if (!bears_mark(base / files.back().name))
+        for (const auto& file : files)
+            if (fs::exists(base / file.name, error))
+                throw Failure(fmt::format("{} is there already, and of others; choose another --output", (base / file.name).string()));
     for (const auto& file : files) OutputFile::require_writable((base / file.name).string());
     for (const auto& file : files) {
         const auto path = base / file.name;

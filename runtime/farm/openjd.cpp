@@ -140,6 +140,7 @@ private:
         Json out{{"specificationVersion", "jobtemplate-2023-09"}};
         if (chunk_ranges_ && std::ranges::any_of(job_.steps, &FarmStep::chunked)) out["extensions"] = {"TASK_CHUNKING"};
         out["name"] = plain_name(job_.name, longest_job_name);
+        out["description"] = fmt::format("{} openjd wrote it, of {}", job_mark, one_line(job_.pipeline)).substr(0, longest_description);
         out["parameterDefinitions"] = std::move(definitions);
         out["steps"] = std::move(steps);
         return out;
@@ -256,7 +257,7 @@ private:
                 out += fmt::format("moved {} {} {} \"$1\"\n", code_of(path.name), code_of(path.file), code_of(path.path));
             out += "shift\n";
         }
-        out += "\ncd -- \"$project\"\nmkdir -p -- \"$work\"\n";
+        out += "\ncd -- \"$project\"\n";
         return out + "exec " + command(step) + " \"${moves[@]}\" ${frames:+\"--frames=$frames\"}\n";
     }
 
