@@ -17,7 +17,7 @@ struct WarpParams {
     Auto<Interval> window, pair_window;
     bool static_ = false;
     Anchor anchor;
-    float field_weight = 0.25f;
+    float field_weight = 0.1f;
     float evenness = 0.3f;
     float empty = 0.8f;
     float stiffness = 0.25f;

@@ -25,7 +25,7 @@ constexpr double weak_coupling = 0.25;
 
 }  // namespace
 
-/// The points at one resolution across the axis. ColumnRange are counted `[t][k][lateral]`. The finest level refers to the warp and its weights; a
+/// The points at one resolution across the axis. Columns are counted `[t][k][lateral]`. The finest level refers to the warp and its weights; a
 /// coarser one solves for a correction, which is 0 at both ends.
 class WarpSystem::Level {
 public:

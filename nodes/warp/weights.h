@@ -11,9 +11,9 @@ namespace fluidcarve {
 
 /// How stiff a vertex is against squeezing and shearing (METHOD 11 "Weights").
 struct WarpPrices {
-    float field = 0.25f;    ///< stiffness that an edge of typical size adds, as a share of that of the typical energy
-    float evenness = 0.2f;  ///< stiffness of all content, the same way
-    float empty = 0.6f;     ///< stiffness of a vertex without content, as a share of the mean stiffness of vertices with content
+    float field = 0.1f;     ///< stiffness that an edge of typical size adds, as a share of that of the typical energy
+    float evenness = 0.3f;  ///< stiffness of all content, the same way
+    float empty = 0.8f;     ///< stiffness of a vertex without content, as a share of the mean stiffness of vertices with content
 };
 
 /// The weights of content and empty space are at most this.
