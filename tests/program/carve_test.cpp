@@ -41,7 +41,7 @@ TEST_CASE("carve narrows a sequence with gaps in one line, and its files say how
     CHECK(after < before * 0.8);
     const auto made = fluidcarve_program("explain " + (scratch / "out/c.0053.vdb")).out;
     CHECK_THAT(made, Catch::Contains("command:  fluidcarve carve plume.####.vdb -12 -o c.####.vdb\n"));
-    CHECK_THAT(made, Catch::Contains("frames: '51,53,54'") || Catch::Contains("frames: 51,53,54"));
+    CHECK_THAT(made, Catch::Contains("frames: \"51,53,54\""));
 }
 
 TEST_CASE("the pipeline that carve prints makes the same files") {
