@@ -227,7 +227,8 @@ class CarveStep {
         const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
         const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
         const now = tables.length === 1 ? tables[0] : overTime(tables, times);
-        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries), [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
+        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries),
+            [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
         for (let base = 0; base < now.length; base += entries) {
             now.fill(before, base, base + Math.max(0, first - low));
             now.fill(behind, base + last + 1 - low, base + entries);
