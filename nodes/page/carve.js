@@ -174,14 +174,15 @@ class CarveStep {
         this.low = Math.min(this.origin, this.start);
         this.high = Math.max(this.lastBefore, this.last);
         this.entries = this.high - this.low + 1;
-        const tables = orders.map(order => this.displacements(order));
+        // In which entries displacements change, by window; in this frame.
+        this.seen = [[Infinity, -Infinity], [Infinity, -Infinity]];
+        const tables = orders.map((order, n) => this.displacements(order, 2 * n + 1 === orders.length));
         this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[k][lateral][entry - low]`
     }
 
-    /** Displacements by whole vertices. Sets `seen`: in which entries, by window, displacements change. */
-    displacements(order) {
+    /** Displacements by whole vertices. @param middle  whether this is the step's own frame */
+    displacements(order, middle) {
         const out = new Float32Array(this.entries * this.laterals * this.slices), {before, count, inserts, origin} = this;
-        this.seen = [[Infinity, -Infinity], [Infinity, -Infinity]];
         for (let column = 0; column < this.laterals * this.slices; ++column) {
             const base = column * this.entries - this.low, of = column * before;
             let entry = this.start;
@@ -194,9 +195,11 @@ class CarveStep {
                 }
                 const doubles = seam > 0 === inserts;
                 if (doubles) out[base + entry] = origin + i - entry++;
-                const seen = this.seen[seam > 0 ? 0 : 1];
-                seen[0] = Math.min(seen[0], entry);
-                seen[1] = Math.max(seen[1], entry);
+                if (middle) {
+                    const seen = this.seen[seam > 0 ? 0 : 1];
+                    seen[0] = Math.min(seen[0], entry);
+                    seen[1] = Math.max(seen[1], entry);
+                }
                 if (doubles) out[base + entry] = origin + i + 0.5 - entry++;
             }
             out.fill(out[base + this.last], base + this.last + 1, (column + 1) * this.entries);
@@ -224,20 +227,23 @@ class CarveStep {
         const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
         const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
         const now = tables.length === 1 ? tables[0] : overTime(tables, times);
-        const line = new Float32Array(entries + 2 * reach), [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
+        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries),
+            [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
         for (let base = 0; base < now.length; base += entries) {
             now.fill(before, base, base + Math.max(0, first - low));
             now.fill(behind, base + last + 1 - low, base + entries);
             if (reach === 0) continue;
+            // Spans of pairs may overlap: each is smoothed from what was before.
+            sharp.set(now.subarray(base, base + entries));
             for (const span of spans) {
-                const size = span.last - span.first + 1, from = base + span.first - low;
-                for (let n = 0; n < size; ++n) line[reach + n] = now[from + n];
+                const size = span.last - span.first + 1, from = span.first - low;
+                for (let n = 0; n < size; ++n) line[reach + n] = sharp[from + n];
                 // Beyond a span the map goes on as its own mirror image.
                 for (let n = 1; n <= reach; ++n) {
-                    line[reach - n] = mirrored(now, from, size, -n, span);
-                    line[reach + size - 1 + n] = mirrored(now, from, size, size - 1 + n, span);
+                    line[reach - n] = mirrored(sharp, from, size, -n, span);
+                    line[reach + size - 1 + n] = mirrored(sharp, from, size, size - 1 + n, span);
                 }
-                sumRows(weights, line, i => reach + i, size, now, from);
+                sumRows(weights, line, i => reach + i, size, now, base + from);
             }
         }
         if (reach === 0) return now;

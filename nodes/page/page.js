@@ -91,9 +91,11 @@ async function showFrame() {
 function tellNotes() {
     const notes = [];
     if (folds.length > 0)
-        notes.push(['bad', `${folds.length} cells of the lattice fold, from plane ${folds[0].k} on: shown in red. Make the lattice narrower, or its rig smoother.`]);
+        notes.push(['bad',
+            `${folds.length} cells of the lattice fold, from plane ${folds[0].k} on: shown in red. Make the lattice narrower, or its rig smoother.`]);
     if (scene.sets.length === 0 && scene.lattices.length > 0) notes.push(['', 'There are no seams yet: this is where the lattice lies.']);
-    if (scene.step > 1) notes.push(['', `Each voxel shows the mean of ${scene.step} x ${scene.step} x ${scene.step} voxels; the carve of the page reads these.`]);
+    if (scene.step > 1) notes.push(['',
+        `Each voxel shows the mean of ${scene.step} x ${scene.step} x ${scene.step} voxels; the carve of the page reads these.`]);
     if (!volume) notes.push(['', 'This browser has no WebGL2: slices are shown, but no volume.']);
     byId('notes').replaceChildren(...notes.map(([style, text]) => Object.assign(document.createElement('li'), {className: style, textContent: text})));
 }
@@ -115,7 +117,8 @@ function drawEnergies() {
     const path = energies.map((energy, n) => `${n === 0 ? 'M' : 'L'}${x(n + 1)} ${y(energy)}`).join('');
     byId('energies').innerHTML = `<path class="curve" d="${path}"/>` +
         (knee > 0 ? `<line class="knee" x1="${x(knee)}" x2="${x(knee)}" y1="0" y2="90"/>` : '') + '<line class="chosen" y1="0" y2="90"/>';
-    byId('energies').setAttribute('aria-label', `Energy of ${energies.length} seams, from ${energies[0].toPrecision(3)} to ${energies[energies.length - 1].toPrecision(3)}`);
+    byId('energies').setAttribute('aria-label',
+        `Energy of ${energies.length} seams, from ${energies[0].toPrecision(3)} to ${energies[energies.length - 1].toPrecision(3)}`);
     byId('knee').textContent = knee > 0 ? `Energy of each seam. From ${scene.signed(knee)} on (dashed) more seams hurt more.` : 'Energy of each seam.';
 }
 
@@ -143,7 +146,8 @@ function tellPointer(event) {
     const n = at[0] + scene.size[0] * (at[1] + scene.size[1] * at[2]), text = byte => scene.value(byte).toPrecision(3);
     const index = at.map((x, axis) => scene.first[axis] + scene.step * x), world = scene.worldOf(at).map(x => x.toPrecision(4));
     line.textContent = `${scene.grid} ${text(frame.volume[n])}` + (scene.most > 0 ? `, carved ${text(carved[n])}` : '') +
-        (frame.energy ? `, energy ${(frame.energy[n] / 255 * scene.energyRange[1]).toPrecision(3)}` : '') + ` at voxel [${index.join(', ')}], world [${world.join(', ')}]`;
+        (frame.energy ? `, energy ${(frame.energy[n] / 255 * scene.energyRange[1]).toPrecision(3)}` : '') +
+        ` at voxel [${index.join(', ')}], world [${world.join(', ')}]`;
 }
 
 function zoomBy(factor) {

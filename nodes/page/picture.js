@@ -129,7 +129,8 @@ class Picture {
             for (const w of [k, k + 1])
                 this.line([[i, j], [far[0], j], far, [i, far[1]], [i, j]].map(([u, v]) => project(lattice.position(u, v, w))), colour, 1);
         }
-        if (cells.length > 0) this.label(`${cells.length} folded ${cells.length === 1 ? 'cell' : 'cells'}`, project(lattice.position(cells[0].i, cells[0].j, cells[0].k)), colour);
+        if (cells.length > 0) this.label(`${cells.length} folded ${cells.length === 1 ? 'cell' : 'cells'}`,
+            project(lattice.position(cells[0].i, cells[0].j, cells[0].k)), colour);
     }
     label(text, [x, y], colour) {
         const {context} = this, ratio = window.devicePixelRatio || 1;

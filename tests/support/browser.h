@@ -35,7 +35,7 @@ inline nlohmann::json ask_browser(const Scratch& scratch, std::string page, cons
     const auto said = scratch / "said.html";
     // Time in the page runs on while nothing happens, so that what the page waits for is there in the end.
     const auto command =
-        "timeout 120 chromium --headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --hide-scrollbars"
+        "timeout 300 chromium --headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --hide-scrollbars"
         " --virtual-time-budget=20000 --user-data-dir=" +
         (scratch / "profile") + " " + options + " --dump-dom file://" + file + " >" + said + " 2>" + (scratch / "errors");
     const int code = std::system(command.c_str());

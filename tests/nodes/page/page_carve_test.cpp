@@ -83,7 +83,8 @@ void check(const Case& what) {
                     }
                 out.push({count, axis: axisNumber[axis], at: number('at'), slice});
             }
-        return out;)js");
+        return out;)js",
+                                  "--disable-3d-apis");
     const auto first = scene["first"].get<std::array<int, 3>>();
     const PageGrid page{grid->transformPtr(), Coord(first[0], first[1], first[2]), 1, scene["size"].get<std::array<int, 3>>()};
     REQUIRE(scene["step"] == 1);
