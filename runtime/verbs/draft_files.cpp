@@ -2,12 +2,13 @@
 
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"
-#include "runtime/verbs/read_confined.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -69,17 +70,20 @@ DraftRequest DraftFiles::request(const std::string& folder) const {
     return out;
 }
 
-DraftFiles look_at_draft_files(const std::string& argument, std::uint64_t memory, const Registry& registry) {
+DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry) {
     DraftFiles out{sequence_of(argument, registry), {}, {}};
     const auto& inspector = *registry.inspector(out.sequence.path.text());
     constexpr std::size_t most = 5;
     const auto& frames = out.sequence.frames.frames();
     const auto count = std::min(most, frames.size());
-    std::vector<std::string> paths;
-    for (std::size_t n = 0; n < count; ++n) paths.push_back(out.sequence.path.at(frames[count == 1 ? 0 : n * (frames.size() - 1) / (count - 1)]));
-    for (auto& [facts, fault] : read_confined(paths, inspector.look, memory)) {
-        if (!facts) throw Failure(one_line(fault), Failure::Kind::input);
-        out.facts.push_back(std::move(*facts));
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto path = out.sequence.path.at(frames[count == 1 ? 0 : n * (frames.size() - 1) / (count - 1)]);
+        try {
+            out.facts.push_back(inspector.look(path));
+        } catch (const std::exception& error) {
+            const std::string fault = error.what();
+            throw Failure(one_line(fault.find(path) == std::string::npos ? path + ": " + fault : fault), Failure::Kind::input);
+        }
     }
     out.notes = inspector.compare(out.facts);
     return out;

@@ -3,7 +3,8 @@
 #include "graph/types/registry.h"
 #include "runtime/verbs/sequences.h"
 
-#include <cstdint>
+#include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 
@@ -21,10 +22,9 @@ struct DraftFiles {
     DraftRequest request(const std::string& folder) const;
 };
 
-/// Looks at up to five files of a sequence, in processes with limits.
+/// Looks at up to five files of a sequence. It trusts them, as `run` does.
 /// @param argument  a file, a path with frame tokens, or a folder that holds one sequence of volumes, images, particles or meshes
-/// @param memory    limit of the memory for reading files, bytes
 /// @throws Failure (input) if there is no such file, or one that can't be read; Failure if the argument is no such path
-DraftFiles look_at_draft_files(const std::string& argument, std::uint64_t memory, const Registry& registry);
+DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry);
 
 }  // namespace fluidcarve

@@ -26,7 +26,7 @@ int init_pipeline(const InitArguments& arguments, const Registry& registry) {
     if (!arguments.out.empty() && fs::exists(arguments.out, ignored))
         return complain(fmt::format("-o: {} exists already; name another file\n", arguments.out)), exit_code::usage;
     try {
-        const auto files = look_at_draft_files(arguments.files, half_of_memory(), registry);
+        const auto files = look_at_draft_files(arguments.files, registry);
         auto request = files.request(fs::path(arguments.out).parent_path().string());
         const auto folder = std::string("out/"), ending = fs::path(files.sequence.path.text()).extension().string();
         request.out = folder + fs::path(files.sequence.path.text()).filename().string();
