@@ -98,6 +98,8 @@ struct WarpSolve {
         // The first frame tells, before all others are read. What is left after other seams is known only later.
         if (context.place() == 0 && io.after.empty() && !params.amount.nothing())
             require_fits(params, io.lattice->shape, io.lattice->closed, context.frames(), "");
+        if (io.lattice->around && !params.amount.nothing())
+            throw Failure("the lattice goes around its rig, so that its first column lies beside its last, which a warp does not know; carve it with seams");
         const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
         const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
         require_frame_fits(grids, *io.lattice, context.memory_budget());
