@@ -36,6 +36,21 @@ Solved warp(const std::string& yaml, const Grids& grids = {}, const Otherwise& o
     return solve(warp_solve(), yaml, energies(), {box(shape)}, grids, frames, after, otherwise);
 }
 
+/// A run that goes on from a result.
+Otherwise from(const Solved& before) {
+    Otherwise out;
+    out.before = before.seams;
+    out.reported = before.listener.entry;
+    return out;
+}
+
+/// A run with so many bytes of memory.
+Otherwise within(std::uint64_t bytes) {
+    Otherwise out;
+    out.memory_budget = bytes;
+    return out;
+}
+
 /// The displacement of a vertex.
 double at(const Seams& set, int u, int lateral, int k, std::size_t t) {
     std::vector<float> column(static_cast<std::size_t>(set.carved()));
@@ -111,10 +126,10 @@ TEST_CASE("a warp that is too tight to be linear is kept for its own amount alon
     REQUIRE_FALSE(kept.seams->warp->linear());
     CHECK(growth().extent(Payload(kept.seams)).count < wanted("{amount: -7}"));
     CHECK(growth().extent(Payload(kept.seams)).count < wanted("{amount: -0.01}"));
-    const auto again = warp("{amount: -7}", soft, {.before = kept.seams, .reported = kept.listener.entry});
+    const auto again = warp("{amount: -7}", soft, from(kept));
     CHECK(same_values(*again.seams->warp, *kept.seams->warp));
     CHECK(again.listener.entry == kept.listener.entry);
-    const auto less = warp("{amount: -6.5}", soft, {.before = kept.seams, .reported = kept.listener.entry}), own = warp("{amount: -6.5}", soft);
+    const auto less = warp("{amount: -6.5}", soft, from(kept)), own = warp("{amount: -6.5}", soft);
     CHECK(same_values(*less.seams->warp, *own.seams->warp));
 }
 
@@ -164,7 +179,7 @@ TEST_CASE("a coarser warp does the same but for its detail") {
     CHECK(at(*coarse.seams, 23, 2, 3, 1) == -4);
     for (int u = 0; u < shape[0]; ++u) CHECK(at(*coarse.seams, u, 2, 3, 1) == Approx(at(*fine.seams, u, 2, 3, 1)).margin(1));
     // By itself it is as fine as memory allows.
-    CHECK(warp("{amount: -4}", {}, {.memory_budget = 12000}).listener.entry["factor"] == 2);
+    CHECK(warp("{amount: -4}", {}, within(12000)).listener.entry["factor"] == 2);
     CHECK(fine.listener.entry["factor"] == 1);
 }
 
