@@ -138,12 +138,12 @@ Json required_of(const NodeType& type) {
     return out;
 }
 
-/// The same for a file with `extends`: each field may also be null.
+/// The same for a file with `extends`: each field may also be null, and so may those that the node has there as another type.
 Json fields_to_change(const NodeType& type) {
     Json properties{{"type", Json::object()}};
     for (const auto& name : plain_fields()) properties[name] = any_of({defined(name), Json{{"type", "null"}}});
     for (const auto& name : type.field_names()) properties[name] = any_of({defined(type.name + "/properties/" + name), Json{{"type", "null"}}});
-    return {{"properties", std::move(properties)}, {"additionalProperties", false}};
+    return {{"properties", std::move(properties)}, {"additionalProperties", {{"type", "null"}}}};
 }
 
 Json if_type(const std::string& name, Json then) {

@@ -23,8 +23,8 @@
 #include "runtime/verbs/inspect.h"
 #include "runtime/verbs/new_node.h"
 #include "runtime/verbs/shell.h"
-#include "runtime/verbs/wedge.h"
 #include "runtime/verbs/view.h"
+#include "runtime/verbs/wedge.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

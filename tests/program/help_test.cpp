@@ -44,7 +44,7 @@ TEST_CASE("a verb that is none is answered with the nearest one") {
     const auto nothing = fluidcarve_program("");
     CHECK(nothing.code == 2);
     CHECK_THAT(nothing.err, Catch::StartsWith("fluidcarve wants a verb: run, check, plan,"));
-    CHECK_THAT(fluidcarve_program("carve").err, Catch::StartsWith("there is no verb 'carve'; known: run, check, "));
+    CHECK_THAT(fluidcarve_program("shrink").err, Catch::StartsWith("there is no verb 'shrink'; known: run, check, "));
 }
 
 TEST_CASE("nodes lists a family, and answers a name that is none with near ones") {

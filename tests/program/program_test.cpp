@@ -242,7 +242,7 @@ TEST_CASE("pages name verbs, options and node types that there are") {
             ++commands;
         });
         // The tables of options, and that of verbs.
-        const auto of_run = page == "runtime/README.md" ? help("run") + help("diff") : "";
+        const auto of_run = page == "runtime/README.md" ? help("run") + help("diff") + help("view") : "";
         all(text, R"(\n\| `(--?[a-z][a-z-]*))", [&](const std::smatch& option) {
             INFO(page << ": " << option.str());
             CHECK(std::regex_search(of_run, std::regex("[ ,]" + option.str(1) + "[ ,]")));

@@ -54,7 +54,7 @@ std::vector<std::string> texts_of(const std::vector<FarmTask>& tasks) {
 TEST_CASE("a run is cut into digests, solver and deliveries, and each waits for what it takes and for no more") {
     CHECK(steps_in(std::string(solved) +
                    "  save: {type: toy.save, number: square, text: top, path: out.##}\n  print: {type: toy.print, number: load, path: raw.##}\n") ==
-          Lines{"top-number: --to top.number -f 1-5", "top: --only top after top-number", "print-save: --only save,print -f 1-5 after top"});
+          Lines{"top-number: --to top.number -f 1-5", "top: --only top after top-number", "save: --only save -f 1-5 after top", "print: --only print -f 1-5"});
 }
 
 TEST_CASE("what two solvers take of one result is computed in one step, and the other waits for it") {

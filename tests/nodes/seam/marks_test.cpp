@@ -166,9 +166,10 @@ TEST_CASE("a mask that misses the lattice, and attraction that seams do not reac
           std::vector<std::string>{"`protect` is set around no vertex of the lattice: nothing is protected"});
     CHECK(run("{count: -1}", {{"attract", {mask_grid({})}}}) ==
           std::vector<std::string>{"`attract` is set around no vertex of the lattice: nothing is attracted"});
-    CHECK(run("{count: -2, window: [0, 2]}", {{"attract", {mask_grid({Coord(2, 0, 0), Coord(4, 0, 0)})}}}) ==
-          std::vector<std::string>{"1 of 2 seams take nothing of `attract`, though some of it is left: it is out of their window, or the path there is too long; "
-                                   "seam.greedy sees only vertices beside its path, other solvers see all"});
+    CHECK(
+        run("{count: -2, window: [0, 2]}", {{"attract", {mask_grid({Coord(2, 0, 0), Coord(4, 0, 0)})}}}) ==
+        std::vector<std::string>{"1 of 2 seams take nothing of `attract`, though some of it is left: it is out of their window, or the path there is too long; "
+                                 "seam.greedy sees only vertices beside its path, other solvers see all"});
     CHECK(run("{count: -2}", {{"attract", {mask_grid({Coord(2, 0, 0), Coord(4, 0, 0)})}}}).empty());
     CHECK(run("{count: -3}", {{"attract", {mask_grid({Coord(2, 0, 0), Coord(4, 0, 0)})}}}).empty());
 }

@@ -206,8 +206,8 @@ TEST_CASE("what warp.solve can't do is told with its place, its fault and a reme
     CHECK_THAT(fails("{amount: -3, anchor: 24}"), Contains("anchor 24 lies beyond the lattice"));
     CHECK_THAT(fails("{amount: 70000}"), Contains("more than 65534 vertices"));
     CHECK_THAT(fails("{amount: -3}", {{"protect", {mask_grid(voxels(Coord(0), Coord(23, 4, 5)))}}}),
-               Contains("no amount is possible: in frame 5 column (0 to 23, 0, 0)") &&
-                   Contains("has 0 of 23 intervals that are not protected") && Contains("protect less"));
+               Contains("no amount is possible: in frame 5 column (0 to 23, 0, 0)") && Contains("has 0 of 23 intervals that are not protected") &&
+                   Contains("protect less"));
 }
 
 TEST_CASE("a bad amount is refused before the run") {

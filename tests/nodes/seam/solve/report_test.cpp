@@ -87,7 +87,7 @@ TEST_CASE("seams that meet nothing and masks that mark nothing are warned of") {
         return seam_warnings(report);
     };
     REQUIRE(warnings().size() == 1);
-    CHECK(warnings()[0].find("1 of 2 seams meets no energy at all") == 0);
+    CHECK(warnings()[0].find("1 of 2 seams takes no energy at all") == 0);
     // Only removals are to take all that is attracted.
     set.kind = Seams::Kind::remove;
     REQUIRE(warnings().size() == 2);

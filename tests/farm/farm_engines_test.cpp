@@ -69,7 +69,8 @@ import re, sys
 for part in sys.argv[1].split(","):
     first, last, step = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part).groups()
     for frame in range(int(first), int(last or first) + 1, int(step or 1)): print(frame)
-END)");
+END
+)");
         std::istringstream numbers(listed.out);
         for (int frame = 0; numbers >> frame;) ++out[frame];
     }

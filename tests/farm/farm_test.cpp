@@ -114,7 +114,8 @@ TEST_CASE("a step that fails ends what needs it, and both the farm and status sa
     CHECK_THAT(failed.err, Catch::Contains("not run, since they need what failed: "));
     CHECK_THAT(failed.err, Catch::Contains("to go on, mend it and type: cd "));
     const auto status = call_shell(FLUIDCARVE_PROGRAM " status --work " + plume.work("out"));
-    CHECK_THAT(status.out, Catch::Contains("local): failed\n") && Catch::Contains("failed: seams: seams (seam.pyramid): ") && Catch::Contains("to go on, type: cd "));
+    CHECK_THAT(status.out,
+               Catch::Contains("local): failed\n") && Catch::Contains("failed: seams: seams (seam.pyramid): ") && Catch::Contains("to go on, type: cd "));
     shot("");
     CHECK(call_shell(again).code == 0);
     CHECK(plume.status("out").at("state") == "done");
