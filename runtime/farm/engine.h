@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <string>
-#include <vector>
 
 namespace fluidcarve {
 
@@ -29,11 +28,5 @@ struct FarmEngine {
     /// Prints what it did. The job is in the work folder by then. @return an exit code @throws Failure
     std::function<int(const FarmJob& job, const FarmRequest& request)> farm;
 };
-
-/// All engines, in the order of the help.
-const std::vector<FarmEngine>& farm_engines();
-
-/// The engine of a name; null: there is none.
-const FarmEngine* find_engine(const std::string& name);
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "runtime/verbs/farm.h"
 
 #include "graph/text/shell_word.h"
+#include "runtime/farm/engines.h"
 #include "runtime/farm/job_status.h"
 #include "runtime/farm/plan_farm.h"
 #include "runtime/run/interrupt.h"

@@ -1,4 +1,4 @@
-#include "runtime/farm/engine.h"
+#include "runtime/farm/engines.h"
 
 #include "runtime/farm/local.h"
 #include "runtime/farm/openjd.h"
