@@ -1,7 +1,7 @@
 #pragma once
 
 #include "runtime/run/preparation.h"
-#include "runtime/run/run.h"
+#include "runtime/run/request.h"
 
 #include <functional>
 #include <vector>
