@@ -220,11 +220,11 @@ struct Top {
         for (auto n = known; n < static_cast<std::size_t>(params.count); ++n) {
             log.add(fmt::format("step {}", n + 1));
             found += fmt::format("{} ", numbers.at(n) + params.offset);
-            io.top = std::make_shared<Text>(found);
+            io.top = std::make_shared<Text>(Text{found});
             context.report("tops", {{"steps", steps(*io.top)}});
-            context.hold(Payload(std::make_shared<Text>(found)));
+            context.hold(Payload(std::make_shared<Text>(Text{found})));
         }
-        if (!io.top) io.top = std::make_shared<Text>(found);
+        if (!io.top) io.top = std::make_shared<Text>(Text{found});
         context.report("tops", {{"steps", steps(*io.top)}});
     }
     static std::vector<std::string> steps(const Text& text) {
@@ -241,7 +241,7 @@ struct Top {
                     auto all = steps(*result.as<Text>());
                     all.resize(count);
                     entry["steps"] = all;
-                    return Payload(std::make_shared<Text>(fmt::format("{} ", fmt::join(all, " "))));
+                    return Payload(std::make_shared<Text>(Text{fmt::format("{} ", fmt::join(all, " "))}));
                 }};
     }
     std::vector<double> numbers;

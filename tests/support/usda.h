@@ -19,12 +19,26 @@ struct UsdaValue {
     std::vector<std::pair<int, UsdaValue>> samples;  ///< of {1: a, 2: b}, in the order of the file
     std::map<std::string, UsdaValue> entries;        ///< of a dictionary, by type and name
 
+    // Defined where the type is complete: clang 14 needs it for a list of pairs with itself.
+    UsdaValue();
+    UsdaValue(const UsdaValue&);
+    UsdaValue(UsdaValue&&) noexcept;
+    UsdaValue& operator=(const UsdaValue&);
+    UsdaValue& operator=(UsdaValue&&) noexcept;
+    ~UsdaValue();
+
     std::vector<std::string> texts() const {
         std::vector<std::string> out;
         for (const auto& item : items) out.push_back(item.text);
         return out;
     }
 };
+inline UsdaValue::UsdaValue() = default;
+inline UsdaValue::UsdaValue(const UsdaValue&) = default;
+inline UsdaValue::UsdaValue(UsdaValue&&) noexcept = default;
+inline UsdaValue& UsdaValue::operator=(const UsdaValue&) = default;
+inline UsdaValue& UsdaValue::operator=(UsdaValue&&) noexcept = default;
+inline UsdaValue::~UsdaValue() = default;
 
 /// A prim of a .usda file, or the file itself.
 struct UsdaPrim {
