@@ -43,7 +43,7 @@ FloatGrid::ConstPtr carved(const FloatGrid::Ptr& grid, const Lattice& in, const 
     return openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));
 }
 
-constexpr Anchor low{}, middle{Anchor::At::middle, 0}, high{Anchor::At::high, 0};
+constexpr Anchor middle{Anchor::At::middle, 0}, high{Anchor::At::high, 0};
 
 }  // namespace
 

@@ -149,7 +149,7 @@ TEST_CASE("forward seams pass no protected vertex") {
     for (const auto& solver : {seam_graph_cut(), seam_pyramid(), seam_greedy()}) {
         const auto solved = fluidcarve::test::solve(solver, "{count: -2, cost: forward, rigidity: 2}", given.energy, {box(given.shape)},
                                                     {{"field", {given.field.begin(), given.field.end()}}, {"protect", {mask_grid(wall)}}}, frames);
-        CHECK(solved.listener.entry["protected"] == nlohmann::json({0, 0}));
+        CHECK(solved.listener.entry["protected"] == nlohmann::ordered_json({0, 0}));
         CHECK(solved.listener.warnings.empty());
     }
 }

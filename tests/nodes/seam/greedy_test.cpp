@@ -341,12 +341,12 @@ TEST_CASE("seam.greedy finds seams over all frames and reports them") {
     CHECK(solved.seams->seams[0].energy == Approx(1.5 * 128));
     CHECK(solved.listener.entry["axis"] == "u");
     CHECK(solved.listener.entry["kind"] == "remove");
-    CHECK(solved.listener.entry["shape"] == nlohmann::json({8, 8, 8, 2}));
+    CHECK(solved.listener.entry["shape"] == nlohmann::ordered_json({8, 8, 8, 2}));
     CHECK(solved.listener.entry["energy"].size() == 2);
     CHECK(solved.listener.entry["energy"][0] == solved.seams->seams[0].energy);
     CHECK(solved.listener.entry["wall_s"].size() == 2);
     CHECK(solved.listener.warnings.empty());
-    CHECK(solved.listener.entry["zero_share"] == nlohmann::json({0.0, 0.0}));
+    CHECK(solved.listener.entry["zero_share"] == nlohmann::ordered_json({0.0, 0.0}));
     CHECK(solve("{count: 3, axis: v}", wavy).seams->kind == Seams::Kind::insert);
 }
 
@@ -354,7 +354,7 @@ TEST_CASE("seam.greedy finds nothing for a count of nothing") {
     const auto solved = solve("{count: 0}", wavy);
     CHECK(solved.seams->seams.empty());
     CHECK(solved.seams->shape == std::array{8, 8, 8});
-    CHECK(solved.listener.entry["energy"] == nlohmann::json::array());
+    CHECK(solved.listener.entry["energy"] == nlohmann::ordered_json::array());
 }
 
 TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and seams that cost nothing") {
@@ -366,12 +366,12 @@ TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and se
           "the lattice misses the energy: its box of 8 x 8 x 8 vertices from (20, 0, 0) to (27, 7, 7), spacing 1, axes xyz, but the active voxels span (0, 0, "
           "0) to (7, 7, 7); move the lattice (its rig, or `min` and `max`) or the data (`translate` and `scale` of its reader)");
     const auto idle = solve("{count: -6}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; });
-    CHECK(idle.listener.entry["zero_share"] == nlohmann::json({1.0, 1.0, 1.0, 1.0, 1.0, 0.0}));
+    CHECK(idle.listener.entry["zero_share"] == nlohmann::ordered_json({1.0, 1.0, 1.0, 1.0, 1.0, 0.0}));
     CHECK(idle.listener.warnings ==
           std::vector<std::string>{"5 of 6 seams take no energy at all, so that carving them may change nothing visible; `mask.weight` gives empty space an "
                                    "energy of its own, and `window: [first, last]` holds seams where the content is"});
     const auto half = solve("{count: -1, window: [3, 3]}", [](const Coord& at, int t) { return at.z() < 2 && t == 0 ? 0.0f : 1.0f; });
-    CHECK(half.listener.entry["zero_share"] == nlohmann::json({0.125}));
+    CHECK(half.listener.entry["zero_share"] == nlohmann::ordered_json({0.125}));
     CHECK(half.listener.warnings.empty());
     CHECK(solve("{count: -1, window: [5, 7]}", [](const Coord& at, int) { return at.x() > 4 ? 1.0f : 0.0f; }).listener.warnings.empty());
 }

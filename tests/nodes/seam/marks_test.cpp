@@ -138,23 +138,23 @@ TEST_CASE("masks are taken frame by frame or once for all, and what is protected
     CHECK(at(run("{count: -1}", {{"attract", {one}}})) == std::vector{3, 3, 3});
     const auto moving = run("{count: -1}", {{"attract", {one, next, other}}});
     CHECK(at(moving) == std::vector{3, 4, 5});
-    CHECK(moving.listener.entry["attracted"] == nlohmann::json({3}));
-    CHECK(moving.listener.entry["energy"] == nlohmann::json({0.0}));
+    CHECK(moving.listener.entry["attracted"] == nlohmann::ordered_json({3}));
+    CHECK(moving.listener.entry["energy"] == nlohmann::ordered_json({0.0}));
     CHECK(!moving.listener.entry.contains("protected"));
     CHECK(at(run("{count: -1}", {{"attract", {one, next, other}}, {"protect", {mask_grid({Coord(3, 0, 0), Coord(5, 0, 0)})}}})) == std::vector{4, 4, 4});
 
     const auto guarded = mask_grid({Coord(0, 0, 0), Coord(1, 0, 0), Coord(2, 0, 0), Coord(3, 0, 0), Coord(5, 0, 0)});
     const auto past = run("{count: -1}", {{"protect", {guarded}}});
     CHECK(at(past) == std::vector{4, 4, 4});
-    CHECK(past.listener.entry["protected"] == nlohmann::json({0}));
-    CHECK(past.listener.entry["energy"] == nlohmann::json({3.0}));
+    CHECK(past.listener.entry["protected"] == nlohmann::ordered_json::array({0}));
+    CHECK(past.listener.entry["energy"] == nlohmann::ordered_json({3.0}));
     CHECK(past.listener.warnings.empty());
     // Inserted vertices double none that is protected.
     CHECK(at(run("{count: 1}", {{"protect", {guarded}}})) == std::vector{4, 4, 4});
     const auto pairs = run("{count: -1, window: [0, 2], pair_window: [3, 5]}", {{"protect", {mask_grid({Coord(0, 0, 0), Coord(2, 0, 0), Coord(3, 0, 0)})}}});
     CHECK(at(pairs) == std::vector{1, 1, 1});
     CHECK(pairs.seams->pairs[0].at == SeamEntries{4, 4, 4});
-    CHECK(pairs.listener.entry["pair_protected"] == nlohmann::json({0}));
+    CHECK(pairs.listener.entry["pair_protected"] == nlohmann::ordered_json::array({0}));
 }
 
 TEST_CASE("a mask that misses the lattice, and attraction that seams do not reach, are warned of") {
