@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array parts{"cache", "farm", "files", "history", "runs"};
+constexpr std::array parts{"cache", "files", "history", "jobs", "runs"};
 constexpr auto mark_name = "CACHEDIR.TAG";
 // The signature is that of the Cache Directory Tagging Specification: backups leave such folders out.
 constexpr auto mark_text =
@@ -192,8 +192,8 @@ WorkFolder::Cleaned WorkFolder::clean() const {
         for (const auto& file : files_in(root / part, 0))
             if (is_record(file, part == std::string_view("runs"))) ours.push_back(file);
     std::error_code none;
-    if (fs::symlink_status(root / "farm", none).type() == fs::file_type::directory)
-        for (const auto& job : fs::directory_iterator(root / "farm", none))
+    if (fs::symlink_status(root / "jobs", none).type() == fs::file_type::directory)
+        for (const auto& job : fs::directory_iterator(root / "jobs", none))
             if (!job.is_symlink(none))
                 for (auto& file : files_of_job(job.path())) ours.push_back(std::move(file));
     for (const auto* const part : parts)

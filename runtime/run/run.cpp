@@ -113,7 +113,7 @@ int write_all(const Pipeline& pipeline, const Registry& registry, const RunReque
 
 /// Why a task of a farm can't begin: it does not see the folder of its job, so that it would not see the results of others. Empty: it does.
 std::string fault_of_task_folder(const RunRequest& request, const std::function<bool()>& cancelled) {
-    const auto folder = farm_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
+    const auto folder = job_folder(request.options.work_folder, request.task.substr(0, request.task.find('/')));
     std::error_code error;
     const auto start = std::chrono::steady_clock::now();
     while (!std::filesystem::exists(folder, error)) {

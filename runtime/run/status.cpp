@@ -173,7 +173,7 @@ void StatusFile::record_failure(const std::string& record, const std::string& pi
     write_status(record, about);
 }
 
-std::string farm_folder(const std::string& work_folder, const std::string& job) { return work_folder + "/farm/" + job; }
+std::string job_folder(const std::string& work_folder, const std::string& job) { return work_folder + "/jobs/" + job; }
 
 std::string task_name(const std::string& step, const std::optional<FrameSet>& frames) {
     if (!frames || frames->frames().empty()) return step;
@@ -183,7 +183,7 @@ std::string task_name(const std::string& step, const std::optional<FrameSet>& fr
 
 std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames) {
     const auto slash = task.find('/');
-    return farm_folder(work_folder, task.substr(0, slash)) + "/tasks/" + task_name(task.substr(slash + 1), frames) + ".json";
+    return job_folder(work_folder, task.substr(0, slash)) + "/tasks/" + task_name(task.substr(slash + 1), frames) + ".json";
 }
 
 std::vector<Json> recorded_runs(const std::string& folder) {

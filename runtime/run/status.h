@@ -40,7 +40,7 @@ private:
 };
 
 /// The folder of a farm's job in a work folder.
-std::string farm_folder(const std::string& work_folder, const std::string& job);
+std::string job_folder(const std::string& work_folder, const std::string& job);
 /// The file in which a task of a farm's job says how it goes. @param task  JOB/STEP @param frames  of the task; nothing: its step has one task
 std::string task_record(const std::string& work_folder, const std::string& task, const std::optional<FrameSet>& frames);
 /// How a task is called: `seams-energy.1001-1010`, by its first and last frame.

@@ -10,7 +10,7 @@
 #include "graph/views/provenance.h"
 #include "graph/views/schema.h"
 #include "graph/views/value_sources.h"
-#include "runtime/farm/job_status.h"
+#include "runtime/jobs/job_status.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"

@@ -1,9 +1,9 @@
 #include "runtime/verbs/farm.h"
 
 #include "graph/text/shell_word.h"
-#include "runtime/farm/engines.h"
-#include "runtime/farm/job_status.h"
-#include "runtime/farm/plan_farm.h"
+#include "runtime/jobs/engines.h"
+#include "runtime/jobs/job_status.h"
+#include "runtime/jobs/plan_farm.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/tell/terminal.h"
 

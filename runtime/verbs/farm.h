@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/farm/engine.h"
+#include "runtime/jobs/engine.h"
 #include "runtime/verbs/arguments.h"
 
 #include <string>

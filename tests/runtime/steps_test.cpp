@@ -1,6 +1,6 @@
 #include "runtime/run/steps.h"
 #include "graph/build_pipeline.h"
-#include "runtime/farm/job.h"
+#include "runtime/jobs/job.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 

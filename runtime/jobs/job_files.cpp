@@ -1,4 +1,4 @@
-#include "runtime/farm/job_files.h"
+#include "runtime/jobs/job_files.h"
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"

@@ -1,4 +1,4 @@
-#include "runtime/farm/slurm.h"
+#include "runtime/jobs/slurm.h"
 
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"

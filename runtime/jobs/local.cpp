@@ -1,4 +1,4 @@
-#include "runtime/farm/local.h"
+#include "runtime/jobs/local.h"
 
 #include "graph/output_file.h"
 #include "graph/text/shell_word.h"
@@ -141,7 +141,7 @@ private:
     void begin(std::size_t step, std::size_t task) {
         Running running{step, task, 0, {}, Clock::now()};
         const auto words = command_of(job_, job_.steps[step], job_.steps[step].tasks[task]);
-        running.log = fmt::format("{}/logs/{}.log", farm_folder(job_.work, job_.name), name(running));
+        running.log = fmt::format("{}/logs/{}.log", job_folder(job_.work, job_.name), name(running));
         OutputFile::write(running.log, "$ " + shell_line(words) + "\n");
         running.process = start(words, running.log);
         running_.push_back(std::move(running));

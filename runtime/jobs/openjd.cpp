@@ -1,4 +1,4 @@
-#include "runtime/farm/openjd.h"
+#include "runtime/jobs/openjd.h"
 
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"

@@ -1,4 +1,4 @@
-#include "runtime/farm/job_status.h"
+#include "runtime/jobs/job_status.h"
 
 #include "graph/output_file.h"
 #include "graph/text/words.h"
@@ -105,7 +105,7 @@ std::vector<Json> jobs_in(const std::string& work_folder) {
     std::vector<Json> out;
     std::error_code error;
     std::vector<fs::path> folders;
-    for (fs::directory_iterator each(work_folder + "/farm", error), end; !error && each != end; each.increment(error)) folders.push_back(each->path());
+    for (fs::directory_iterator each(work_folder + "/jobs", error), end; !error && each != end; each.increment(error)) folders.push_back(each->path());
     std::ranges::sort(folders);
     for (const auto& folder : folders) {
         std::ifstream in(folder / "job.json");
@@ -148,7 +148,7 @@ void record_job(const FarmJob& job, const std::string& engine) {
     WorkFolder(job.work).make();
     auto about = to_json(job);
     about["engine"] = engine;
-    OutputFile::write(farm_folder(job.work, job.name) + "/job.json", about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    OutputFile::write(job_folder(job.work, job.name) + "/job.json", about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string job_status_text(const std::string& work_folder, bool json) {

@@ -39,7 +39,7 @@ nodes:
     /// A bundle, handed to the scheduler of the tests. @param verb  `tasks` or `run`
     Called schedule(const std::string& bundle, const std::string& verb) const {
         return call_shell(
-            fmt::format("/usr/bin/python3 tests/support/openjd.py tests/data/farm/openjd_template.schema.json \"{}/{}\" {}", folder(), bundle, verb));
+            fmt::format("/usr/bin/python3 tests/support/openjd.py tests/data/jobs/openjd_template.schema.json \"{}/{}\" {}", folder(), bundle, verb));
     }
     /// Files of `one` and `out` that differ, but for the unique number that OpenVDB puts into the first 57 bytes of a file, or are only in one.
     std::string differences() const {

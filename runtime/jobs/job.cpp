@@ -1,4 +1,4 @@
-#include "runtime/farm/job.h"
+#include "runtime/jobs/job.h"
 
 #include "graph/text/shell_word.h"
 #include "graph/text/words.h"

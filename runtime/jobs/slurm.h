@@ -1,7 +1,7 @@
 #pragma once
 
-#include "runtime/farm/engine.h"
-#include "runtime/farm/job_files.h"
+#include "runtime/jobs/engine.h"
+#include "runtime/jobs/job_files.h"
 
 #include <string>
 #include <vector>

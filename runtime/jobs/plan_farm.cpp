@@ -1,4 +1,4 @@
-#include "runtime/farm/plan_farm.h"
+#include "runtime/jobs/plan_farm.h"
 
 #include "graph/text/words.h"
 #include "graph/views/file_places.h"

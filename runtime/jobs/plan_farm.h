@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/farm/job.h"
+#include "runtime/jobs/job.h"
 #include "runtime/run/run.h"
 
 #include <optional>

@@ -1,8 +1,8 @@
-#include "runtime/farm/engines.h"
+#include "runtime/jobs/engines.h"
 
-#include "runtime/farm/local.h"
-#include "runtime/farm/openjd.h"
-#include "runtime/farm/slurm.h"
+#include "runtime/jobs/local.h"
+#include "runtime/jobs/openjd.h"
+#include "runtime/jobs/slurm.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "runtime/farm/engine.h"
+#include "runtime/jobs/engine.h"
 
 #include <string>
 #include <vector>
