@@ -1,28 +1,14 @@
 #include "runtime/page/html_parts.h"
 
+#include "graph/text/base64.h"
 #include "graph/text/xml_text.h"
 #include "runtime/page/html_style.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 
 namespace fluidcarve {
-
-std::string base64(const std::string& bytes) {
-    static constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t n = 0; n < bytes.size(); n += 3) {
-        std::uint32_t three = 0;
-        const auto count = std::min<std::size_t>(3, bytes.size() - n);
-        for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < count ? static_cast<unsigned char>(bytes[n + i]) : 0U);
-        for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[three >> (18 - 6 * i) & 63U] : '=';
-    }
-    return out;
-}
 
 std::string element(const std::string& open, const std::string& words) {
     return fmt::format("<{}>{}</{}>", open, xml_text(words), open.substr(0, open.find(' ')));

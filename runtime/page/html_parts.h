@@ -7,8 +7,6 @@ namespace fluidcarve {
 
 // Parts that all pages share.
 
-std::string base64(const std::string& bytes);
-
 /// An element with text in it. @param open  its name, and its attributes if it has any: `p class="muted"`
 std::string element(const std::string& open, const std::string& words);
 

@@ -1,7 +1,6 @@
 #include "runtime/page/html_report.h"
 
 #include "graph/input_file.h"
-#include "graph/text/base64.h"
 #include "graph/text/words.h"
 #include "graph/text/xml_text.h"
 #include "graph/views/drawing.h"

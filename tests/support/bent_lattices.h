@@ -10,6 +10,8 @@
 
 namespace fluidcarve::test {
 
+inline double between(std::mt19937& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
+
 inline Lattice with_planes(const std::array<int, 3>& shape, double spacing, bool closed, std::vector<Lattice::Plane> planes, std::string description) {
     Lattice out;
     out.shape = shape;

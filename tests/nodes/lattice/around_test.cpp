@@ -3,6 +3,7 @@
 #include "nodes/lattice/overlap.h"
 #include "nodes/lattice/write.h"
 #include "nodes/rig/circle.h"
+#include "tests/support/bent_lattices.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/scratch.h"
 
@@ -20,8 +21,6 @@ using openvdb::Vec2d;
 using openvdb::Vec3d;
 
 namespace {
-
-double between(std::mt19937& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
 
 /// Open and closed, with tight bends.
 std::vector<Lattice> lattices_around() { return {around(through(helix_points()), 0.9, 0.11), around(through(saddle_points(), true), 0.8, 0.09)}; }

@@ -17,8 +17,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-double between(std::mt19937& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
-
 /// Where `w` may be in a lattice.
 double end(const Lattice& lattice) { return lattice.shape[2] - (lattice.closed ? 0 : 1); }
 

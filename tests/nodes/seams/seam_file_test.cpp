@@ -3,6 +3,7 @@
 #include "nodes/seams/read.h"
 #include "nodes/seams/seam_metadata.h"
 #include "nodes/seams/write.h"
+#include "tests/support/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/scratch.h"
@@ -52,24 +53,8 @@ Seams some_pairs(Axis axis, Seams::Kind kind) {
 }
 
 /// A seam volume after `edit`, and what is said of it.
-std::string fault(const std::function<void(Volume&, std::vector<FloatGrid::Ptr>&)>& edit, Seams::Kind kind = Seams::Kind::remove, bool pairs = false) {
-    auto volume = seams_to_volume(pairs ? some_pairs(Axis::u, kind) : some_seams(Axis::u, kind));
-    std::vector<FloatGrid::Ptr> grids;
-    for (const auto& grid : volume.grids) grids.push_back(openvdb::GridBase::grid<FloatGrid>(grid->deepCopyGrid()));
-    for (std::size_t n = 0; n < grids.size(); ++n) volume.grids[n] = grids[n];
-    edit(volume, grids);
-    try {
-        seams_from_volume(volume);
-    } catch (const Failure& failure) {
-        CHECK(failure.kind == Failure::Kind::input);
-        return failure.what();
-    }
-    return {};
-}
-
-void restate(Volume& volume, const char* name, const std::string& value) {
-    volume.metadata.removeMeta(name);
-    if (!value.empty()) volume.metadata.insertMeta(name, openvdb::StringMetadata(value));
+std::string fault(const SeamEdit& edit, Seams::Kind kind = Seams::Kind::remove, bool pairs = false) {
+    return fault_after(seams_to_volume(pairs ? some_pairs(Axis::u, kind) : some_seams(Axis::u, kind)), edit);
 }
 
 std::string metadata_fault(const char* name, const std::string& value) {

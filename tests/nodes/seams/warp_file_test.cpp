@@ -4,6 +4,7 @@
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seam_file.h"
 #include "nodes/seams/seam_metadata.h"
+#include "tests/support/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 #include "tests/support/warped.h"
@@ -40,25 +41,10 @@ bool equal(const Seams& a, const Seams& b) {
 }
 
 /// A warp's volume after `edit`, and what is said of it.
-std::string fault(const std::function<void(Volume&, std::vector<FloatGrid::Ptr>&)>& edit, bool sum = true) {
+std::string fault(const SeamEdit& edit, bool sum = true) {
     auto volume = seams_to_volume(some_warp());
-    std::vector<FloatGrid::Ptr> grids;
-    for (const auto& grid : volume.grids) grids.push_back(openvdb::GridBase::grid<FloatGrid>(grid->deepCopyGrid()));
-    for (std::size_t n = 0; n < grids.size(); ++n) volume.grids[n] = grids[n];
     if (!sum) volume.metadata.removeMeta("fluidcarve_checksum");
-    edit(volume, grids);
-    try {
-        seams_from_volume(volume);
-    } catch (const Failure& failure) {
-        CHECK(failure.kind == Failure::Kind::input);
-        return failure.what();
-    }
-    return {};
-}
-
-void restate(Volume& volume, const char* name, const std::string& value) {
-    volume.metadata.removeMeta(name);
-    volume.metadata.insertMeta(name, openvdb::StringMetadata(value));
+    return fault_after(std::move(volume), edit);
 }
 
 PayloadType seams_payload() {
