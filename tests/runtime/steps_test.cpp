@@ -57,6 +57,14 @@ TEST_CASE("a run is cut into digests, solver and deliveries, and each waits for 
           Lines{"top-number: --to top.number -f 1-5", "top: --only top after top-number", "save: --only save -f 1-5 after top", "print: --only print -f 1-5"});
 }
 
+TEST_CASE("deliveries of one computation that is not kept share a step") {
+    const auto steps = steps_in(std::string(solved) +
+                                "  save: {type: toy.save, number: load, text: top, path: out.##}\n  print: {type: toy.print, number: load, path: raw.##}\n");
+    REQUIRE(steps.size() == 3);
+    CHECK((steps[2] == "save-print: --only save,print -f 1-5 after top" || steps[2] == "print-save: --only print,save -f 1-5 after top" ||
+           steps[2] == "print-save: --only save,print -f 1-5 after top"));
+}
+
 TEST_CASE("what two solvers take of one result is computed in one step, and the other waits for it") {
     CHECK(steps_in(std::string(solved) +
                    "  other: {type: toy.top, number: square, offset: 1}\n  save: {type: toy.save, number: square, text: other, path: out.##}\n") ==

@@ -114,7 +114,7 @@ void check(const Case& what) {
         INFO("count " << each["count"] << ", axis " << axis << ", voxel " << worst_at[0] << " " << worst_at[1] << " " << worst_at[2]);
         CHECK(worst <= 1);
     }
-    CHECK(changed > 300);
+    CHECK(changed > 1000);
 }
 
 const std::array<int, 3> size{26, 18, 20};
@@ -166,6 +166,8 @@ TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as 
                        {soft, 0}});
             }
     check({"outwards", size, round, {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {3, 0}, 0, {1, 2, 3}});
-    const auto bent = helix({10, 8, 30}, 0.08, 1.2, 0.3);
-    check({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {2, 0}, 0, {1, 2, 3}});
+    auto bent = helix({10, 8, 30}, 0.08, 1.2, 0.3);
+    for (auto& plane : bent.planes) plane.origin += openvdb::Vec3d(0.1, 0.5, 0.8);  // into the grid
+    bent.hash = lattice_hash(bent);
+    check({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
 }
