@@ -23,14 +23,14 @@ struct Read {
 };
 
 Read read(const Scratch& scratch, const std::string& yaml, const std::vector<std::string>& settings = {}) {
-    Problems problems;
-    Read out{read_document(scratch.write("p.yaml", yaml), settings, problems), {}};
-    out.text = to_text(problems);
+    Problems problems_of;
+    Read out{read_document(scratch.write("p.yaml", yaml), settings, problems_of), {}};
+    out.text = to_text(problems_of);
     for (std::size_t at; (at = out.text.find(scratch.path() + "/")) != std::string::npos;) out.text.erase(at, scratch.path().size() + 1);
     return out;
 }
 
-std::string problems(const std::string& yaml) { return read(Scratch(), yaml).text; }
+std::string problems_of(const std::string& yaml) { return read(Scratch(), yaml).text; }
 
 }  // namespace
 
@@ -154,27 +154,27 @@ TEST_CASE("a file that extends another may leave the format's version to that") 
 }
 
 TEST_CASE("a file that is no pipeline is refused in words") {
-    CHECK(problems("") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
-    CHECK(problems("- a\n- b\n") == "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- a\n^\n");
-    CHECK(problems("nodes:\n  a: {type: x}\n") == "p.yaml: the format version is missing: the file must state 'fluidcarve: 1'\n");
-    CHECK(problems("fluidcarve: 2\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+    CHECK(problems_of("- a\n- b\n") == "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not a list of 2\n- a\n^\n");
+    CHECK(problems_of("nodes:\n  a: {type: x}\n") == "p.yaml: the format version is missing: the file must state 'fluidcarve: 1'\n");
+    CHECK(problems_of("fluidcarve: 2\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
-    CHECK(problems("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
-    CHECK(problems("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
-    CHECK(problems("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' wants a map, not nothing\nnodes:\n^\n");
-    CHECK(problems(std::string("a\0b", 3)) == "p.yaml: binary data: a pipeline is a text in UTF-8\n");
-    CHECK(problems("Dear all,\nplease find attached the pipeline that I told you about\n") ==
+    CHECK(problems_of("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
+    CHECK(problems_of("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
+    CHECK(problems_of("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' wants a map, not nothing\nnodes:\n^\n");
+    CHECK(problems_of(std::string("a\0b", 3)) == "p.yaml: binary data: a pipeline is a text in UTF-8\n");
+    CHECK(problems_of("Dear all,\nplease find attached the pipeline that I told you about\n") ==
           "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not 'Dear all, please find attached the pipeline that I told you ...'\n"
           "Dear all,\n^\n");
-    CHECK(problems("  # a comment\n---\n") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
+    CHECK(problems_of("  # a comment\n---\n") == "p.yaml: the file is empty: a pipeline starts with 'fluidcarve: 1' and has 'nodes:'\n");
 }
 
 TEST_CASE("a folder or a missing file is named, and nothing else is wrong with it") {
     const Scratch scratch;
     const auto refusal = [&](const std::string& path) {
-        Problems problems;
-        read_document(path, {"size=3", "a.b=3"}, problems);
-        return to_text(problems);
+        Problems problems_of;
+        read_document(path, {"size=3", "a.b=3"}, problems_of);
+        return to_text(problems_of);
     };
     CHECK(refusal(scratch.path()) == "cannot read " + scratch.path() + ": it is a folder\n");
     CHECK(refusal(scratch / "none.yaml") == "cannot read " + scratch / "none.yaml" + ": it does not exist\n");
@@ -188,9 +188,9 @@ TEST_CASE("a pipe or a device is no pipeline, and keeps nobody waiting") {
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
     const std::string refused = ": it is a pipe or a device; a pipeline is read from a regular file\n";
     for (const auto& path : {pipe, std::string("/dev/zero")}) {
-        Problems problems;
-        read_document(path, {}, problems);
-        CHECK(to_text(problems) == "cannot read " + path + refused);
+        Problems problems_of;
+        read_document(path, {}, problems_of);
+        CHECK(to_text(problems_of) == "cannot read " + path + refused);
     }
     std::filesystem::create_symlink("/dev/zero", scratch / "zero.yaml");
     std::filesystem::create_directory(scratch / "folder");
@@ -204,19 +204,19 @@ TEST_CASE("a file of any size is refused by its limit, and not read to its end")
     const Scratch scratch;
     const auto path = scratch.write("large.yaml", "");
     std::filesystem::resize_file(path, std::uintmax_t{1} << 32);
-    Problems problems;
-    read_document(path, {}, problems);
-    CHECK(to_text(problems) == path + ": the file holds more than 1 MiB: not a pipeline\n");
+    Problems problems_of;
+    read_document(path, {}, problems_of);
+    CHECK(to_text(problems_of) == path + ": the file holds more than 1 MiB: not a pipeline\n");
 }
 
 TEST_CASE("what a user wrote can't command a terminal or break a message's lines") {
-    CHECK(problems("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:2:1: a pipeline has no field 'no [31mde x'; known: fluidcarve, plugins, params, env, extends, provenance, frames, "
           "nodes\n\"no\\e[31mde\\nx\": 1\n^\n");
 }
 
 TEST_CASE("a frame set that was left empty is not taken for one frame") {
-    CHECK(problems("fluidcarve: 1\nframes:\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nframes:\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:2:1: 'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one\nframes:\n^\n");
     const Scratch scratch;
     scratch.write("base.yaml", "fluidcarve: 1\nframes: 1-5\nnodes:\n  a: {type: x}\n");
@@ -226,31 +226,31 @@ TEST_CASE("a frame set that was left empty is not taken for one frame") {
 }
 
 TEST_CASE("params are checked against their declaration") {
-    CHECK(problems("fluidcarve: 1\nparams:\n  n: {default: 1}\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {default: 1}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:3: param 'n' needs a type: bool, int, float, vector, string, path or count\n  n: {default: 1}\n  ^\n");
-    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:27: param 'n' wants a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
-    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:13: param 'n' has no type 'flaot'; did you mean 'float'?\n  n: {type: flaot, default: 1}\n            ^\n");
-    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: int}\n  ^\n");
-    CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
           "        ^\n");
     for (const std::string bad : {"+-5", "%", "nan", "inf%", "1.5", "1e999", "0x10", "5 %"})
-        CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad + "\"}\nnodes:\n  a: {type: x}\n") ==
+        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad + "\"}\nnodes:\n  a: {type: x}\n") ==
               "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '" + bad + "'\n  n: {type: count, default: \"" + bad +
                   "\"}\n                            ^\n");
     for (const std::string good : {"+5", "-5", "-12.5%", "+10%"})
-        CHECK(problems("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good + "\"}\nnodes:\n  a: {type: x}\n") == "");
+        CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good + "\"}\nnodes:\n  a: {type: x}\n") == "");
 }
 
 TEST_CASE("an unknown or unset name in a value is named where it stands") {
-    CHECK(problems("fluidcarve: 1\nparams:\n  shot: {type: string, default: a}\nnodes:\n  a: {type: x, f: \"${shto}\"}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nparams:\n  shot: {type: string, default: a}\nnodes:\n  a: {type: x, f: \"${shto}\"}\n") ==
           "p.yaml:5:19: ${shto} is neither a param nor declared under 'env'; did you mean 'shot'?\n  a: {type: x, f: \"${shto}\"}\n                  ^\n");
-    CHECK(problems("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nenv: [FLUIDCARVE_NOT_SET]\nnodes:\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n") ==
           "p.yaml:4:19: the environment variable FLUIDCARVE_NOT_SET is not set\n  a: {type: x, f: \"${FLUIDCARVE_NOT_SET}\"}\n                  ^\n");
-    CHECK(problems("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") ==
+    CHECK(problems_of("fluidcarve: 1\nnodes:\n  a: {type: x, f: \"${shot\"}\n") ==
           "p.yaml:3:19: '${' has no '}'\n  a: {type: x, f: \"${shot\"}\n                  ^\n");
 }
 
@@ -259,18 +259,18 @@ TEST_CASE("a small file never grows to a large text") {
     std::string many;
     for (int n = 0; n < 60'000; ++n) many += "${a}";
     const auto params = "fluidcarve: 1\nparams: {a: {type: string, default: " + long_text + "}}\nnodes:\n";
-    const auto inside = problems(params + "  one: {type: x, b: \"" + many + "\"}\n  two: {type: x, b: \"" + many + "\"}\n");
+    const auto inside = problems_of(params + "  one: {type: x, b: \"" + many + "\"}\n  two: {type: x, b: \"" + many + "\"}\n");
     CHECK_THAT(inside, Catch::StartsWith("p.yaml:4:21: " + grows));
     CHECK(inside.find(grows) == inside.rfind(grows));
 
     std::string whole, aliases;
     for (int n = 0; n < 1000; ++n) whole += "\"${a}\", ", aliases += "*a, ";
-    CHECK_THAT(problems(params + "  one: {type: x, b: [" + whole + "]}\n"), Catch::StartsWith("p.yaml:4:") && Catch::Contains(grows));
-    CHECK_THAT(problems("fluidcarve: 1\nnodes:\n  one: {type: &a " + long_text + ", b: [" + aliases + "]}\n"),
+    CHECK_THAT(problems_of(params + "  one: {type: x, b: [" + whole + "]}\n"), Catch::StartsWith("p.yaml:4:") && Catch::Contains(grows));
+    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: &a " + long_text + ", b: [" + aliases + "]}\n"),
                Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
     std::string many_aliases;
     for (int n = 0; n < 20'000; ++n) many_aliases += "*a, ";
-    CHECK_THAT(problems("fluidcarve: 1\nnodes:\n  one: {type: x, b: &a {" + std::string(1000, 'x') + ": 1}, c: [" + many_aliases + "]}\n"),
+    CHECK_THAT(problems_of("fluidcarve: 1\nnodes:\n  one: {type: x, b: &a {" + std::string(1000, 'x') + ": 1}, c: [" + many_aliases + "]}\n"),
                Catch::StartsWith("p.yaml:3:") && Catch::Contains(grows));
 
     const auto few = read(Scratch(), params + "  one: {type: x, b: \"${a}${a}\"}\n");
@@ -310,6 +310,6 @@ TEST_CASE("the time to merge two files grows with their length, and not faster")
 }
 
 TEST_CASE("a path longer than any file's is refused") {
-    CHECK_THAT(problems("fluidcarve: 1\nparams: {a: {type: path, default: " + std::string(5000, 'x') + "}}\nnodes:\n  a: {type: x}\n"),
+    CHECK_THAT(problems_of("fluidcarve: 1\nparams: {a: {type: path, default: " + std::string(5000, 'x') + "}}\nnodes:\n  a: {type: x}\n"),
                Catch::StartsWith("p.yaml:2:35: param 'a' has 5000 bytes; a path has at most 4095\n"));
 }

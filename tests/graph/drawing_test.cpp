@@ -11,11 +11,11 @@ using namespace fluidcarve;
 
 namespace {
 
-struct Water {};
+struct Drawn {};
 
-Registry toys() {
+Registry drawn_types() {
     Registry out;
-    out.add(payload_type<Water>("water", "Wet.", [](const Water&) { return 1; }));
+    out.add(payload_type<Drawn>("water", "Wet.", [](const Drawn&) { return 1; }));
     return out;
 }
 
@@ -23,8 +23,8 @@ NodeType toy_type(const std::string& name) {
     NodeType out;
     out.name = name;
     out.doc = "A <toy> & more.";
-    out.inputs = {{"in", "In.", InputSpec::Arity::list, typeid(Water), {}, false}};
-    out.outputs = {{"out", "Out.", typeid(Water), {}}};
+    out.inputs = {{"in", "In.", InputSpec::Arity::list, typeid(Drawn), {}, false}};
+    out.outputs = {{"out", "Out.", typeid(Drawn), {}}};
     return out;
 }
 
@@ -55,7 +55,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 }  // namespace
 
 TEST_CASE("the picture is well-formed and has every node and connection") {
-    const auto registry = toys();
+    const auto registry = drawn_types();
     const auto type = toy_type("water.mix");
     const auto svg = to_svg(chain(type, 4, {{0, 1}, {1, 2}, {0, 2}, {2, 3}, {0, 3}}), registry);
     CHECK(well_formed(svg));
@@ -73,14 +73,14 @@ TEST_CASE("the picture is well-formed and has every node and connection") {
 
 TEST_CASE("the legend explains only what the picture shows") {
     const auto type = toy_type("water.mix");
-    const auto svg = to_svg(chain(type, 1, {}), toys());
+    const auto svg = to_svg(chain(type, 1, {}), drawn_types());
     CHECK_THAT(svg, Catch::Contains("static: once"));
     CHECK_THAT(svg, !Catch::Contains("sequence:") && !Catch::Contains("gathers"));
 }
 
 TEST_CASE("for a page each box has a class and a note of its own, and there is no legend") {
     const auto type = toy_type("water.mix");
-    const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), toys(), {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
+    const auto svg = to_svg(chain(type, 3, {{0, 1}, {1, 2}}), drawn_types(), {{"hot", "2 s"}, {"kept", "a < b"}, {"idle failed", "none"}});
     CHECK(well_formed(svg));
     for (const auto* part :
          {"<g class=\"node hot\">", "<g class=\"node kept\">", "<g class=\"node idle failed\">", ">2 s<", ">a &lt; b<", ">n2<", "style=\"--width:"})
@@ -90,7 +90,7 @@ TEST_CASE("for a page each box has a class and a note of its own, and there is n
 
 TEST_CASE("Graphviz text has every node and connection") {
     const auto type = toy_type("water.mix");
-    const auto dot = to_dot(chain(type, 3, {{0, 1}, {1, 2}, {0, 2}}), toys());
+    const auto dot = to_dot(chain(type, 3, {{0, 1}, {1, 2}, {0, 2}}), drawn_types());
     CHECK(count(dot, " -> \"n") == 3);
     for (const auto* part : {"digraph \"a<b>.yaml\" {\n", "\"n0\" [label=\"n0\\nwater.mix\", fillcolor=\"#d5dbe1\", penwidth=1", "penwidth=2.5",
                              "    \"n0\" -> \"n2\" [tooltip=\"n0.out (water) -> n2.in\"];\n"})
@@ -144,4 +144,4 @@ TEST_CASE("a crossing that can be undone is undone, and a chain is straight") {
     CHECK(straight.boxes[0].y == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("an empty pipeline is a picture too") { CHECK(well_formed(to_svg(Pipeline(), toys()))); }
+TEST_CASE("an empty pipeline is a picture too") { CHECK(well_formed(to_svg(Pipeline(), drawn_types()))); }

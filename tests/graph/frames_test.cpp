@@ -17,7 +17,7 @@ std::vector<int> frames_of(std::string_view text) {
     return set->frames();
 }
 
-std::string fault_of(std::string_view text) {
+std::string fault_of_frames(std::string_view text) {
     std::string fault;
     REQUIRE_FALSE(FrameSet::parse(text, fault));
     return fault;
@@ -55,20 +55,20 @@ TEST_CASE("a frame set is ordered, each frame once, whatever the text's order") 
 
 TEST_CASE("what is no frame set is told in words") {
     const std::string form = "is no frame or range; write 1001, 1001-1084 or 1001-1084x2";
-    CHECK(fault_of("") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
-    CHECK(fault_of("  ") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
-    CHECK(fault_of("1-10x0") == "'1-10x0' has a step of 0; the least is 1");
-    CHECK(fault_of("1-10x-2") == "'1-10x-2' has a negative step, but does not descend");
-    CHECK(fault_of("1-10y1") == "'1-10y1' leaves no frame");
-    CHECK(fault_of("1-1000001") == "'1-1000001' names more than 1000000 frames");
-    CHECK(fault_of("-2147483648-2147483647y1000000000") == "'-2147483648-2147483647y1000000000' names more than 1000000 frames");
-    CHECK(fault_of("1-600000,1-600000") == "'1-600000,1-600000' names more than 1000000 frames");
+    CHECK(fault_of_frames("") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
+    CHECK(fault_of_frames("  ") == "no frame is named; write 1001, 1001-1084 or 1001-1084x2");
+    CHECK(fault_of_frames("1-10x0") == "'1-10x0' has a step of 0; the least is 1");
+    CHECK(fault_of_frames("1-10x-2") == "'1-10x-2' has a negative step, but does not descend");
+    CHECK(fault_of_frames("1-10y1") == "'1-10y1' leaves no frame");
+    CHECK(fault_of_frames("1-1000001") == "'1-1000001' names more than 1000000 frames");
+    CHECK(fault_of_frames("-2147483648-2147483647y1000000000") == "'-2147483648-2147483647y1000000000' names more than 1000000 frames");
+    CHECK(fault_of_frames("1-600000,1-600000") == "'1-600000,1-600000' names more than 1000000 frames");
     for (const std::string large : {"99999999999", "1-99999999999", "-99999999999-1", "1-10x99999999999", "1-99999999999999999999999999"})
-        CHECK(fault_of("1-5," + large) == "'" + large + "' has a number beyond 2147483647, the most that a frame can be");
+        CHECK(fault_of_frames("1-5," + large) == "'" + large + "' has a number beyond 2147483647, the most that a frame can be");
     for (const std::string bad : {"a", "1-", "1-a", "1 - 3", "1-10x", "1-10z2", "1-10x2x2", "5x2", "1.5", "0x10", "1-10x2 3", "+1", "a-b", "5-", "-", "--5"})
-        CHECK(fault_of(bad) == "'" + bad + "' " + form);
-    CHECK(fault_of("1,,2") == "'' " + form);
-    CHECK(fault_of("1,") == "'' " + form);
+        CHECK(fault_of_frames(bad) == "'" + bad + "' " + form);
+    CHECK(fault_of_frames("1,,2") == "'' " + form);
+    CHECK(fault_of_frames("1,") == "'' " + form);
     CHECK(frames_of("1-1000000").size() == 1000000);
     CHECK(frames_of("-2147483648-2147483647x1000000000").size() == 5);
 }

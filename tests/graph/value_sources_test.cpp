@@ -34,7 +34,7 @@ std::string cut(const Scratch& scratch, std::string text) {
     return text;
 }
 
-const std::string base = R"(fluidcarve: 1
+const std::string stated = R"(fluidcarve: 1
 env: [FLUIDCARVE_TEST_OUT]
 params:
   shot: {type: string, default: test}
@@ -65,7 +65,7 @@ nodes:
 
 TEST_CASE("each value is listed with the place that states it: file, extended file, environment, command line or declaration") {
     const Scratch scratch;
-    scratch.write("base.yaml", base);
+    scratch.write("base.yaml", stated);
     const auto path = scratch.write("sh010.yaml", shot);
     setenv("FLUIDCARVE_TEST_OUT", "caches", 1);
     const auto found = sources(path, {"by=3", "count.late=true"});

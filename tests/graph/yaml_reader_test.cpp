@@ -6,12 +6,12 @@ using namespace fluidcarve;
 
 namespace {
 
-struct Read {
+struct ReadValue {
     Value value;
     std::string text;
 };
 
-Read read(const std::string& text) {
+ReadValue read(const std::string& text) {
     Problems problems;
     auto value = read_yaml(std::make_shared<Source>(Source{"f.yaml", text, {}}), problems);
     return {std::move(value), to_text(problems)};

@@ -11,9 +11,9 @@ namespace {
 const std::string river = TEST_DATA "/river/river.0043.vdb";
 
 /// A pipeline that reads points, shifts them by a seam and writes them, over the files `in.####` of a scratch folder.
-struct Bench {
+struct PointsBench {
     Scratch scratch;
-    explicit Bench(const std::string& ending) {
+    explicit PointsBench(const std::string& ending) {
         scratch.write("p.yaml",
                       "fluidcarve: 1\nframes: 43-44\nnodes:\n"
                       "  points: {type: points.read, path: in.####." +
@@ -35,7 +35,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("particles are read, carved by seams of their own surface, and written, and the report counts them") {
-    const Bench bench("vdb");
+    const PointsBench bench("vdb");
     for (const auto* const frame : {"43", "44"})
         std::filesystem::copy(std::string(TEST_DATA "/river/river.00") + frame + ".vdb", bench.scratch / (std::string("in.00") + frame + ".vdb"));
     const auto called = bench.run("--report " + (bench.scratch / "r.json"));
@@ -53,10 +53,10 @@ TEST_CASE("particles are read, carved by seams of their own surface, and written
 }
 
 TEST_CASE("files of points that can't be read end a run before its first frame, with exit code 3 and the reason") {
-    const Bench vdb("vdb"), ply("ply");
+    const PointsBench vdb("vdb"), ply("ply");
     const std::string header = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     ply.scratch.write("in.0043.ply", header + "1 2 3\n2 2 2\n");
-    const auto refused = [](const Bench& bench, const std::string& reason) {
+    const auto refused = [](const PointsBench& bench, const std::string& reason) {
         const auto called = bench.run();
         INFO(called.err);
         CHECK(called.code == 3);

@@ -14,10 +14,10 @@ namespace {
 using nlohmann::json;
 
 /// Two frames of the plume, narrowed.
-struct Shot {
+struct ResultShot {
     const Scratch scratch;
 
-    Shot() {
+    ResultShot() {
         scratch.write("p.yaml", "fluidcarve: 1\nframes: 51-52\nnodes:\n  sim: {type: vdb.read, path: \"" TEST_DATA
                                 "/plume/plume.####.vdb\", grids: {density: float}}\n"
                                 "  energy: {type: energy.gradient, field: sim.density}\n"
@@ -47,7 +47,7 @@ std::string lines_with(const std::string& text, const std::string& begin) {
 }  // namespace
 
 TEST_CASE("a run ends with a line for each carved grid, and a later run that computes nothing says the same") {
-    const Shot shot;
+    const ResultShot shot;
     const auto first = shot.run("--threads 1");
     REQUIRE(first.code == 0);
     const auto told = lines_with(first.err, "carved: ");
@@ -74,7 +74,7 @@ TEST_CASE("a run ends with a line for each carved grid, and a later run that com
 }
 
 TEST_CASE("a lattice beside the content is warned of") {
-    const Shot shot;
+    const ResultShot shot;
     auto text = Scratch::read(shot.scratch / "p.yaml");
     const std::string box = "box: {type: lattice.box, fit: sim.density}";
     text.replace(text.find(box), box.size(),

@@ -1,5 +1,6 @@
 #include "runtime/keep/cache.h"
 #include "runtime/keep/work_folder.h"
+#include "tests/support/keys.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -11,11 +12,10 @@
 #include <thread>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-Key key_of(int n) { return ContentHash().number(static_cast<std::uint64_t>(n)).digest(); }
 
 Payload number(double value) { return Payload(std::make_shared<toy::Number>(value)); }
 

@@ -20,7 +20,7 @@ void age(const std::string& file) {
     utimensat(AT_FDCWD, file.c_str(), times, 0);
 }
 
-Key key_of(const std::string& file, const std::string& folder = {}) {
+Key file_key(const std::string& file, const std::string& folder = {}) {
     FileHashes files(folder);
     const auto content = files.of(file);
     return content ? content->key : Key{};
@@ -45,23 +45,23 @@ TEST_CASE("files of the same content have the same key, whatever their names and
     const Scratch scratch;
     const auto a = scratch.write("a", "the same"), b = scratch.write("b", "the same"), c = scratch.write("c", "another");
     age(b);
-    CHECK(key_of(a));
-    CHECK(key_of(a) == key_of(b));
-    CHECK(key_of(a) != key_of(c));
-    CHECK(key_of(scratch.write("empty", "")));
-    CHECK_FALSE(key_of(scratch / "none"));
-    CHECK_FALSE(key_of(scratch.path()));
+    CHECK(file_key(a));
+    CHECK(file_key(a) == file_key(b));
+    CHECK(file_key(a) != file_key(c));
+    CHECK(file_key(scratch.write("empty", "")));
+    CHECK_FALSE(file_key(scratch / "none"));
+    CHECK_FALSE(file_key(scratch.path()));
     REQUIRE(mkfifo((scratch / "pipe").c_str(), 0600) == 0);
-    CHECK_FALSE(key_of(scratch / "pipe"));
+    CHECK_FALSE(file_key(scratch / "pipe"));
 }
 
 TEST_CASE("a file that changed a moment ago is not remembered by its times, since it may change again unseen") {
     const Scratch scratch;
     const auto file = scratch.write("a", "one"), folder = scratch / "files";
-    const auto first = key_of(file, folder);
+    const auto first = file_key(file, folder);
     CHECK(remembered(folder) == 0);
     age(file);  // its state was changed just now, whatever its times say
-    CHECK(key_of(file, folder) == first);
+    CHECK(file_key(file, folder) == first);
     CHECK(remembered(folder) == 0);
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("hashes of settled files are stored, all in one file, and read again b
     std::vector<Key> keys;
     for (int n = 0; n < 50; ++n) all.push_back(scratch.write("in/" + std::to_string(n), "content " + std::to_string(n)));
     std::this_thread::sleep_for(std::chrono::milliseconds(2100));  // as long as files count as new
-    for (const auto& file : all) keys.push_back(key_of(file));
+    for (const auto& file : all) keys.push_back(file_key(file));
     {
         FileHashes files(folder);
         files.prepare(all);
@@ -81,7 +81,7 @@ TEST_CASE("hashes of settled files are stored, all in one file, and read again b
     CHECK(remembered(folder) == 1);
     const auto before = remembered_bytes(folder);
     fs::rename(scratch / "in", scratch / "moved");
-    for (std::size_t n = 0; n < all.size(); ++n) CHECK(key_of(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
+    for (std::size_t n = 0; n < all.size(); ++n) CHECK(file_key(scratch / ("moved/" + std::to_string(n)), folder) == keys[n]);
     CHECK(remembered_bytes(folder) == before);
 }
 

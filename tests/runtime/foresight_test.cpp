@@ -28,11 +28,11 @@ struct Hand {
     static void run(const detail::NoParams&, Ports&, Context&) {}
 };
 
-struct Bench {
+struct PlanBench {
     Registry registry = toy::registry();
     Pipeline pipeline;
 
-    explicit Bench(const std::string& nodes) {
+    explicit PlanBench(const std::string& nodes) {
         registry.add(NodeType(Declare<Over>("toy.over", "Lays numbers over each other.")
                                   .input("numbers", &Over::Ports::numbers, "The numbers.")
                                   .output("sum", &Over::Ports::sum, "Their sum.")
@@ -54,7 +54,7 @@ using Names = std::vector<std::string>;
 }  // namespace
 
 TEST_CASE("sizes of pictures reach all that lies over them, and two that differ are told") {
-    const Bench bench(
+    const PlanBench bench(
         "  photo: {type: toy.load, path: in.##}\n  paint: {type: toy.load, path: paint}\n  both: {type: toy.over, numbers: [photo, paint]}\n"
         "  next: {type: toy.over, numbers: [both]}\n  none: {type: toy.square, number: next}\n  last: {type: toy.over, numbers: [none]}\n");
     Foresight foresight(bench.pipeline);
@@ -81,7 +81,7 @@ TEST_CASE("sizes of pictures reach all that lies over them, and two that differ 
 }
 
 TEST_CASE("names of grids reach only nodes behind declarations that keep them") {
-    const Bench bench(
+    const PlanBench bench(
         "  sim: {type: toy.load, path: in.##}\n  same: {type: toy.hand, number: sim}\n  after: {type: toy.hand, number: same}\n"
         "  square: {type: toy.square, number: sim}\n  lost: {type: toy.hand, number: square}\n");
     Foresight foresight(bench.pipeline);

@@ -26,8 +26,8 @@ struct Inside {
 };
 
 /// A small pipeline and a page of it.
-struct Bench {
-    explicit Bench(const std::string& path = "p&q.yaml") {
+struct PageBench {
+    explicit PageBench(const std::string& path = "p&q.yaml") {
         Problems problems;
         scratch.write(path,
                       "fluidcarve: 1\nframes: 1-3\nparams:\n  by: {type: float, default: 2, doc: By.}\nnodes:\n  count: {type: toy.count, path: in.##}\n"
@@ -72,7 +72,7 @@ Json seams(const std::string& fields) { return Json::parse(R"({"axis": "u", "kin
 }  // namespace
 
 TEST_CASE("a page is well-formed, escapes what others wrote, and loads nothing") {
-    Bench bench;
+    PageBench bench;
     const std::string nasty = "<script>alert(\"x\" & 'y')</script>\n<img src=\"http://elsewhere/\">";
     bench.report["warnings"].push_back({{"node", "count"}, {"message", nasty}});
     bench.report["failures"].push_back({{"node", nasty}, {"message", nasty}, {"frame", 2}});
@@ -96,7 +96,7 @@ TEST_CASE("a page is well-formed, escapes what others wrote, and loads nothing")
 }
 
 TEST_CASE("a page says how the run ended, what failed and what it warned of") {
-    Bench bench;
+    PageBench bench;
     CHECK_THAT(bench.page(), Catch::Contains("Done: 3 frames in 1.50 s") && Catch::Contains("82.0 MB") && Catch::Contains("fluidcarve 9.8.7, today") &&
                                  Catch::Contains("3 of 9 results") && Catch::Contains("<dd>1-3 (3)</dd>"));
     CHECK_THAT(bench.page(), !Catch::Contains("<h2>Failures") && !Catch::Contains("<h2>Warnings") && !Catch::Contains("<h2>Seams"));
@@ -117,7 +117,7 @@ TEST_CASE("a page says how the run ended, what failed and what it warned of") {
 }
 
 TEST_CASE("a page shows what a carve did to each grid, before and after, and not frame by frame") {
-    Bench bench;
+    PageBench bench;
     CHECK_THAT(bench.page(), !Catch::Contains("<h2>Carved grids"));
     bench.report["grids"] = Json::parse(R"({"carved": {"a<b": {"frames": 3,
         "before": {"box": [[-0.5, 0, 1], [9.5, 4, 3]], "mass": 160.0, "highest": 1.5, "centre": [4.5, 1.5, 2.25], "flicker": 0.125}, "after": {"mass": 0.0}}}})");
@@ -135,7 +135,7 @@ TEST_CASE("a page shows what a carve did to each grid, before and after, and not
 }
 
 TEST_CASE("a run that never began has a page: what failed, and the pipeline") {
-    Bench bench;
+    PageBench bench;
     bench.report["nodes"] = Json::object();
     bench.report["exit"] = 3;
     bench.report["failures"].push_back({{"node", "count"}, {"message", "the file is not there"}, {"frame", 2}});
@@ -148,7 +148,7 @@ TEST_CASE("a run that never began has a page: what failed, and the pipeline") {
 }
 
 TEST_CASE("the graph has the colour of each node's share of the time, of what was kept, and of what failed") {
-    Bench bench;
+    PageBench bench;
     const auto graph = section(bench.page(), "Graph");
     for (const auto* part :
          {"<g class=\"node heat4\"", "3.00 s, 75 %", "<g class=\"node kept\"", "<g class=\"node heat3\"", "1.00 s, 25 %", "<g class=\"node idle\"", "over 50 %",
@@ -158,7 +158,7 @@ TEST_CASE("the graph has the colour of each node's share of the time, of what wa
 }
 
 TEST_CASE("the table has time, memory and files of each node, bars by time") {
-    Bench bench;
+    PageBench bench;
     bench.files.bytes["best"] = 2500000;
     const auto table = section(bench.page(), "Nodes");
     for (const auto* part :
@@ -169,7 +169,7 @@ TEST_CASE("the table has time, memory and files of each node, bars by time") {
 }
 
 TEST_CASE("energies stand over their bounds, the gap beside them, and all numbers below") {
-    Bench bench;
+    PageBench bench;
     bench.report["seams"]["best"] =
         seams(R"("energy": [100.0, 110.0, 140.0], "lower_bound": [99.0, 100.0, null], "gap": [0.01, 0.1, null], "wall_s": [0.1, 0.2, 0.3])");
     auto part = section(bench.page(), "Seams");
@@ -202,7 +202,7 @@ TEST_CASE("energies stand over their bounds, the gap beside them, and all number
 }
 
 TEST_CASE("what else nodes report stands in tables: once, or a row per frame") {
-    Bench bench;
+    PageBench bench;
     bench.report["points"] = Json::parse(R"({"moved": {"1": {"points": 5, "deleted": 2}, "2": {"points": 6}}, "wet": {"all": {"points": 9}}})");
     bench.report["lattices"] = Json::parse(R"({"ring": {"closed": true, "shape": [2, 3], "shared_voxels": 4}})");
     bench.report["totals"] = Json::parse(R"({"sum": 12.5})");
@@ -215,7 +215,7 @@ TEST_CASE("what else nodes report stands in tables: once, or a row per frame") {
 }
 
 TEST_CASE("every value of the pipeline stands with its source, defaults apart") {
-    const Bench bench;
+    const PageBench bench;
     const auto part = section(bench.page(), "Pipeline");
     for (const auto* row :
          {"<th>frames</th><td><code>1-3</code></td><td class=\"from\">p&amp;q.yaml:2</td>", "<th>by</th><td><code>2</code></td>",
@@ -226,7 +226,7 @@ TEST_CASE("every value of the pipeline stands with its source, defaults apart") 
 }
 
 TEST_CASE("pictures are in the page to the last byte, and what is not there is said") {
-    Bench bench;
+    PageBench bench;
     CHECK_THAT(section(bench.page(), "Pictures"), Catch::Contains("preview.sheet"));
     const auto start = std::filesystem::file_time_type::clock::now();
     const auto look = [&] { return bench.files = written_files(bench.pipeline, {2, 3}, bench.report, start, "report.html"); };

@@ -1,5 +1,6 @@
 #include "runtime/keep/packs.h"
 #include "graph/text/problem.h"
+#include "tests/support/keys.h"
 #include "tests/support/scratch.h"
 
 #include <catch2/catch.hpp>
@@ -14,11 +15,10 @@
 #include <vector>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-Key key_of(int n) { return ContentHash().number(static_cast<std::uint64_t>(n)).digest(); }
 
 std::string text_of(int n) { return "record " + std::to_string(n) + std::string(static_cast<std::size_t>(n % 7), '.'); }
 

@@ -1,5 +1,6 @@
 #include "runtime/keep/work_folder.h"
 #include "runtime/keep/cache.h"
+#include "tests/support/keys.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
 
@@ -10,12 +11,13 @@
 #include <random>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 namespace fs = std::filesystem;
 
 namespace {
 
 /// All files below a folder, by their content.
-std::map<std::string, std::string> files_of(const std::string& folder) {
+std::map<std::string, std::string> texts_of(const std::string& folder) {
     std::map<std::string, std::string> out;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
         if (entry.is_regular_file()) out[entry.path().string()] = Scratch::read(entry.path().string());
@@ -26,8 +28,6 @@ void put(const std::string& path, const std::string& text) {
     fs::create_directories(fs::path(path).parent_path());
     std::ofstream(path, std::ios::binary) << text;
 }
-
-Key key_of(int number) { return ContentHash().number(static_cast<std::uint64_t>(number)).digest(); }
 
 /// Keeps so many numbers in a work folder. @param packed  whether they share a file
 void keep(const std::string& folder, int count, bool packed = false) {
@@ -66,7 +66,7 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         Packs(work + "/files").add(key_of(0), std::string("a hash"));
         put(work + "/runs/shot.host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "p", "nodes": {}})");
         put(work + "/history/shot.json", R"({"sim": {"type": "toy.count", "version": 1}})");
-        const auto before = files_of(work);
+        const auto before = texts_of(work);
         // Of others: any name in any place, names of our form with other content, and what hidden files there are.
         const auto part = [&] {
             return std::vector<std::string>{"", "/cache", "/files", "/history", "/runs", "/cache/ab", "/files/cd", "/scans"}[random() % 8];
@@ -79,7 +79,7 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
             const auto path = work + part() + "/" + names[random() % names.size()];
             if (!before.contains(path)) put(path, "of somebody else " + std::to_string(n));
         }
-        auto others = files_of(work);
+        auto others = texts_of(work);
         for (const auto& [path, text] : before) others.erase(path);
         const auto registry = toy::registry();
         Cache cache(registry, work);
@@ -88,7 +88,7 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         const auto [removed, left] = WorkFolder(work).clean();
         CHECK(removed == 3);
         CHECK(left == others.size());
-        auto now = files_of(work);
+        auto now = texts_of(work);
         now.erase(work + "/CACHEDIR.TAG");
         CHECK(now == others);
     }
@@ -128,11 +128,11 @@ TEST_CASE("hashes of input files that nobody asked for in a month go, in packs a
     Packs(work + "/files").add(key_of(0), std::string("a hash"));
     put(earlier, key_of(2).text() + " " + key_of(3).text() + "\n");
     CHECK(WorkFolder(work).outdated().empty());
-    for (const auto& [path, text] : files_of(work + "/files")) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
+    for (const auto& [path, text] : texts_of(work + "/files")) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
     CHECK(WorkFolder(work).outdated().size() == 2);
     put(work + "/files/" + std::string(32, 'a') + ".pack", "of somebody else");
     CHECK(WorkFolder(work).clean().removed == 2);
-    CHECK(files_of(work + "/files").size() == 1);
+    CHECK(texts_of(work + "/files").size() == 1);
 }
 
 TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
@@ -143,11 +143,11 @@ TEST_CASE("nothing is removed from an unmarked folder, nor through a link") {
     const auto kept = Cache(registry, bare).trim(0);
     CHECK(kept.files == 0);
     CHECK(kept.left > 0);
-    CHECK(files_of(bare).size() == 3);
+    CHECK(texts_of(bare).size() == 3);
     WorkFolder(linked).make();
     fs::create_directory_symlink(bare + "/cache", linked + "/cache");
     CHECK(WorkFolder(linked).fault() ==
           "'" + linked + "/cache' is a link: what it leads to may belong to others; make it a folder, or name another with --work");
     CHECK(Cache(registry, linked).trim(0).files == 0);
-    CHECK(files_of(bare).size() == 3);
+    CHECK(texts_of(bare).size() == 3);
 }

@@ -1,11 +1,22 @@
 #pragma once
 
+#include "nodes/mesh/mesh.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
 
 namespace fluidcarve::test {
+
+/// A cube of six quads, from the origin on.
+inline Mesh cube(double size) {
+    Mesh out;
+    for (int n = 0; n < 8; ++n) out.points.emplace_back(n & 1 ? size : 0, n & 2 ? size : 0, n & 4 ? size : 0);
+    const std::array<std::array<std::uint32_t, 4>, 6> quads{{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+    for (const auto& quad : quads) out.add_face(quad);
+    return out;
+}
 
 /// A value as a file holds it. @param big  the highest byte first
 template <class T>

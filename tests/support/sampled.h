@@ -2,6 +2,8 @@
 
 #include "nodes/payloads.h"
 
+#include <cmath>
+
 namespace fluidcarve::test {
 
 /// `value(world position of the centre)` at each voxel of a box, in cubic voxels.
@@ -33,5 +35,23 @@ VectorGrid::Ptr sampled_staggered(const openvdb::CoordBBox& box, double voxel, c
 
 /// The velocity of a rigid rotation: its curl is 2 omega.
 inline openvdb::Vec3s rotation(const openvdb::Vec3d& omega, const openvdb::Vec3d& at) { return openvdb::Vec3s(omega.cross(at)); }
+
+/// A smooth field that differs in all directions, 0 to 4.
+inline float swirl(const openvdb::Vec3d& at) {
+    return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x()));
+}
+
+inline Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
+    Volume out;
+    out.grids = {grid};
+    return out;
+}
+
+/// The sum of the active values of a FloatGrid.
+inline double sum(const openvdb::GridBase& grid) {
+    double out = 0;
+    for (auto value = static_cast<const FloatGrid&>(grid).cbeginValueOn(); value; ++value) out += *value;
+    return out;
+}
 
 }  // namespace fluidcarve::test

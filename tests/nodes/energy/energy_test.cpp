@@ -28,7 +28,7 @@ constexpr double voxel = 0.25;
 const CoordBBox cube({-9, -9, -9}, {9, 9, 9});
 
 template <class Grid, class Value>
-typename Grid::Ptr sampled(const CoordBBox& box, const Value& value) {
+typename Grid::Ptr sampled_in(const CoordBBox& box, const Value& value) {
     return test::sampled<Grid>(box, voxel, value);
 }
 
@@ -43,7 +43,7 @@ double largest_error(const FloatGrid& grid, const CoordBBox& box, const Wanted& 
 }
 
 FloatGrid::Ptr flat(const std::string& name, const CoordBBox& box, float value) {
-    const auto out = sampled<FloatGrid>(box, [=](const Vec3d&) { return value; });
+    const auto out = sampled_in<FloatGrid>(box, [=](const Vec3d&) { return value; });
     out->setName(name);
     return out;
 }
@@ -52,7 +52,7 @@ FloatGrid::Ptr flat(const std::string& name, const CoordBBox& box, float value) 
 
 TEST_CASE("a rigid rotation has |curl| of twice its angular velocity, whatever the axis") {
     const Vec3d omega = GENERATE(Vec3d(0, 0, 1.5), Vec3d(2, 0, 0), Vec3d(0, -0.5, 0), Vec3d(0.3, -0.4, 1.2));
-    const auto velocity = sampled<VectorGrid>(cube, [&](const Vec3d& p) { return rotation(omega, p); });
+    const auto velocity = sampled_in<VectorGrid>(cube, [&](const Vec3d& p) { return rotation(omega, p); });
     const auto energy = vorticity_energy(velocity, 3.0f);
     CHECK(largest_error(*energy, cube, [&](const Vec3d&) { return 3 * 2 * omega.length(); }) < 1e-5);
     CHECK(energy->activeVoxelCount() == cube.volume());
@@ -62,13 +62,13 @@ TEST_CASE("a rigid rotation has |curl| of twice its angular velocity, whatever t
 }
 
 TEST_CASE("a flow without spin has no vorticity") {
-    const auto energy = vorticity_energy(sampled<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(float(p.x()), float(2 * p.y()), float(-3 * p.z())); }), 1);
+    const auto energy = vorticity_energy(sampled_in<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(float(p.x()), float(2 * p.y()), float(-3 * p.z())); }), 1);
     CHECK(largest_error(*energy, cube, [](const Vec3d&) { return 0.0; }) < 1e-6);
 }
 
 TEST_CASE("a Gaussian vortex shows its known profile, to the second order of the voxel size") {
     // v = swirl exp(-r^2), so curl v = 2 (1 - r^2) exp(-r^2) along z.
-    const auto velocity = sampled<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(rotation({0, 0, 1}, p) * std::exp(-p.x() * p.x() - p.y() * p.y())); });
+    const auto velocity = sampled_in<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(rotation({0, 0, 1}, p) * std::exp(-p.x() * p.x() - p.y() * p.y())); });
     const auto wanted = [](const Vec3d& p) {
         const double r2 = p.x() * p.x() + p.y() * p.y();
         return std::abs(2 * (1 - r2) * std::exp(-r2));
@@ -96,7 +96,7 @@ TEST_CASE("a velocity that is not staggered is not copied") {
 }
 
 TEST_CASE("a linear field has its slope as gradient energy, per world unit") {
-    const auto field = sampled<FloatGrid>(cube, [](const Vec3d& p) { return float(7 + 2 * p.x() - 3 * p.y() + 6 * p.z()); });
+    const auto field = sampled_in<FloatGrid>(cube, [](const Vec3d& p) { return float(7 + 2 * p.x() - 3 * p.y() + 6 * p.z()); });
     const auto energy = gradient_energy(*field, 0.5f);
     CHECK(largest_error(*energy, cube, [](const Vec3d&) { return 0.5 * 7; }) < 1e-4);
     CHECK(energy->activeVoxelCount() == cube.volume());
@@ -153,7 +153,7 @@ TEST_CASE("a value that is not finite is refused, the lowest voxel named") {
               combined_energy({{flat("other", cube, 1), 1, {0, 1}}, {field, 1, {0, 1}}});
           }) == "grid 'density' has a value that is not finite (NaN or infinite) at voxel [-3, 2, 1]; repair it where it comes from");
 
-    const auto velocity = sampled<VectorGrid>(cube, [](const Vec3d&) { return Vec3s(0); });
+    const auto velocity = sampled_in<VectorGrid>(cube, [](const Vec3d&) { return Vec3s(0); });
     velocity->tree().setValueOff({10, 0, 0}, Vec3s(0, std::numeric_limits<float>::quiet_NaN(), 0));
     CHECK(failure_of([&] { vorticity_energy(velocity, 1); }) ==
           "grid 'sampled' has a value that is not finite (NaN or infinite) next to voxel [9, 0, 0]; repair it where it comes from");
@@ -179,7 +179,7 @@ TEST_CASE("the range of a grid is that of its active values, tiles included") {
 }
 
 TEST_CASE("terms are remapped, clamped, weighted and added on the union of their voxels") {
-    const auto ramp = sampled<FloatGrid>(cube, [](const Vec3d& p) { return float(p.x()); });
+    const auto ramp = sampled_in<FloatGrid>(cube, [](const Vec3d& p) { return float(p.x()); });
     const auto block = FloatGrid::create();
     block->setTransform(ramp->transform().copy());
     block->tree().addTile(1, {8, 8, 8}, 10.0f, true);
@@ -257,7 +257,7 @@ TEST_CASE("energy.combine's parameters are checked against its terms") {
 }
 
 TEST_CASE("the gain of a single energy scales it and may not be negative") {
-    const auto field = sampled<FloatGrid>(cube, [](const Vec3d& p) { return float(p.x()); });
+    const auto field = sampled_in<FloatGrid>(cube, [](const Vec3d& p) { return float(p.x()); });
     NodeBench node(energy_gradient(), "gain: 3");
     CHECK(node.run({{"field", {Payload(Ref<FloatGrid>(field))}}}).at("energy").as<FloatGrid>()->tree().getValue({0, 0, 0}) == Approx(3));
     CHECK(NodeBench(energy_gradient(), "gain: -1").faults() == "gain must be at least 0, not -1\n");
@@ -265,7 +265,7 @@ TEST_CASE("the gain of a single energy scales it and may not be negative") {
 }
 
 TEST_CASE("kinetic energy is the square of the speed, of the collocated velocity") {
-    const auto jet = sampled<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(2, -3, float(p.x())); });
+    const auto jet = sampled_in<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(2, -3, float(p.x())); });
     const auto energy = kinetic_energy(jet, 2);
     CHECK(largest_error(
               *energy, cube, [](const Vec3d& p) { return 2 * (4 + 9 + p.x() * p.x()); }, 0) < 1e-5);

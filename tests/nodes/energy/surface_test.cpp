@@ -31,15 +31,15 @@ using openvdb::Vec3d;
 
 namespace {
 
-constexpr double voxel = 0.125;
-const CoordBBox cube({-24, -24, -24}, {24, 24, 24});
+constexpr double fine_voxel = 0.125;
+const CoordBBox fine_cube({-24, -24, -24}, {24, 24, 24});
 
 /// The largest error of the curvature where a distance is within `band` of its zero, against a formula by position.
 double curvature_error(const std::function<double(const Vec3d&)>& distance, const std::function<double(double)>& field,
                        const std::function<double(const Vec3d&)>& wanted, double band) {
-    const auto grid = sampled<FloatGrid>(cube, voxel, [&](const Vec3d& at) { return static_cast<float>(field(distance(at))); });
+    const auto grid = sampled<FloatGrid>(fine_cube, fine_voxel, [&](const Vec3d& at) { return static_cast<float>(field(distance(at))); });
     const auto curvature = curvature_field(*grid);
-    auto inner = cube;
+    auto inner = fine_cube;
     inner.expand(-1);
     double worst = 0;
     int looked = 0;
@@ -54,7 +54,7 @@ double curvature_error(const std::function<double(const Vec3d&)>& distance, cons
 
 const std::string river_43 = std::string(TEST_DATA) + "/river/river.0043.vdb";
 
-Payload only(std::map<std::string, Payload> outputs) { return outputs.at("energy"); }
+Payload energy_of(std::map<std::string, Payload> outputs) { return outputs.at("energy"); }
 
 }  // namespace
 
@@ -78,7 +78,7 @@ TEST_CASE("spheres, cylinders, tori and planes have their known curvature, as di
 }
 
 TEST_CASE("curvature has the sign of the side, and its energy has none") {
-    const auto bubble = sampled<FloatGrid>(cube, voxel, [](const Vec3d& at) { return static_cast<float>(2 - at.length()); });
+    const auto bubble = sampled<FloatGrid>(fine_cube, fine_voxel, [](const Vec3d& at) { return static_cast<float>(2 - at.length()); });
     CHECK(curvature_field(*bubble)->tree().getValue({16, 0, 0}) == Approx(-1).epsilon(0.01));
     CHECK(curvature_energy(*bubble, 3)->tree().getValue({16, 0, 0}) == Approx(3).epsilon(0.01));
     CHECK(curvature_energy(*bubble, 3)->getName() == "curvature of sampled");
@@ -88,9 +88,9 @@ TEST_CASE("curvature has the sign of the side, and its energy has none") {
 
 TEST_CASE("the end of a narrow band is no edge, and a point no more than a ball of a voxel") {
     const auto band = FloatGrid::create(0.375f);
-    band->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+    band->setTransform(openvdb::math::Transform::createLinearTransform(fine_voxel));
     band->setGridClass(openvdb::GRID_LEVEL_SET);
-    for (auto at = cube.begin(); at; ++at) {
+    for (auto at = fine_cube.begin(); at; ++at) {
         const auto distance = band->indexToWorld((*at).asVec3d()).length() - 2;
         if (std::abs(distance) < 0.375) band->tree().setValue(*at, static_cast<float>(distance));
     }
@@ -99,15 +99,15 @@ TEST_CASE("the end of a narrow band is no edge, and a point no more than a ball 
     CHECK(range.high < 1.2);
     CHECK(range.high > 0.98);
 
-    const auto cone = sampled<FloatGrid>(cube, voxel, [](const Vec3d& at) { return static_cast<float>((at - Vec3d(0.01)).length()); });
+    const auto cone = sampled<FloatGrid>(fine_cube, fine_voxel, [](const Vec3d& at) { return static_cast<float>((at - Vec3d(0.01)).length()); });
     const auto peak = active_range(*curvature_field(*cone));
-    CHECK(peak.high == Approx(2 / voxel));
+    CHECK(peak.high == Approx(2 / fine_voxel));
     CHECK(curvature_field(*cone)->tree().getValue({8, 0, 0}) == Approx(2).epsilon(0.05));
 }
 
 TEST_CASE("the laplacian of a quadratic field is exact, and what it holds beyond its active voxels counts") {
     const auto field =
-        sampled<FloatGrid>(cube, voxel, [](const Vec3d& p) { return static_cast<float>(p.x() * p.x() + 2 * p.y() * p.y() - 0.5 * p.z() * p.z() + p.x()); });
+        sampled<FloatGrid>(fine_cube, fine_voxel, [](const Vec3d& p) { return static_cast<float>(p.x() * p.x() + 2 * p.y() * p.y() - 0.5 * p.z() * p.z() + p.x()); });
     const auto laplacian = laplacian_field(*field);
     CHECK(laplacian->tree().getValue({3, -5, 7}) == Approx(5).epsilon(1e-3));
     CHECK(laplacian->getName() == "laplacian of sampled");
@@ -120,7 +120,7 @@ TEST_CASE("the laplacian of a quadratic field is exact, and what it holds beyond
 }
 
 TEST_CASE("fields on voxels that are no cubes, or not finite, are refused") {
-    const auto field = sampled<FloatGrid>(CoordBBox({0, 0, 0}, {3, 3, 3}), voxel, [](const Vec3d& at) { return static_cast<float>(at.x()); });
+    const auto field = sampled<FloatGrid>(CoordBBox({0, 0, 0}, {3, 3, 3}), fine_voxel, [](const Vec3d& at) { return static_cast<float>(at.x()); });
     field->tree().setValue({1, 1, 1}, NAN);
     for (const auto& of : {curvature_field, laplacian_field}) CHECK(failure_of([&] { of(*field); }).find("'sampled'") != std::string::npos);
     field->tree().setValue({1, 1, 1}, 0);
@@ -130,7 +130,7 @@ TEST_CASE("fields on voxels that are no cubes, or not finite, are refused") {
 }
 
 TEST_CASE("a point becomes a ball, points the union of theirs") {
-    const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+    const auto transform = openvdb::math::Transform::createLinearTransform(fine_voxel);
     transform->postTranslate(Vec3d(0.03, -0.2, 0.5));
     const std::vector<Vec3d> centres{Vec3d(0.1, 0.2, 0.3), Vec3d(0.55, 0.2, 0.3), Vec3d(-2, 1, 0)};
     const auto surface = sdf_of_points(points_at(centres), *transform, {3, 0, 4});
@@ -141,7 +141,7 @@ TEST_CASE("a point becomes a ball, points the union of theirs") {
     for (auto value = surface->cbeginValueOn(); value; ++value) {
         const auto at = surface->indexToWorld(value.getCoord());
         double distance = 1e9;
-        for (const auto& centre : centres) distance = std::min(distance, (at - centre).length() - 3 * voxel);
+        for (const auto& centre : centres) distance = std::min(distance, (at - centre).length() - 3 * fine_voxel);
         REQUIRE(*value == Approx(distance).margin(1e-5));
         ++looked;
     }
@@ -157,11 +157,11 @@ TEST_CASE("a point becomes a ball, points the union of theirs") {
 }
 
 TEST_CASE("a point on a voxel's centre makes a ball without a hole, and balls may be as large as they can be stated") {
-    const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+    const auto transform = openvdb::math::Transform::createLinearTransform(fine_voxel);
     const auto whole = [](const FloatGrid& surface, const Coord& middle, double radius) {
         // What is no deeper than the band has a distance of its own.
         for (auto at = CoordBBox(middle.offsetBy(-2), middle.offsetBy(2)).begin(); at; ++at) {
-            const auto distance = ((*at - middle).asVec3d().length() - radius) * voxel;
+            const auto distance = ((*at - middle).asVec3d().length() - radius) * fine_voxel;
             REQUIRE(surface.tree().isValueOn(*at));
             REQUIRE(surface.tree().getValue(*at) == Approx(distance).margin(1e-5));
         }
@@ -209,7 +209,7 @@ TEST_CASE("particles and grids of Blender's liquids make a surface in one place,
 
 TEST_CASE("smoothing makes a surface of particles less rough") {
     const auto points = points_at(scattered({Vec3d(-1.5), Vec3d(1.5)}, 3000, 3));
-    const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+    const auto transform = openvdb::math::Transform::createLinearTransform(fine_voxel);
     const auto mean = [&](int smoothing) {
         const auto energy = curvature_energy(*sdf_of_points(points, *transform, {1.5, smoothing, 3}), 1);
         double sum = 0;
@@ -267,7 +267,7 @@ TEST_CASE("energy.surface is what the graph of single nodes is") {
     const auto terms = [](const Frame& frame) {
         NodeBench curvature(energy_curvature()), kinetic(energy_kinetic());
         return NodeBench::Inputs{
-            {"terms", {only(curvature.run({{"surface", {Payload(frame.surface)}}})), only(kinetic.run({{"velocity", {Payload(frame.velocity)}}}))}}};
+            {"terms", {energy_of(curvature.run({{"surface", {Payload(frame.surface)}}})), energy_of(kinetic.run({{"velocity", {Payload(frame.velocity)}}}))}}};
     };
     const auto& [surface_yaml, combine_yaml] =
         GENERATE(std::pair("{}", "{weights: [1, 1]}"), std::pair("{kinetic: 0.25, range: [auto, [0, 40]]}", "{weights: [1, 0.25], range: [auto, [0, 40]]}"),
@@ -282,12 +282,12 @@ TEST_CASE("energy.surface is what the graph of single nodes is") {
         combine.finish();
     }
     for (const auto& frame : frames) {
-        const auto one = only(surface.run(inputs(frame))).as<FloatGrid>(), other = only(combine.run(terms(frame))).as<FloatGrid>();
+        const auto one = energy_of(surface.run(inputs(frame))).as<FloatGrid>(), other = energy_of(combine.run(terms(frame))).as<FloatGrid>();
         CHECK(difference(*one, *other) == "");
         CHECK(active_range(*one).high > active_range(*one).low);
     }
     NodeBench alone(energy_surface(), "{curvature: 3, range: [0, 20]}", {{"surface", 1}});
-    CHECK(difference(*only(alone.run({{"surface", {Payload(frames[0].surface)}}})).as<FloatGrid>(),
+    CHECK(difference(*energy_of(alone.run({{"surface", {Payload(frames[0].surface)}}})).as<FloatGrid>(),
                      *combined_energy({{curvature_energy(*frames[0].surface, 1), 3, {0, 20}}})) == "");
     CHECK(NodeBench(energy_surface(), "{kinetic: 2}", {{"surface", 1}}).faults() ==
           "kinetic: 'kinetic' is the weight of a term that needs 'velocity': connect 'velocity', or leave 'kinetic' out\n");

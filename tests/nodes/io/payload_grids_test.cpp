@@ -28,7 +28,7 @@ using openvdb::math::Transform;
 
 namespace {
 
-const std::string data = TEST_DATA;
+const std::string test_data = TEST_DATA;
 const Placement moved{{0.1, -2, 3.3}, 0.3, Vec3d(0)};
 
 /// Values that a file of half floats would round and one that saves inactive values by what compares equal would change.
@@ -116,7 +116,7 @@ Ref<Volume> rich_volume() {
     return out;
 }
 
-void require_same(const Volume& a, const Volume& b) {
+void require_same_stored(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
     for (std::size_t n = 0; n < a.grids.size(); ++n) {
         CHECK(difference(*a.grids[n], *b.grids[n]) == "");
@@ -165,7 +165,7 @@ const Transform& in_file_of(const GridBase& grid) { return *stored_form_of(grid)
 TEST_CASE("a volume comes back from a file to the last bit: order, names, transforms, metadata, shared trees, all types") {
     const auto before = rich_volume();
     const auto back = there_and_back(before);
-    require_same(*before, *back);
+    require_same_stored(*before, *back);
     CHECK(&back->grids[1]->constBaseTree() == &back->grids[2]->constBaseTree());
     CHECK(&back->grids[0]->constBaseTree() != &back->grids[1]->constBaseTree());
     const auto& raw = dynamic_cast<const RawGrid::Bytes&>(back->grids.back()->constBaseTree());
@@ -178,7 +178,7 @@ TEST_CASE("a volume comes back from a file to the last bit: order, names, transf
     known.grids.resize(known.grids.size() - 2);
     known_back.grids.resize(known.grids.size());
     CHECK(written(known) == written(known_back));
-    require_same(Volume{}, *there_and_back<Volume>(std::make_shared<Volume>()));
+    require_same_stored(Volume{}, *there_and_back<Volume>(std::make_shared<Volume>()));
 }
 
 TEST_CASE("a grid that says that it holds half floats keeps what is none, and says so again") {
@@ -207,9 +207,9 @@ TEST_CASE("vectors, masks and any one grid come back from a file") {
 TEST_CASE("files of other programs come back from a file, and a writer gives the same file from them") {
     for (const auto* path : {"/plume/plume.0051.vdb", "/river/river.0043.vdb", "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
         INFO(path);
-        const auto before = std::make_shared<const Volume>(read_vdb(data + path));
+        const auto before = std::make_shared<const Volume>(read_vdb(test_data + path));
         const auto back = there_and_back(before);
-        require_same(*before, *back);
+        require_same_stored(*before, *back);
         CHECK(written(*before) == written(*back));
     }
 }
@@ -272,7 +272,7 @@ TEST_CASE("points of a VDB file come back from a file, and a writer gives the sa
     const Scratch scratch;
     for (const auto* name : {"/river/river.0043.vdb", "/river/river_half.0012.vdb", "/vdb/cortex_points.vdb"}) {
         INFO(name);
-        const auto before = std::make_shared<const Points>(read_points(data + name, "", PointOffset::detect, moved));
+        const auto before = std::make_shared<const Points>(read_points(test_data + name, "", PointOffset::detect, moved));
         const auto back = there_and_back(before);
         CHECK(difference(*before->grid, *back->grid) == "");
         CHECK(kept_metadata(before->metadata) == kept_metadata(back->metadata));
@@ -298,7 +298,7 @@ TEST_CASE("a stream of grids that is cut off is refused") {
     require_cut_refused<MaskGrid>(grid_of_two<MaskGrid>(false, true), all);
     require_cut_refused(any(rich_volume()->grids.back()));
     require_cut_refused(rich_volume(), all);
-    require_cut_refused(std::make_shared<const Points>(read_points(data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved)), all);
+    require_cut_refused(std::make_shared<const Points>(read_points(test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved)), all);
 }
 
 TEST_CASE("a stream of grids that is damaged is refused or read, never a crash") {
@@ -309,7 +309,7 @@ TEST_CASE("a stream of grids that is damaged is refused or read, never a crash")
 }
 
 TEST_CASE("a stream of points that is damaged is refused or read, never a crash, and takes no more memory than it is good for") {
-    const auto points = std::make_shared<const Points>(read_points(data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved));
+    const auto points = std::make_shared<const Points>(read_points(test_data + "/vdb/cortex_points.vdb", "", PointOffset::detect, moved));
     require_damage_survived(points, 1 + filed(points).size() / 50);
     const Ref<AnyGrid> grid = any(in_vdb(points_at({{0.1, 0.2, 0.3}, {4, 5, 6}})).grid);
     require_damage_survived(grid, 1 + filed(grid).size() / 300);

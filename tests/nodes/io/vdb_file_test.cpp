@@ -68,7 +68,7 @@ Volume oddities() {
     return out;
 }
 
-void require_same(const Volume& a, const Volume& b) {
+void require_same_content(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
     for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n], *b.grids[n]) == "");
     CHECK(test::kept_metadata(a.metadata) == test::kept_metadata(b.metadata));
@@ -106,7 +106,7 @@ TEST_CASE("one open file gives its header and its grids, one by one or all, in a
         VdbFile file(path);
         for (std::size_t n = volume.grids.size(); n-- > 0;) CHECK(difference(*volume.grids[n], *file.read(n)) == "");
         CHECK(file.header().names() == read_vdb_header(path).names());
-        require_same(volume, file.read());
+        require_same_content(volume, file.read());
     }
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("reading and writing keeps every grid bit for bit") {
         const auto before = read_vdb(path);
         write_vdb(scratch / "out.vdb", before);
         const auto after = read_vdb(scratch / "out.vdb");
-        require_same(before, after);
+        require_same_content(before, after);
         CHECK(before.codec == after.codec);
     }
 }
@@ -128,7 +128,7 @@ TEST_CASE("odd grids survive every codec: tiles, NaN, frustums, points, equal na
     const auto codec = GENERATE(Codec::as_read, Codec::blosc, Codec::zip, Codec::none);
     write_vdb(scratch / "new folder/out.vdb", before, codec);
     const auto after = read_vdb(scratch / "new folder/out.vdb");
-    require_same(before, after);
+    require_same_content(before, after);
     CHECK(after.codec == (codec == Codec::zip ? "zip" : codec == Codec::none ? "none" : "blosc"));
     CHECK(&after.grids[2]->constBaseTree() == &after.grids[3]->constBaseTree());
     CHECK(read_vdb_header(scratch / "new folder/out.vdb").names() ==
@@ -152,7 +152,7 @@ TEST_CASE("the 16-bit integers of Blender's liquid caches are known") {
     REQUIRE(points);
     openvdb::points::appendAttribute(points->tree(), "U", {"int32", "trnc"});
     write_vdb(scratch / "liquid.vdb", volume);
-    require_same(volume, read_vdb(scratch / "liquid.vdb"));
+    require_same_content(volume, read_vdb(scratch / "liquid.vdb"));
 }
 
 TEST_CASE("a length that the file can't hold is not allocated") {

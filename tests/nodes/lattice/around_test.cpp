@@ -25,12 +25,12 @@ namespace {
 /// Open and closed, with tight bends.
 std::vector<Lattice> lattices_around() { return {around(through(helix_points()), 0.9, 0.11), around(through(saddle_points(), true), 0.8, 0.09)}; }
 
-Vec3d random_place(std::mt19937& random, const Lattice& lattice) {
+Vec3d random_place_around(std::mt19937& random, const Lattice& lattice) {
     return {between(random, 0, lattice.shape[0] - 1), between(random, 0, lattice.shape[1]), between(random, 0, lattice.shape[2] - (lattice.closed ? 0 : 1))};
 }
 
 /// The distance of lattice coordinates, the short way around.
-double distance(const Lattice& lattice, const Vec3d& a, const Vec3d& b) {
+double distance_around(const Lattice& lattice, const Vec3d& a, const Vec3d& b) {
     auto off = a - b;
     off.y() -= lattice.shape[1] * std::round(off.y() / lattice.shape[1]);
     if (lattice.closed) off.z() -= lattice.shape[2] * std::round(off.z() / lattice.shape[2]);
@@ -51,7 +51,7 @@ TEST_CASE("around a straight rig, u is the distance from it and v the angle arou
         const Vec3d at(1 + radius * std::cos(2 * M_PI * turn), 2 + radius * std::sin(2 * M_PI * turn), height);
         const auto place = mapping.locate(at);
         REQUIRE(place);
-        CHECK(distance(lattice, *place, {radius / 0.5, 50 * turn, height / 0.5}) < 3 * Mapping::snap);
+        CHECK(distance_around(lattice, *place, {radius / 0.5, 50 * turn, height / 0.5}) < 3 * Mapping::snap);
         CHECK((mapping.position({radius / 0.5, 50 * turn, height / 0.5}) - at).length() < 1e-9);
     }
     CHECK_FALSE(mapping.locate({5.01, 2, 5}));
@@ -67,7 +67,7 @@ TEST_CASE("a position around a rig comes back from its lattice coordinates, also
         const Mapping mapping(lattice);
         REQUIRE(count_folds(lattice, lattice.shape[0], lattice.shape[1]).cells == 0);
         for (int n = 0; n < 20000; ++n) {
-            auto place = random_place(random, lattice);
+            auto place = random_place_around(random, lattice);
             if (n % 4 == 0) place.x() *= 1e-3;
             const auto world = mapping.position(place);
             REQUIRE((lattice.position(place) - world).length() < 1e-12);
@@ -75,7 +75,7 @@ TEST_CASE("a position around a rig comes back from its lattice coordinates, also
             INFO("place " << place);
             REQUIRE(found);
             REQUIRE((mapping.position(*found) - world).length() < 1e-4 * lattice.spacing);
-            if (place.x() > 0.5) REQUIRE(distance(lattice, *found, place) < 1e-4);
+            if (place.x() > 0.5) REQUIRE(distance_around(lattice, *found, place) < 1e-4);
         }
     }
 }
@@ -89,7 +89,7 @@ TEST_CASE("a block's voxels are found around a rig where they are found one by o
         transform->preRotate(0.4, openvdb::math::Y_AXIS);
         BlockPlaces places(mapping, *transform);
         for (int m = 0; m < 60; ++m) {
-            auto middle = random_place(random, lattice);
+            auto middle = random_place_around(random, lattice);
             if (m % 3 == 0) middle.x() = 0;
             const auto voxel = Coord::round(transform->worldToIndex(mapping.position(middle)));
             const Coord block(voxel.x() & ~7, voxel.y() & ~7, voxel.z() & ~7);
@@ -106,7 +106,7 @@ TEST_CASE("a block's voxels are found around a rig where they are found one by o
                     REQUIRE(single.has_value() == ((found.inside >> z & 1) != 0));
                     if (!single) continue;
                     const auto& place = found.places[static_cast<std::size_t>(z)];
-                    if (place.at.x() > 0.01) REQUIRE(distance(lattice, place.at, *single) < 1e-7);
+                    if (place.at.x() > 0.01) REQUIRE(distance_around(lattice, place.at, *single) < 1e-7);
                     const auto source = place.at + Vec3d(3, 0, 0);
                     const auto moved = places.moved(p, place, Vec2d(3, 0));
                     REQUIRE((transform->indexToWorld(moved) - (world + mapping.position(source) - mapping.position(place.at))).length() < 1e-9);
@@ -134,7 +134,7 @@ TEST_CASE("the world box of a range around a rig holds its points") {
     for (const auto& lattice : lattices_around()) {
         const Mapping mapping(lattice);
         for (int n = 0; n < 20; ++n) {
-            const auto a = random_place(random, lattice), b = random_place(random, lattice);
+            const auto a = random_place_around(random, lattice), b = random_place_around(random, lattice);
             const BBoxd range(openvdb::math::minComponent(a, b), openvdb::math::maxComponent(a, b));
             auto box = mapping.world_box(range);
             box.min() -= Vec3d(1e-12);

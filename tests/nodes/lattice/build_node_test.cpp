@@ -27,7 +27,7 @@ using openvdb::Vec3d;
 namespace {
 
 /// Two legs, `apart`, and half a circle between them; `u` points to its outside.
-Rig hairpin(double apart) {
+Rig hairpin_rig(double apart) {
     std::vector<Vec3d> points{{0, 0, 0}};
     for (int n = 0; n <= 100; ++n) {
         const double a = M_PI * n / 100;
@@ -71,23 +71,23 @@ TEST_CASE("voxels in several cells are those that are found there one by one, sl
     for (const auto& [lattice, meets] :
          {std::pair(built(through(helix_points()), spec(0.2)), false), std::pair(built(through(helix_points(0.1)), spec(0.2)), true),
           std::pair(built(through(saddle_points(), true), wide), false), std::pair(built(circle_rig({0, 0, 0}, {0, 0, 1}, {1, 1}, 0), wide), false),
-          std::pair(built(hairpin(2), spec(0.2)), false), std::pair(built(hairpin(2), spec(0.2, {-1.3, 0.5})), true),
+          std::pair(built(hairpin_rig(2), spec(0.2)), false), std::pair(built(hairpin_rig(2), spec(0.2, {-1.3, 0.5})), true),
           std::pair(built(through({{0, 0, 0}, {4, 0, 0}, {2, 3, 0}}), kinked), true)}) {
         INFO(lattice.description);
         CHECK((counted(lattice, lattice.shape) > 0) == meets);
     }
-    const auto legs = built(hairpin(2), spec(0.2, {-0.8, 0.5}));
+    const auto legs = built(hairpin_rig(2), spec(0.2, {-0.8, 0.5}));
     CHECK(counted(legs, legs.shape) == 0);
     auto flipped = spec(0.2, {-0.5, 0.8});
     flipped.flip_u = true;
-    const auto inwards = built(hairpin(2), flipped);
+    const auto inwards = built(hairpin_rig(2), flipped);
     CHECK(counted(inwards, {inwards.shape[0] + 3, inwards.shape[1], inwards.shape[2]}) > 0);
 }
 
 TEST_CASE("insertions that make a sound lattice fold or meet itself are told with the worst frame") {
     auto inwards = spec(0.2, {-0.5, 0.5});
     inwards.flip_u = true;
-    const auto legs = [&](double apart) { return build_lattice(hairpin(apart), inwards).lattice; };
+    const auto legs = [&](double apart) { return build_lattice(hairpin_rig(apart), inwards).lattice; };
     Extension sound;
     sound.add(legs(2), Axis::u, 0, 0, 1);
     sound.add(legs(2), Axis::u, 0, 2, 1);

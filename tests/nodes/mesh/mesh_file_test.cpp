@@ -77,14 +77,6 @@ void check_same_shape(const Mesh& a, const Mesh& b) {
     CHECK(a.ends == b.ends);
 }
 
-Mesh cube(double size) {
-    Mesh out;
-    for (int n = 0; n < 8; ++n) out.points.emplace_back(n & 1 ? size : 0, n & 2 ? size : 0, n & 4 ? size : 0);
-    const std::array<std::array<std::uint32_t, 4>, 6> quads{{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
-    for (const auto& quad : quads) out.add_face(quad);
-    return out;
-}
-
 }  // namespace
 
 TEST_CASE("an OBJ file comes back as it was: numbers, faces, UVs and normals per corner, groups and materials in their places") {

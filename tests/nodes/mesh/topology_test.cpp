@@ -5,6 +5,7 @@
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"
 #include "nodes/mesh/write.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
@@ -18,20 +19,9 @@
 #include <filesystem>
 
 using namespace fluidcarve;
+using namespace fluidcarve::test;
 using openvdb::Vec3d;
 using Attribute = Mesh::Attribute;
-
-namespace {
-
-Mesh cube(double size) {
-    Mesh out;
-    for (int n = 0; n < 8; ++n) out.points.emplace_back(n & 1 ? size : 0, n & 2 ? size : 0, n & 4 ? size : 0);
-    const std::array<std::array<std::uint32_t, 4>, 6> quads{{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
-    for (const auto& quad : quads) out.add_face(quad);
-    return out;
-}
-
-}  // namespace
 
 TEST_CASE("what is unusual about how faces hang together is counted") {
     CHECK(topology_of(cube(1)).closed());

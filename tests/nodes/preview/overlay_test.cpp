@@ -18,11 +18,11 @@ using openvdb::Vec3d;
 
 namespace {
 
-using Doubles = std::set<double>;
+using Offsets = std::set<double>;
 
 /// All positions of the ends of lines along a side of the picture.
-Doubles ends(const std::vector<PictureLine>& lines, std::size_t side) {
-    Doubles out;
+Offsets ends(const std::vector<PictureLine>& lines, std::size_t side) {
+    Offsets out;
     for (const auto& [from, to] : lines) out.insert({std::round(from[side] * 1e6) / 1e6, std::round(to[side] * 1e6) / 1e6});
     return out;
 }
@@ -41,13 +41,13 @@ TEST_CASE("a lattice is drawn by its planes and the lines through their corners"
     const auto box = make_box({0, 5, 0}, {10, 2, 4}, 1, {0, 1, 2});
     const auto lines = lattice_lines(box, *unit_space, View::y);
     CHECK(lines.size() == 4 * 2 + 4 * 3);
-    CHECK(ends(lines, 0) == Doubles{0.5, 9.5});
-    CHECK(ends(lines, 1) == Doubles{0.5, 1.5, 2.5, 3.5});
+    CHECK(ends(lines, 0) == Offsets{0.5, 9.5});
+    CHECK(ends(lines, 1) == Offsets{0.5, 1.5, 2.5, 3.5});
     // In the voxels of the picture, and along another axis.
     const auto fine = openvdb::math::Transform::createLinearTransform(0.5);
     const auto above = lattice_lines(box, *fine, View::z);
-    CHECK(ends(above, 0) == Doubles{0.5, 18.5});
-    CHECK(ends(above, 1) == Doubles{10.5, 12.5});
+    CHECK(ends(above, 0) == Offsets{0.5, 18.5});
+    CHECK(ends(above, 1) == Offsets{10.5, 12.5});
     // Of many planes about 16, of their corners all.
     CHECK(lattice_lines(make_box({0, 5, 0}, {10, 2, 161}, 1, {0, 1, 2}), *unit_space, View::y).size() == 16 * 2 + 4 * 160);
 }

@@ -21,7 +21,7 @@ using openvdb::CoordBBox;
 
 namespace {
 
-FloatGrid::Ptr cube(const Coord& first, const Coord& last, float value, const std::string& name = "density") {
+FloatGrid::Ptr block(const Coord& first, const Coord& last, float value, const std::string& name = "density") {
     auto out = named(name);
     out->denseFill(CoordBBox(first, last), value, true);
     return out;
@@ -121,7 +121,7 @@ TEST_CASE("preview render: the side towards the light is brighter than the one i
 
 TEST_CASE("preview render: smoke throws its shadow on other smoke") {
     // A wall, and a block that stands between it and the light.
-    const auto wall = cube(Coord(0, 12, 0), Coord(31, 15, 31), 1);
+    const auto wall = block(Coord(0, 12, 0), Coord(31, 15, 31), 1);
     const auto both = wall->deepCopy();
     both->denseFill(CoordBBox(Coord(4, 4, 20), Coord(9, 9, 25)), 1, true);
     const CoordBBox box(Coord(0), Coord(31, 15, 31));
@@ -133,7 +133,7 @@ TEST_CASE("preview render: smoke throws its shadow on other smoke") {
 TEST_CASE("preview render: a picture has the place and orientation of a projection") {
     const CoordBBox box(Coord(-20, -10, 3), Coord(19, 19, 42));
     const CoordBBox part(Coord(-16, 8, 30), Coord(-11, 15, 37));
-    const auto grid = cube(part.min(), part.max(), 1);
+    const auto grid = block(part.min(), part.max(), 1);
     for (const auto view : {View::x, View::y, View::z}) {
         const auto shown = render({grid, nullptr, {}}, view, box, one);
         INFO("view " << static_cast<int>(view));
@@ -154,7 +154,7 @@ TEST_CASE("preview render: a picture has the place and orientation of a projecti
 TEST_CASE("preview render: of two things the camera sees the nearer one") {
     const CoordBBox box(Coord(0), Coord(15));
     const auto burning = [&](const Coord& fire, const Coord& smoke) {
-        return Scene{cube(smoke, smoke.offsetBy(5), 1), cube(fire, fire.offsetBy(5), 0.2f, "flame"), {}};
+        return Scene{block(smoke, smoke.offsetBy(5), 1), block(fire, fire.offsetBy(5), 0.2f, "flame"), {}};
     };
     const Area middle{{7, 7}, {8, 8}};
     const auto ends = [](int axis, int at) {
@@ -173,16 +173,16 @@ TEST_CASE("preview render: of two things the camera sees the nearer one") {
 
 TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and lights the smoke around it") {
     const CoordBBox box(Coord(0), Coord(31));
-    const auto flame = cube(Coord(20, 14, 4), Coord(27, 17, 11), 0.5f, "flame");
+    const auto flame = block(Coord(20, 14, 4), Coord(27, 17, 11), 0.5f, "flame");
     const auto fire = render({nullptr, flame, {}}, View::y, box, with_fire);
     const Area within{{22, 6}, {25, 9}}, beside{{4, 20}, {11, 27}};
     CHECK(redness(fire, within) > 0.3);
     CHECK(brightness(fire, within) > light(render_background) + 0.1);
     CHECK(brightness(fire, beside) == Approx(light(render_background)));
-    const auto weak = render({nullptr, cube(Coord(20, 14, 4), Coord(27, 17, 11), 0.25f, "flame"), {}}, View::y, box, with_fire);
+    const auto weak = render({nullptr, block(Coord(20, 14, 4), Coord(27, 17, 11), 0.25f, "flame"), {}}, View::y, box, with_fire);
     CHECK(brightness(weak, within) < brightness(fire, within) - 0.1);
 
-    const auto smoke = cube(Coord(4, 14, 4), Coord(31, 17, 11), 0.2f);
+    const auto smoke = block(Coord(4, 14, 4), Coord(31, 17, 11), 0.2f);
     const auto burning = render({smoke, flame, {}}, View::y, box, with_fire);
     CHECK(redness(burning, within) > 0.3);
     CHECK(redness(burning, {{17, 6}, {18, 9}}) > redness(burning, {{5, 6}, {8, 9}}) + 0.02);
@@ -190,7 +190,7 @@ TEST_CASE("preview render: fire glows where it is, the hotter the brighter, and 
 
 TEST_CASE("preview render: each stop of exposure makes smoke and fire brighter, and leaves the background") {
     const Area middle{{-3, -3}, {3, 3}};
-    const auto fire = cube(Coord(-4, -2, -4), Coord(4, 1, 4), 0.2f, "flame");
+    const auto fire = block(Coord(-4, -2, -4), Coord(4, 1, 4), 0.2f, "flame");
     for (const auto& scene : {Scene{ball(), nullptr, {}}, Scene{nullptr, fire, {}}}) {
         const auto of = [&](double gain) { return render(scene, View::y, around_ball, {1, 1, gain}); };
         const auto plain_one = of(1), brighter = of(4), darker = of(0.25);
@@ -212,9 +212,9 @@ TEST_CASE("preview render: nothing to see is the plain background") {
     const CoordBBox box(Coord(0), Coord(9));
     CHECK(plain(render({}, View::y, box, one)));
     CHECK(plain(render({named("density"), named("flame"), {}}, View::y, box, with_fire)));
-    CHECK(plain(render({cube(Coord(0), Coord(5), 0), nullptr, {}}, View::y, box, one)));
-    CHECK(plain(render({cube(Coord(0), Coord(5), 1), nullptr, {}}, View::y, box, {0, 0})));
-    CHECK_FALSE(plain(render({cube(Coord(0), Coord(5), 1), nullptr, {}}, View::y, box, one)));
+    CHECK(plain(render({block(Coord(0), Coord(5), 0), nullptr, {}}, View::y, box, one)));
+    CHECK(plain(render({block(Coord(0), Coord(5), 1), nullptr, {}}, View::y, box, {0, 0})));
+    CHECK_FALSE(plain(render({block(Coord(0), Coord(5), 1), nullptr, {}}, View::y, box, one)));
 }
 
 TEST_CASE("preview render: what is inactive, negative or no number is not seen") {
@@ -239,7 +239,7 @@ TEST_CASE("preview render: tiles are seen as voxels are") {
     const auto tiles = named("density");
     tiles->sparseFill(box, 0.1f, true);
     REQUIRE(tiles->tree().activeTileCount() > 0);
-    CHECK(same(render({tiles, nullptr, {}}, View::y, box, one), render({cube(box.min(), box.max(), 0.1f), nullptr, {}}, View::y, box, one)));
+    CHECK(same(render({tiles, nullptr, {}}, View::y, box, one), render({block(box.min(), box.max(), 0.1f), nullptr, {}}, View::y, box, one)));
 }
 
 TEST_CASE("preview render: the exposure is relative, whatever the values' unit and the grid's transform") {
@@ -270,7 +270,7 @@ TEST_CASE("preview render: large boxes are seen through fewer pixels") {
 }
 
 TEST_CASE("preview render: the same picture on one thread and on two") {
-    const auto fire = cube(Coord(-4, -12, -8), Coord(4, -9, 0), 1, "flame");
+    const auto fire = block(Coord(-4, -12, -8), Coord(4, -9, 0), 1, "flame");
     const auto on = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return render({ball(), fire, {}}, View::y, around_ball, with_fire);
@@ -324,7 +324,7 @@ TEST_CASE("preview render: before and after share one window and the exposure of
     CHECK_FALSE(same(raised[2], raised[0]));
     CHECK(same(raised[0], pictures(weak, weak)[0]));
 
-    const auto small = cube(Coord(0), Coord(3), 4);
+    const auto small = block(Coord(0), Coord(3), 4);
     const auto moved = pictures(small, strong);
     CHECK(moved[0].area.first == moved[2].area.first);
     CHECK(moved[0].area.last == moved[2].area.last);
@@ -334,7 +334,7 @@ TEST_CASE("preview render: before and after share one window and the exposure of
 
 TEST_CASE("preview render: rows are before and after, then the energy as a slice") {
     auto frame = lit_frame(1, ball(), ball());
-    frame.energy = cube(Coord(0), Coord(3), 1);
+    frame.energy = block(Coord(0), Coord(3), 1);
     for (const bool stated : {false, true}) {
         auto wish = render_wish();
         if (stated) wish.slice = 2;
@@ -398,7 +398,7 @@ TEST_CASE("preview render: a grid of another transform is left out with a warnin
         void warn(const std::string& message) override { warnings.push_back(message); }
     } listener;
     const std::vector<int> frames{1};
-    const auto flame = cube(Coord(0), Coord(3), 1, "flame");
+    const auto flame = block(Coord(0), Coord(3), 1, "flame");
     flame->setTransform(openvdb::math::Transform::createLinearTransform(2));
     NodeBench node(preview_sheet(), "{path: x.png, show: render}");
     node.add({{"before", {volume_of({ball(), flame})}}}, Context(listener, frames));

@@ -40,7 +40,7 @@ std::vector<std::size_t> shown_of(const std::string& count, int total) {
 
 using Places = std::vector<std::size_t>;
 
-Payload volume_of(const FloatGrid::Ptr& grid) { return Payload(std::make_shared<const Volume>(Volume{{grid}, {}, {}})); }
+Payload volume_with(const FloatGrid::Ptr& grid) { return Payload(std::make_shared<const Volume>(Volume{{grid}, {}, {}})); }
 
 }  // namespace
 
@@ -168,7 +168,7 @@ TEST_CASE("the sheet node writes one PNG after the last frame") {
     Context::Host host;
     Context context(host, frames);
     const auto before = cube(Coord(0), 8, 1.0f), after = cube(Coord(2), 8, 1.0f);
-    for (std::size_t place = 0; place < frames.size(); ++place) node.add({{"before", {volume_of(before)}}, {"after", {volume_of(after)}}}, context.at(place));
+    for (std::size_t place = 0; place < frames.size(); ++place) node.add({{"before", {volume_with(before)}}, {"after", {volume_with(after)}}}, context.at(place));
     CHECK_FALSE(std::filesystem::exists(scratch / "new/sheet.png"));
     node.finish(context);
 
@@ -192,7 +192,7 @@ TEST_CASE("a volume that is the same in all frames is shown once, whichever fram
     const std::vector<int> frames{5, 6, 7};
     Context::Host host;
     const Context context(host, frames);
-    node.add({{"before", {volume_of(cube(Coord(0), 8, 1.0f))}}}, context);
+    node.add({{"before", {volume_with(cube(Coord(0), 8, 1.0f))}}}, context);
     node.finish(context);
     CHECK(std::filesystem::exists(scratch / "sheet.png"));
     CHECK(failure_of([&] { NodeBench(preview_sheet(), "{path: x.png}").finish(context); }) == "none of the frames to show was computed");

@@ -26,7 +26,7 @@ using Kind = Seams::Kind;
 constexpr std::array shape{14, 9, 8};
 const Lattice lattice = make_box(Vec3d(0), shape, 1.0, {0, 1, 2});
 
-FloatGrid::Ptr noise() {
+FloatGrid::Ptr noisy_box() {
     std::mt19937 random(1);
     return energy_grid(CoordBBox(Coord(0), Coord(13, 8, 7)), [&](const Coord&) { return static_cast<float>(1 + random() % 1000); });
 }
@@ -37,7 +37,7 @@ Seams anchored(Seams seams, Anchor anchor) {
     return seams;
 }
 
-FloatGrid::ConstPtr carved(const FloatGrid::Ptr& grid, const Lattice& in, const std::vector<Seams>& sets, Softness softness = {}) {
+FloatGrid::ConstPtr carved_by_sets(const FloatGrid::Ptr& grid, const Lattice& in, const std::vector<Seams>& sets, Softness softness = {}) {
     std::vector<std::shared_ptr<const Seams>> list;
     for (const auto& set : sets) list.push_back(std::make_shared<Seams>(set));
     return openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, in, CarveMap(in, list, 1, {}, softness), Interpolation::linear));
@@ -52,12 +52,12 @@ TEST_CASE("an anchor shifts the whole result by whole voxels, softly carved or n
     const auto axis = GENERATE(Axis::u, Axis::v);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const double soft = GENERATE(0.0, 2.0);
-    const auto grid = noise();
+    const auto grid = noisy_box();
     const auto seams = random_seams(random, lattice, shape, axis, kind, 4, {1});
-    const auto base = carved(grid, lattice, {seams}, {soft, 0});
+    const auto base = carved_by_sets(grid, lattice, {seams}, {soft, 0});
     for (const auto& [anchor, by] : {std::pair(middle, 2), std::pair(high, 4)}) {
         const int shift = kind == Kind::remove ? by : -by;
-        const auto moved = carved(grid, lattice, {anchored(seams, anchor)}, {soft, 0});
+        const auto moved = carved_by_sets(grid, lattice, {anchored(seams, anchor)}, {soft, 0});
         for (auto at = CoordBBox(Coord(-6), Coord(22)).begin(); at; ++at) {
             auto from = *at;
             from[static_cast<int>(axis)] -= shift;
@@ -73,8 +73,8 @@ TEST_CASE("the content of an anchored vertex stays: as many vertices go below it
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     // Two of three seams run below vertex 9.
     const auto seams = straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{3, 4, 10} : std::vector{3, 5, 11});
-    const auto grid = noise();
-    const auto out = carved(grid, lattice, {anchored(seams, {Anchor::At::vertex, 9})});
+    const auto grid = noisy_box();
+    const auto out = carved_by_sets(grid, lattice, {anchored(seams, {Anchor::At::vertex, 9})});
     for (int y = 0; y < 9; ++y)
         for (int z = 0; z < 8; ++z) CHECK(out->tree().getValue(Coord(9, y, z)) == grid->tree().getValue(Coord(9, y, z)));
     CHECK(anchored(seams, {Anchor::At::vertex, 9}).shifts == (kind == Kind::remove ? std::vector{0, 1, 2, 2} : std::vector{0, -1, -2, -2}));
@@ -82,7 +82,7 @@ TEST_CASE("the content of an anchored vertex stays: as many vertices go below it
 
 TEST_CASE("anchored carves chain, along one axis and along both") {
     std::mt19937 random(3);
-    const auto grid = noise();
+    const auto grid = noisy_box();
     const auto first = random_seams(random, lattice, shape, Axis::u, Kind::insert, 3, {1});
     auto grown = shape;
     grown[0] += 3;
@@ -90,8 +90,8 @@ TEST_CASE("anchored carves chain, along one axis and along both") {
     auto shrunk = grown;
     shrunk[0] -= 5;
     const auto third = random_seams(random, lattice, shrunk, Axis::v, Kind::remove, 2, {1});
-    const auto base = carved(grid, lattice, {first, second, third});
-    const auto out = carved(grid, lattice, {anchored(first, high), anchored(second, middle), anchored(third, high)});
+    const auto base = carved_by_sets(grid, lattice, {first, second, third});
+    const auto out = carved_by_sets(grid, lattice, {anchored(first, high), anchored(second, middle), anchored(third, high)});
     // -3, then +2 along u; +2 along v.
     for (auto at = CoordBBox(Coord(0), Coord(11, 6, 7)).begin(); at; ++at)
         REQUIRE(out->tree().getValue((*at).offsetBy(-1, 2, 0)) == base->tree().getValue(*at));
@@ -140,7 +140,7 @@ TEST_CASE("an anchor and windows stay with seams that are kept in a file") {
 }
 
 TEST_CASE("solvers take an anchor, and refuse one beyond the lattice, below it or beside pairs") {
-    const auto energy = noise();
+    const auto energy = noisy_box();
     CHECK(solve(seam_pyramid(), "{count: -2, anchor: middle}", {energy}, {lattice}, {}, 1).seams->shift_after(2) == 1);
     CHECK(solve(seam_pyramid(), "{count: 2, anchor: high}", {energy}, {lattice}, {}, 1).seams->shift_after(2) == -2);
     CHECK_THROWS_WITH(solve(seam_pyramid(), "{count: -2, anchor: 14}", {energy}, {lattice}, {}, 1),

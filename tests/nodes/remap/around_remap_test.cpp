@@ -33,7 +33,7 @@ using Kind = Seams::Kind;
 Lattice helix_lattice() { return around(through(helix_points()), 0.9, 0.1); }
 Lattice ring_lattice() { return around(through(saddle_points(), true), 0.8, 0.1); }
 
-CarveMap map_of(const Lattice& lattice, const Seams& seams, double soft) { return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, {soft, 0}}; }
+CarveMap soft_map_of(const Lattice& lattice, const Seams& seams, double soft) { return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, {soft, 0}}; }
 
 /// Seams that wander across v and close there, from vertex 1 on; removals as each is found in what those before leave.
 Seams wandering(const Lattice& lattice, Kind kind, int count, int lowest) {
@@ -50,7 +50,7 @@ Seams wandering(const Lattice& lattice, Kind kind, int count, int lowest) {
     return out;
 }
 
-FloatGrid::Ptr field_around(const Lattice& lattice, double voxel, const std::function<float(const Vec3d&)>& value) {
+FloatGrid::Ptr field_in(const Lattice& lattice, double voxel, const std::function<float(const Vec3d&)>& value) {
     const auto box = Mapping(lattice).world_box(BBoxd(Vec3d(0), Vec3d(lattice.shape[0] + 4, lattice.shape[1], lattice.shape[2])));
     const auto out = sampled<FloatGrid>(CoordBBox(Coord::floor(box.min() / voxel).offsetBy(-3), Coord::ceil(box.max() / voxel).offsetBy(3)), voxel, value);
     out->setName("density");
@@ -78,8 +78,8 @@ TEST_CASE("a round trail gets thinner or thicker from all sides alike, and what 
         const auto place = before.locate(p);
         return place ? static_cast<float>(std::clamp(7 - place->x(), 0.0, 1.0)) : 0.0f;
     };
-    const FloatGrid::ConstPtr grid = field_around(lattice, 0.08, thick);
-    const auto map = map_of(lattice, straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{3, 3} : std::vector{3, 4}), 3);
+    const FloatGrid::ConstPtr grid = field_in(lattice, 0.08, thick);
+    const auto map = soft_map_of(lattice, straight_seams(lattice, Axis::u, kind, kind == Kind::remove ? std::vector{3, 3} : std::vector{3, 4}), 3);
     const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
     auto values = carved->getConstAccessor();
     // The radius at which the trail falls to one half, in directions all around and all along.
@@ -107,8 +107,8 @@ TEST_CASE("every voxel around a rig comes from where the map says, soft or whole
     for (const auto& lattice : {helix_lattice(), ring_lattice()}) {
         const Vec3d slope(1, -0.5, 0.25);
         const auto linear = [&](const Vec3d& at) { return static_cast<float>(20 + slope.dot(at)); };
-        const FloatGrid::ConstPtr grid = field_around(lattice, 0.09, linear);
-        const auto map = map_of(lattice, wandering(lattice, kind, 2, 1), 3);
+        const FloatGrid::ConstPtr grid = field_in(lattice, 0.09, linear);
+        const auto map = soft_map_of(lattice, wandering(lattice, kind, 2, 1), 3);
         const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
         const Mapping mapping(lattice, map.reach());
         auto values = carved->getConstAccessor();
@@ -140,11 +140,11 @@ TEST_CASE("on the rig no voxel is lost or torn: it stays, its neighbours stay be
     const int count = 3;
     const auto lattice = helix_lattice();
     const double voxel = 0.08;
-    const auto map = map_of(lattice, wandering(lattice, kind, count, 1), soft);
+    const auto map = soft_map_of(lattice, wandering(lattice, kind, count, 1), soft);
     const Mapping mapping(lattice, map.reach());
     for (int axis = 0; axis < 3; ++axis) {
         // Each voxel holds one of its coordinates, so that the carve tells where its content comes from.
-        const FloatGrid::ConstPtr grid = field_around(lattice, voxel, [&](const Vec3d& at) { return static_cast<float>(10 + at[axis]); });
+        const FloatGrid::ConstPtr grid = field_in(lattice, voxel, [&](const Vec3d& at) { return static_cast<float>(10 + at[axis]); });
         const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
         auto values = carved->getConstAccessor();
         int looked = 0, inactive = 0, far = 0, torn = 0;
@@ -193,15 +193,15 @@ TEST_CASE("smoothed displacements close around a rig: turned seams give turned d
         }
     seams.seams.push_back({one, 0.0});
     turned.seams.push_back({other, 0.0});
-    const auto a = map_of(lattice, seams, 3), b = map_of(lattice, turned, 3);
+    const auto a = soft_map_of(lattice, seams, 3), b = soft_map_of(lattice, turned, 3);
     for (int j = 0; j < turn; ++j)
         for (int e = 0; e < lattice.shape[0] - 1; ++e)
             REQUIRE(a.steps()[0].soft()->entry(e, (j + 20) % turn, 5) == Approx(b.steps()[0].soft()->entry(e, j, 5)).margin(1e-6));
     // There is no rim across v at which content could tear, nor one on the rig.
     Volume volume;
-    volume.grids.push_back(field_around(lattice, 0.1, [](const Vec3d&) { return 1.0f; }));
+    volume.grids.push_back(field_in(lattice, 0.1, [](const Vec3d&) { return 1.0f; }));
     for (const auto& tear : find_tears(volume, lattice, a)) CHECK((tear.rim[0] == 'w' || tear.rim == "u = " + std::to_string(lattice.shape[0] - 1)));
-    auto faded = map_of(lattice, seams, 3);
+    auto faded = soft_map_of(lattice, seams, 3);
     faded.fade(5);
     CHECK(faded.steps()[0].scale(Vec3d(3, 0, 60)) == 1);
     CHECK(faded.steps()[0].scale(Vec3d(3, 20, 0)) == 0);
@@ -209,7 +209,7 @@ TEST_CASE("smoothed displacements close around a rig: turned seams give turned d
 
 TEST_CASE("seams are found along the cells around a rig, also where v closes") {
     const auto lattice = helix_lattice();
-    const auto map = map_of(lattice, wandering(lattice, Kind::remove, 1, 2), 0);
+    const auto map = soft_map_of(lattice, wandering(lattice, Kind::remove, 1, 2), 0);
     int along = 0;
     for (int j = 0; j < lattice.shape[1]; ++j) {
         // Between the last column and the first, too.
@@ -228,8 +228,8 @@ TEST_CASE("a density around a rig keeps its mass, and particles keep their numbe
         return place ? static_cast<float>(std::max(0.0, 1 - place->x() / 5.5)) : 0.0f;
     };
     Volume source;
-    source.grids.push_back(field_around(lattice, 0.08, cloud));
-    const auto map = map_of(lattice, wandering(lattice, kind, 2, 1), 3);
+    source.grids.push_back(field_in(lattice, 0.08, cloud));
+    const auto map = soft_map_of(lattice, wandering(lattice, kind, 2, 1), 3);
     const auto carved = finished(source, carve_volume(source, lattice, map, Interpolation::linear), lattice, map, {std::nullopt, {"density"}, false});
     const auto sum = [](const Volume& volume) {
         double out = 0;

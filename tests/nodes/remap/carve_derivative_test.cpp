@@ -26,9 +26,9 @@ namespace {
 double filtered(const CarveStep& step, int entry, int lateral, int k) {
     k = step.closed() ? (k + step.slices()) % step.slices() : k;
     const int beside = std::min({step.count(), entry, step.after() - 1 - entry});
-    double sum = 0;
-    for (int e = entry - beside; e <= entry + beside; ++e) sum += 0.5 * step.displacement(e, lateral, k);
-    return sum / (2 * beside + 1);
+    double content = 0;
+    for (int e = entry - beside; e <= entry + beside; ++e) content += 0.5 * step.displacement(e, lateral, k);
+    return content / (2 * beside + 1);
 }
 
 double central(const std::function<double(int)>& value, int at, int size, bool closed) {
@@ -36,7 +36,7 @@ double central(const std::function<double(int)>& value, int at, int size, bool c
     return low == high ? 0 : (value(high) - value(low)) / (high - low);
 }
 
-openvdb::GridBase::ConstPtr carved(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const std::vector<Seams>& sets, const std::string& yaml) {
+openvdb::GridBase::ConstPtr carved_by_node(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const std::vector<Seams>& sets, const std::string& yaml) {
     const auto volume = std::make_shared<Volume>();
     volume->grids = {grid};
     std::vector<Payload> seams;
@@ -51,7 +51,7 @@ openvdb::GridBase::ConstPtr carved(const openvdb::GridBase::ConstPtr& grid, cons
 FloatGrid::ConstPtr as_float(const openvdb::GridBase::ConstPtr& grid) { return openvdb::GridBase::grid<FloatGrid>(grid); }
 VectorGrid::ConstPtr as_vectors(const openvdb::GridBase::ConstPtr& grid) { return openvdb::GridBase::grid<VectorGrid>(grid); }
 
-double sum(const FloatGrid& grid) {
+double content(const FloatGrid& grid) {
     double out = 0;
     for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) out += static_cast<double>(*voxel) * static_cast<double>(voxel.getVoxelCount());
     return out;
@@ -177,9 +177,9 @@ TEST_CASE("conserve: mass keeps the mass of what seams pass through, to one perc
     const Vec3d centre = shape == 2 ? Vec3d(ring_radius(300, 1), 0, 0) : Vec3d(0);
     const auto grid = blob(centre, 9, voxel);
     const auto seams = wavy_seams(lattice, Axis::u, kind, 38, 3, 3);
-    const auto plain = as_float(carved(grid, lattice, {seams}, "{}")), kept = as_float(carved(grid, lattice, {seams}, "{conserve: mass}"));
-    CHECK(std::abs(sum(*plain) / sum(*grid) - 1) > 0.1);
-    CHECK(sum(*kept) == Approx(sum(*grid)).epsilon(0.01));
+    const auto plain = as_float(carved_by_node(grid, lattice, {seams}, "{}")), kept = as_float(carved_by_node(grid, lattice, {seams}, "{conserve: mass}"));
+    CHECK(std::abs(content(*plain) / content(*grid) - 1) > 0.1);
+    CHECK(content(*kept) == Approx(content(*grid)).epsilon(0.01));
     CHECK(kept->activeVoxelCount() == plain->activeVoxelCount());
 
     // Before the seams and as far as they are spread nothing changes; in a straight box nor does it behind them.
@@ -242,7 +242,7 @@ TEST_CASE("turned with the space around them, velocities of a rotation about a r
     const CoordBBox box(Coord(0, 0, -4), Coord(100, 100, 5));
     const auto spin = [](const Vec3d& at) { return rotation(Vec3d(0, 0, 0.1), at); };
     const auto grid = staggered ? sampled_staggered(box, 0.5, spin) : sampled<VectorGrid>(box, 0.5, spin);
-    const auto plain = as_vectors(carved(grid, lattice, {seams}, "{}")), got = as_vectors(carved(grid, lattice, {seams}, "{transform_vectors: true}"));
+    const auto plain = as_vectors(carved_by_node(grid, lattice, {seams}, "{}")), got = as_vectors(carved_by_node(grid, lattice, {seams}, "{transform_vectors: true}"));
     const auto map = map_of(lattice, {seams});
     const Mapping mapping(lattice, map.reach());
     int beyond = 0, before = 0, at_seam = 0;
@@ -290,10 +290,10 @@ TEST_CASE("a stretching flow is carved into one that flows through the carved sp
     };
     const auto carved_at = [](const VectorGrid& grid, const Coord& at) { return Vec3d(grid.tree().getValue(at)); };
 
-    const auto plain = as_vectors(carved(collocated, lattice, {seams}, "{}")),
-               got = as_vectors(carved(collocated, lattice, {seams}, "{transform_vectors: true}"));
-    const auto faces = as_vectors(carved(staggered, lattice, {seams}, "{}")),
-               got_faces = as_vectors(carved(staggered, lattice, {seams}, "{transform_vectors: true}"));
+    const auto plain = as_vectors(carved_by_node(collocated, lattice, {seams}, "{}")),
+               got = as_vectors(carved_by_node(collocated, lattice, {seams}, "{transform_vectors: true}"));
+    const auto faces = as_vectors(carved_by_node(staggered, lattice, {seams}, "{}")),
+               got_faces = as_vectors(carved_by_node(staggered, lattice, {seams}, "{transform_vectors: true}"));
     int changed = 0;
     for (auto each = CoordBBox(Coord(1), Coord(34, 14, 8)).begin(); each; ++each) {
         const auto at = *each;
@@ -360,9 +360,9 @@ TEST_CASE("mass and vectors do not depend on the number of threads") {
     for (const auto& grid : {openvdb::GridBase::ConstPtr(spin), openvdb::GridBase::ConstPtr(smoke)}) {
         const std::string yaml = grid == smoke ? "{conserve: mass}" : "{transform_vectors: true}";
         openvdb::GridBase::ConstPtr one, four;
-        tbb::task_arena(1).execute([&] { one = carved(grid, lattice, {seams}, yaml); });
-        tbb::task_arena(4).execute([&] { four = carved(grid, lattice, {seams}, yaml); });
+        tbb::task_arena(1).execute([&] { one = carved_by_node(grid, lattice, {seams}, yaml); });
+        tbb::task_arena(4).execute([&] { four = carved_by_node(grid, lattice, {seams}, yaml); });
         CHECK(difference(*one, *four).empty());
-        CHECK(!difference(*one, *carved(grid, lattice, {seams}, "{}")).empty());
+        CHECK(!difference(*one, *carved_by_node(grid, lattice, {seams}, "{}")).empty());
     }
 }

@@ -6,6 +6,7 @@
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/sampled.h"
 #include "tests/support/wavy_seams.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
@@ -29,12 +30,6 @@ template <class Grid = FloatGrid>
 typename Grid::Ptr ball(const Vec3d& centre, double radius) {
     const auto out = openvdb::tools::createLevelSetSphere<Grid>(static_cast<float>(radius), openvdb::Vec3f(centre), 1.0f, band);
     out->setName("surface");
-    return out;
-}
-
-Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
-    Volume out;
-    out.grids = {grid};
     return out;
 }
 

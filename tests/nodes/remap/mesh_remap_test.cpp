@@ -24,7 +24,7 @@ using Kind = Seams::Kind;
 
 namespace {
 
-Lattice box(const std::array<int, 3>& shape, double spacing = 1, const Vec3d& first = Vec3d(0)) { return make_box(first, shape, spacing, {0, 1, 2}); }
+Lattice box_lattice(const std::array<int, 3>& shape, double spacing = 1, const Vec3d& first = Vec3d(0)) { return make_box(first, shape, spacing, {0, 1, 2}); }
 
 CarveMap map_of_all(const Lattice& lattice, const std::vector<Seams>& sets, double fade = 0) {
     auto out = map_of(lattice, sets);
@@ -92,7 +92,7 @@ TEST_CASE("the inverse of a carve undoes it, to the last digits, and rises along
     std::uniform_real_distribution<double> unit(0, 1);
     for (int round = 0; round < 60; ++round) {
         const bool closed = round % 3 == 0;
-        auto lattice = box({12, 12, 7});
+        auto lattice = box_lattice({12, 12, 7});
         if (closed) lattice = ring(Vec3d(0), {12, 12, 24}, 0.5, {1, 0});
         const auto axis = round % 2 ? Axis::u : Axis::v;
         const auto kind = round % 4 < 2 ? Kind::remove : Kind::insert;
@@ -130,7 +130,7 @@ TEST_CASE("the inverse of a carve undoes it, to the last digits, and rises along
 }
 
 TEST_CASE("with a fade the inverse is that of the faded carve") {
-    const auto lattice = box({14, 14, 14});
+    const auto lattice = box_lattice({14, 14, 14});
     for (const auto kind : {Kind::remove, Kind::insert}) {
         const auto seams = wavy_seams(lattice, Axis::u, kind, 6, 3, 1);
         const auto map = map_of_all(lattice, {seams}, 4);
@@ -151,7 +151,7 @@ TEST_CASE("with a fade the inverse is that of the faded carve") {
 }
 
 TEST_CASE("a straight seam moves what is beyond it by a vertex, and a vertex right on it goes half way") {
-    const auto lattice = box({10, 6, 6}, 0.5, Vec3d(1, 2, 3));
+    const auto lattice = box_lattice({10, 6, 6}, 0.5, Vec3d(1, 2, 3));
     const auto map = map_of(lattice, {straight_seams(lattice, Axis::u, Kind::remove, {4})});
     Mesh mesh;
     const std::vector<std::pair<double, double>> ways{{0, 0}, {3, 3}, {3.5, 3.25}, {4, 3.5}, {4.5, 3.75}, {5, 4}, {8.25, 7.25}, {9, 8}};
@@ -166,7 +166,7 @@ TEST_CASE("a straight seam moves what is beyond it by a vertex, and a vertex rig
 
 TEST_CASE("chains of carves move vertices first carve first, as sets found after one another do") {
     std::mt19937 random(3);
-    const auto lattice = box({12, 10, 6});
+    const auto lattice = box_lattice({12, 10, 6});
     const auto one = random_seams(random, lattice, {12, 10, 6}, Axis::u, Kind::remove, 2, {1});
     const auto two = random_seams(random, lattice, {10, 10, 6}, Axis::v, Kind::insert, 3, {1});
     const auto three = random_pairs(random, lattice, {10, 13, 6}, Axis::u, Kind::insert, 2, {1});
@@ -211,7 +211,7 @@ TEST_CASE("vertices beside the lattice, or where nothing moves, are the same to 
 }
 
 TEST_CASE("pairs move what is between their windows and nothing beyond") {
-    const auto lattice = box({20, 6, 6});
+    const auto lattice = box_lattice({20, 6, 6});
     auto seams = straight_seams(lattice, Axis::u, Kind::remove, {4, 4});
     for (const int entry : {14, 15}) seams.pairs.push_back(straight_seam(seams, entry));
     const auto map = map_of(lattice, {seams});
@@ -220,7 +220,7 @@ TEST_CASE("pairs move what is between their windows and nothing beyond") {
 }
 
 TEST_CASE("faces and attributes stay, and seams that change make a mesh of one file one per frame") {
-    const auto lattice = box({10, 10, 4});
+    const auto lattice = box_lattice({10, 10, 4});
     auto seams = straight_seams(lattice, Axis::u, Kind::remove, {5}, {1, 2});
     for (std::size_t c = seams.columns_per_frame(); c < 2 * seams.columns_per_frame(); ++c) seams.seams[0].at.all()[c] = 4;
     auto mesh = sheet(8, 1, Vec3d(1, 1, 1));
@@ -260,7 +260,7 @@ TEST_CASE("faces and attributes stay, and seams that change make a mesh of one f
 }
 
 TEST_CASE("long edges over a seam and faces across a rim are counted and told") {
-    const auto lattice = box({20, 10, 10});
+    const auto lattice = box_lattice({20, 10, 10});
     const auto map = map_of(lattice, {straight_seams(lattice, Axis::u, Kind::remove, {7, 7, 7})});
     // Sheets of 4 x 4 faces: fine, coarse, and one that reaches beyond the rim v = 0.
     CHECK(warnings_of(carve_mesh(sheet(5, 1, Vec3d(5, 3, 5)), lattice, map)).empty());

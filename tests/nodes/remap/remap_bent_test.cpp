@@ -1,6 +1,7 @@
 #include "nodes/remap/grid.h"
 #include "nodes/remap/rim.h"
 #include "tests/support/bent_lattices.h"
+#include "tests/support/carved.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/sampled.h"
 
@@ -23,18 +24,10 @@ CarveMap map_of(const Lattice& lattice, const Seams& seams, const Softness& soft
     return {lattice, {std::make_shared<Seams>(seams)}, 1, {}, softness};
 }
 
-template <class Grid>
-typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map,
-                               Interpolation interpolation = Interpolation::linear) {
-    return openvdb::GridBase::grid<Grid>(carve_grid(grid, lattice, map, interpolation));
-}
-
 FloatGrid::Ptr field_around(const Lattice& lattice, double voxel, const std::function<float(const Vec3d&)>& value) {
     const auto box = Mapping(lattice).world_box(BBoxd(Vec3d(0), Vec3d(lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2])));
     return sampled<FloatGrid>(CoordBBox(Coord::floor(box.min() / voxel).offsetBy(-6), Coord::ceil(box.max() / voxel).offsetBy(6)), voxel, value);
 }
-
-float swirl(const Vec3d& at) { return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x())); }
 
 /// The greatest difference of two grids' values in a box; states must agree.
 template <class Grid>

@@ -105,7 +105,7 @@ std::map<int, int> counts_along_u(const CarvedPoints& carved, const std::vector<
     return out;
 }
 
-const Lattice box = make_box(Vec3d(0), {30, 12, 14}, 1.0, {0, 1, 2});
+const Lattice points_box = make_box(Vec3d(0), {30, 12, 14}, 1.0, {0, 1, 2});
 
 }  // namespace
 
@@ -137,14 +137,14 @@ TEST_CASE("a point goes where the definition says, for any seams that are remove
 }
 
 TEST_CASE("points right on vertices, and half a vertex from a seam, stay whole") {
-    const auto removed = step_of(straight_seams(box, Axis::u, Kind::remove, {10, 14}));
+    const auto removed = step_of(straight_seams(points_box, Axis::u, Kind::remove, {10, 14}));
     const auto places = [&](const CarveStep& step, double u) { return places_of(step, Vec3d(u, 3, 4)); };
     CHECK(places(removed, 9.5) == std::vector{9.5});
     CHECK(places(removed, 10) == std::vector<double>{});
     CHECK(places(removed, 10.5) == std::vector{9.5});
     CHECK(places(removed, 15) == std::vector<double>{});  // the second seam, in the space that the first leaves
     CHECK(places(removed, 29) == std::vector{27.0});
-    const auto inserted = step_of(straight_seams(box, Axis::u, Kind::insert, {10, 14}));
+    const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {10, 14}));
     CHECK(places(inserted, 10) == std::vector{10.0});
     CHECK(places(inserted, 10.25) == std::vector{10.25, 11.25});
     CHECK(places(inserted, 11) == std::vector{12.0});
@@ -153,14 +153,14 @@ TEST_CASE("points right on vertices, and half a vertex from a seam, stay whole")
 }
 
 TEST_CASE("where insertions extend the lattice they write over what was there; beyond, nothing changes") {
-    const auto inserted = step_of(straight_seams(box, Axis::u, Kind::insert, {3, 9, 12}));
+    const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12}));
     CHECK(places_of(inserted, Vec3d(29.01, 3, 4)).empty());
     CHECK(places_of(inserted, Vec3d(32, 3, 4)).empty());
     CHECK(places_of(inserted, Vec3d(32.01, 3, 4)) == std::vector{32.01});
     CHECK(places_of(inserted, Vec3d(31, 11.5, 4)) == std::vector{31.0});
 
     const std::vector<Vec3d> positions{Vec3d(29.5, 3, 4), Vec3d(31.9, 3, 4), Vec3d(32.5, 3, 4), Vec3d(-0.1, 3, 4), Vec3d(29.5, -0.1, 4), Vec3d(29, 3, 13.1)};
-    const auto carved = carve(positions, box, map_of(box, {straight_seams(box, Axis::u, Kind::insert, {3, 9, 12})}));
+    const auto carved = carve(positions, points_box, map_of(points_box, {straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12})}));
     CHECK(carved.deleted == 2);
     CHECK(carved.moved == 0);
     CHECK(carved.copied == 0);
@@ -177,7 +177,7 @@ TEST_CASE("the density of uniformly random points stays what it is, in seams and
     // Beyond the lattice to the sides of u, so that nothing is special about its ends.
     const BBoxd around(Vec3d(-3, 0, 0), Vec3d(36, 11, 13));
     const auto positions = scattered(around, static_cast<std::size_t>(per_cell * 39 * 11 * 13), 5);
-    const auto carved = carve(positions, box, map_of(box, {wavy_seams(box, Axis::u, kind, 13, 6, 2.0)}), default_jitter);
+    const auto carved = carve(positions, points_box, map_of(points_box, {wavy_seams(points_box, Axis::u, kind, 13, 6, 2.0)}), default_jitter);
     const double slice = per_cell * 11 * 13;
     for (const auto& [u, count] : counts_along_u(carved, positions)) {
         INFO(u);
@@ -236,7 +236,7 @@ TEST_CASE("right beside a rim a fading seam takes and adds no less than its widt
     for (const double width : {1e-7, 4e-6, 1e-5, 4e-5, 1e-3}) {
         INFO(width);
         const auto places = [&](Kind kind, double from_bound) {
-            auto step = step_of(straight_seams(box, Axis::u, kind, {10}));
+            auto step = step_of(straight_seams(points_box, Axis::u, kind, {10}));
             step.fade(4);
             // An inserted seam doubles what is right before its new entry.
             const double bound = kind == Kind::remove ? 9.5 : 11 - width;
@@ -299,11 +299,11 @@ TEST_CASE("in bent and closed lattices points outside stay, and the others move 
 
 TEST_CASE("a chain is carved in its order, each step in the space that those before it leave") {
     std::mt19937 random(13);
-    const auto first = random_seams(random, box, box.shape, Axis::u, Kind::remove, 5, {1});
-    const auto second = random_seams(random, box, first.shape_after(5), Axis::v, Kind::insert, 3, {1});
-    const auto third = random_pairs(random, box, second.shape_after(3), Axis::u, Kind::insert, 4, {1});
+    const auto first = random_seams(random, points_box, points_box.shape, Axis::u, Kind::remove, 5, {1});
+    const auto second = random_seams(random, points_box, first.shape_after(5), Axis::v, Kind::insert, 3, {1});
+    const auto third = random_pairs(random, points_box, second.shape_after(3), Axis::u, Kind::insert, 4, {1});
     const auto positions = scattered(BBoxd(Vec3d(0), Vec3d(29, 11, 13)), 20000, 14);
-    const auto carved = carve(positions, box, map_of(box, {first, second, third}));
+    const auto carved = carve(positions, points_box, map_of(points_box, {first, second, third}));
     std::map<std::uint32_t, std::vector<Vec3d>> results;
     for (const auto& image : carved.images) results[image.source].push_back(image.moved ? image.position : positions[image.source]);
     for (std::uint32_t n = 0; n < positions.size(); ++n) {
@@ -329,12 +329,12 @@ TEST_CASE("a chain is carved in its order, each step in the space that those bef
 }
 
 TEST_CASE("copies stand off by their point's id alone, and by no more than the jitter") {
-    const auto map = map_of(box, {straight_seams(box, Axis::u, Kind::insert, {10})});
+    const auto map = map_of(points_box, {straight_seams(points_box, Axis::u, Kind::insert, {10})});
     auto positions = scattered(BBoxd(Vec3d(10.05, 2, 2), Vec3d(10.95, 10, 11)), 500, 15);
     const auto identities = points_at(positions).identities();
     const auto copies = [&](const std::vector<Vec3d>& at, const std::vector<std::uint64_t>& ids, double jitter) {
         std::map<std::uint64_t, Vec3d> out;
-        for (const auto& image : carve_points(at, ids, box, map, jitter).images)
+        for (const auto& image : carve_points(at, ids, points_box, map, jitter).images)
             if (image.moved) out[ids[image.source]] = image.position - at[image.source];
         return out;
     };
@@ -365,7 +365,7 @@ TEST_CASE("copies stand off by their point's id alone, and by no more than the j
 TEST_CASE("points of both kinds of file carve alike; without seams they are the very same, and threads change nothing") {
     const auto positions = scattered(BBoxd(Vec3d(-2, -2, -2), Vec3d(33, 13, 15)), 30000, 16);
     const auto list = points_at(positions), grid = in_vdb(list);
-    const auto lattice = std::make_shared<Lattice>(box);
+    const auto lattice = std::make_shared<Lattice>(points_box);
     const auto set = [&](const Seams& seams) { return Payload(std::make_shared<Seams>(seams)); };
     NodeBench node(remap_points());
     const auto run = [&](const Points& points, const Seams& seams) {
@@ -373,12 +373,12 @@ TEST_CASE("points of both kinds of file carve alike; without seams they are the 
             .at("points")
             .as<Points>();
     };
-    const auto none = run(grid, straight_seams(box, Axis::u, Kind::remove, {}));
+    const auto none = run(grid, straight_seams(points_box, Axis::u, Kind::remove, {}));
     CHECK(none->grid == grid.grid);
-    CHECK(run(list, straight_seams(box, Axis::u, Kind::remove, {}))->ply == list.ply);
+    CHECK(run(list, straight_seams(points_box, Axis::u, Kind::remove, {}))->ply == list.ply);
 
     std::mt19937 random(17);
-    const auto seams = random_pairs(random, box, box.shape, Axis::u, Kind::insert, 4, {1});
+    const auto seams = random_pairs(random, points_box, points_box.shape, Axis::u, Kind::insert, 4, {1});
     const auto a = run(list, seams), b = run(grid, seams);
     REQUIRE(a->size() == b->size());
     CHECK(a->size() != positions.size());
@@ -401,7 +401,7 @@ TEST_CASE("points of both kinds of file carve alike; without seams they are the 
     std::shared_ptr<const Points> alone;
     one.execute([&] { alone = run(grid, seams); });
     CHECK(bytes(alone->grid->constBaseTree()) == bytes(b->grid->constBaseTree()));
-    CHECK(bytes(carve_grid(grid.grid, box, map_of(box, {seams}), Interpolation::linear)->constBaseTree()) == bytes(b->grid->constBaseTree()));
+    CHECK(bytes(carve_grid(grid.grid, points_box, map_of(points_box, {seams}), Interpolation::linear)->constBaseTree()) == bytes(b->grid->constBaseTree()));
 }
 
 TEST_CASE("points that a carve does not reach keep every bit, in leaves that change too") {
@@ -437,8 +437,8 @@ TEST_CASE("the report counts what became of the points, frame by frame, and seam
         }
     } told;
     const std::vector<int> frames{41, 42};
-    const auto lattice = std::make_shared<Lattice>(box);
-    auto seams = straight_seams(box, Axis::u, Kind::remove, {10}, frames);
+    const auto lattice = std::make_shared<Lattice>(points_box);
+    auto seams = straight_seams(points_box, Axis::u, Kind::remove, {10}, frames);
     const auto entries = seams.seams[0].at.all();
     std::fill(entries.begin() + static_cast<std::ptrdiff_t>(seams.columns_per_frame()), entries.end(), std::uint16_t{20});
     const auto points = points_at({Vec3d(5, 5, 5), Vec3d(10.2, 5, 5), Vec3d(15, 5, 5), Vec3d(20.2, 5, 5), Vec3d(25, 5, 5)});

@@ -2,6 +2,7 @@
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/grid.h"
 #include "nodes/remap/grids.h"
+#include "tests/support/carved.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 
@@ -88,14 +89,8 @@ CoordBBox around(const Layout& layout, const std::array<int, 3>& reach) {
     return out;
 }
 
-CarveMap map_of(const Lattice& lattice, const Seams& seams, std::optional<std::size_t> count = {}) {
+CarveMap map_of_count(const Lattice& lattice, const Seams& seams, std::optional<std::size_t> count = {}) {
     return {lattice, {std::make_shared<Seams>(seams)}, seams.frames.front(), count};
-}
-
-template <class Grid>
-typename Grid::ConstPtr carved(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map,
-                               Interpolation interpolation = Interpolation::linear) {
-    return openvdb::GridBase::grid<Grid>(carve_grid(grid, lattice, map, interpolation));
 }
 
 FloatGrid::Ptr dense_grid(const CoordBBox& box, const openvdb::math::Transform::Ptr& transform, const std::function<float(const Coord&)>& value) {
@@ -156,13 +151,13 @@ TEST_CASE("without seams, and where seams change nothing, the grid itself comes 
     const OnVoxels place(random);
     const auto grid = random_grid<FloatGrid>(random);
     grid->setTransform(place.transform);
-    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) ==
+    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) ==
           grid);
-    CHECK(carve_grid(grid, place.lattice, map_of(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
+    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
                      Interpolation::linear) == grid);
 
     const FloatGrid::ConstPtr flat = FloatGrid::create(0.5f);
-    const auto map = map_of(place.lattice, straight_seams(place.lattice, Axis::v, Seams::Kind::insert, {2, 3}));
+    const auto map = map_of_count(place.lattice, straight_seams(place.lattice, Axis::v, Seams::Kind::insert, {2, 3}));
     CHECK(carve_grid(flat, place.lattice, map, Interpolation::linear) == flat);
 }
 
@@ -171,7 +166,7 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     const auto grid = FloatGrid::create();
     grid->tree().addTile(2, Coord(0, 0, 0), 2.0f, true);
     grid->tree().addTile(2, Coord(0, 128, 0), 3.0f, false);
-    const auto map = map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {40, 41, 42}));
+    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {40, 41, 42}));
     const auto got = carved<FloatGrid>(grid, lattice, map);
     // Only the ends of the two tiles along u move, by three voxels: a layer of 16 x 16 blocks each.
     CHECK(got->tree().leafCount() == 2 * 16 * 16);
@@ -180,7 +175,7 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     CHECK(got->tree().getValue(Coord(125, 5, 5)) == 0.0f);
     CHECK(got->tree().getValue(Coord(124, 130, 5)) == 3.0f);
 
-    const auto emptied = carved<FloatGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(256, 0))));
+    const auto emptied = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(256, 0))));
     CHECK(emptied->tree().leafCount() == 0);
     CHECK(emptied->activeVoxelCount() == 0);
 }
@@ -191,7 +186,7 @@ TEST_CASE("an output keeps all metadata of its grid, the half flag too") {
         dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
     grid->setSaveFloatAsHalf(true);
     grid->insertMeta("of the house", openvdb::StringMetadata("yes"));
-    const auto got = carved<FloatGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
+    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
     CHECK(got != grid);
     CHECK(got->saveFloatAsHalf());
     CHECK(got->metaValue<std::string>("of the house") == "yes");
@@ -209,7 +204,7 @@ TEST_CASE("between the voxels, a linear field is carved without error") {
     const Vec3d slope(1, -0.5, 0.25);
     const auto grid = dense_grid(CoordBBox(Coord(-12), Coord(24)), transform, [&](const Coord& at) { return float(slope.dot(transform->indexToWorld(at))); });
     const auto lattice = make_box(Vec3d(0), {13, 9, 7}, 0.25, {0, 1, 2});
-    const auto map = map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {5, 5}));
+    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {5, 5}));
     const auto got = carved<FloatGrid>(grid, lattice, map, interpolation);
 
     const Mapping mapping(lattice);
@@ -246,7 +241,7 @@ TEST_CASE("a step that is removed in a turned lattice does not shine through") {
         const double u = transform->indexToWorld(at).x();
         return u > 14.5 && u < 24.5 ? 1.0f : 0.0f;
     });
-    const auto map = map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(12, 13)));
+    const auto map = map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(12, 13)));
     const auto got = carved<FloatGrid>(grid, lattice, map);
     int shining = 0;
     for (auto voxel = got->cbeginValueOn(); voxel; ++voxel)
@@ -258,7 +253,7 @@ TEST_CASE("a freed end is cleared inside a tile, between the voxels too") {
     const auto grid = FloatGrid::create();
     grid->tree().addTile(2, Coord(0), 2.0f, true);
     const auto lattice = make_box(Vec3d(0.5, 0.5, 0.5), {120, 120, 120}, 1.0, {0, 1, 2});
-    const auto got = carved<FloatGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(10, 40))));
+    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(10, 40))));
     CHECK(got->tree().getValue(Coord(109, 60, 60)) == 2.0f);
     CHECK(got->tree().getValue(Coord(110, 60, 60)) == 0.0f);
     CHECK(got->tree().getValue(Coord(119, 60, 60)) == 0.0f);
@@ -300,7 +295,7 @@ TEST_CASE("components of a staggered grid are carved at their faces") {
     auto values = grid->getAccessor();
     for (auto at = CoordBBox(Coord(0), Coord(15)).begin(); at; ++at) values.setValueOn(*at, openvdb::Vec3s(float((*at).x()), float((*at).x()), 1.0f));
     const auto lattice = make_box(Vec3d(-0.5, 0, 0), {16, 16, 16}, 1.0, {0, 1, 2});
-    const auto got = carved<VectorGrid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {6})));
+    const auto got = carved<VectorGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {6})));
     CHECK(got->tree().getValue(Coord(5, 4, 4)) == openvdb::Vec3s(5, 5.5f, 1));  // its face is vertex 5; its centre lies in the seam's cell
     CHECK(got->tree().getValue(Coord(6, 4, 4)) == openvdb::Vec3s(7, 7, 1));
     CHECK(got->tree().getValue(Coord(4, 4, 4)) == openvdb::Vec3s(4, 4, 1));
@@ -314,7 +309,7 @@ TEST_CASE("whole numbers are read from the nearest voxel, never interpolated") {
     auto values = grid->getAccessor();
     for (auto at = CoordBBox(Coord(-10), Coord(20)).begin(); at; ++at) values.setValueOn(*at, ((*at).x() + (*at).y()) % 2 ? 7 : -9);
     const auto lattice = make_box(Vec3d(0), {10, 10, 5}, 1.0, {0, 1, 2});
-    const auto got = carved<openvdb::Int32Grid>(grid, lattice, map_of(lattice, straight_seams(lattice, Axis::v, Seams::Kind::insert, {4})));
+    const auto got = carved<openvdb::Int32Grid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::v, Seams::Kind::insert, {4})));
     CHECK(got != grid);
     for (auto voxel = got->cbeginValueOn(); voxel; ++voxel) CHECK((*voxel == 7 || *voxel == -9));
 }
@@ -324,11 +319,11 @@ TEST_CASE("what can't be carved is refused by name") {
     const auto seams = straight_seams(lattice, Axis::u, Seams::Kind::remove, {3});
     const auto unknown = std::make_shared<RawGrid>("Tree_float_5_4_2", 0, 0);
     unknown->setName("fine");
-    CHECK(failure_of([&] { carve_grid(unknown, lattice, map_of(lattice, seams), Interpolation::linear); }) ==
+    CHECK(failure_of([&] { carve_grid(unknown, lattice, map_of_count(lattice, seams), Interpolation::linear); }) ==
           "grid 'fine' is of type Tree_float_5_4_2, which can't be carved; name the grids to carve in `grids:` of the reader and connect those");
 
     const auto other = make_box(Vec3d(1, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2});
-    CHECK(failure_of([&] { map_of(other, seams); }) ==
+    CHECK(failure_of([&] { map_of_count(other, seams); }) ==
           "the seams were found in another lattice: theirs is a box of 8 x 8 x 8 vertices from (0, 0, 0) to (7, 7, 7), spacing 1, axes xyz (" + lattice.hash +
               "), this one a box of 8 x 8 x 8 vertices from (1, 0, 0) to (8, 7, 7), spacing 1, axes xyz (" + other.hash + ")");
     const auto set = std::make_shared<Seams>(seams);

@@ -24,9 +24,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-float swirl(const Vec3d& at) { return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x())); }
-
-FloatGrid::ConstPtr field_around(const Lattice& lattice, double voxel, const std::function<float(const Vec3d&)>& value) {
+FloatGrid::ConstPtr field_beyond(const Lattice& lattice, double voxel, const std::function<float(const Vec3d&)>& value) {
     const auto box = Mapping(lattice).world_box(BBoxd(Vec3d(0), Vec3d(lattice.shape[0] + 5, lattice.shape[1] - 1, lattice.shape[2])));
     return sampled<FloatGrid>(CoordBBox(Coord::floor(box.min() / voxel).offsetBy(-6), Coord::ceil(box.max() / voxel).offsetBy(6)), voxel, value);
 }
@@ -147,7 +145,7 @@ TEST_CASE("sampled carves, faded or cut, are what their definition says, voxel b
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const double fade = GENERATE(0.0, 4.0);
     for (const auto& lattice : {ring(Vec3d(0.1, 0.2, 0.3), {17, 16, 60}, 1.0, Vec2d(-6, -2)), helix({16, 17, 16}, 1.0, 15, 2), turned_box()}) {
-        const auto grid = field_around(lattice, 1.1, swirl);
+        const auto grid = field_beyond(lattice, 1.1, swirl);
         for (const auto& seams : {wavy_seams(lattice, Axis::u, kind, 8, 4, 2), random_seams(random, lattice, lattice.shape, Axis::v, kind, 5, {1})}) {
             auto closing = seams;
             closing.closed = lattice.closed;
@@ -161,7 +159,7 @@ TEST_CASE("sampled carves, faded or cut, are what their definition says, voxel b
 
 TEST_CASE("many seams at one place reach further than is worth copying, and give the same") {
     const auto lattice = turned(make_box(Vec3d(0), {90, 5, 5}, 1.0, {0, 1, 2}), 0.7);
-    const auto grid = field_around(lattice, 0.7, swirl);
+    const auto grid = field_beyond(lattice, 0.7, swirl);
     int moved = 0;
     CHECK(error(grid, lattice, wavy_seams(lattice, Axis::u, Seams::Kind::remove, 10, 70, 0), 0, moved) < 2e-5);
     CHECK(moved > 3000);
@@ -196,7 +194,7 @@ TEST_CASE("a fade leaves the rims as they were and the inside as a cut has it, b
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const auto box = make_box(Vec3d(off, 0, 0), {40, 24, 20}, 1.0, {0, 1, 2});
     for (const auto& lattice : {box, ring(Vec3d(0.1, 0.2, 0.3), {26, 22, 130}, 1.0, Vec2d(-5, -2))}) {
-        const auto grid = field_around(lattice, 1.0, swirl);
+        const auto grid = field_beyond(lattice, 1.0, swirl);
         const auto seams = wavy_seams(lattice, Axis::u, kind, 9, 5, 2);
         auto map = map_of(lattice, {seams});
         const auto cut = carved(grid, lattice, map);
@@ -331,7 +329,7 @@ TEST_CASE("content on both sides of a rim is told, with its share of the rim") {
     // A ring's ends are no rims, and where there is a density, nothing else counts.
     const auto around = ring(Vec3d(0), {26, 12, 60}, 1.0, Vec2d(-5, -5.5));
     const auto everywhere = [&](const std::string& name, float value) {
-        const auto grid = field_around(around, 1.0, [value](const Vec3d&) { return value; })->deepCopy();
+        const auto grid = field_beyond(around, 1.0, [value](const Vec3d&) { return value; })->deepCopy();
         grid->setName(name);
         return grid;
     };

@@ -81,12 +81,6 @@ bool along_any(std::vector<Displacements>& sets, Vec3d at) {
     return false;
 }
 
-Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
-    Volume out;
-    out.grids = {grid};
-    return out;
-}
-
 template <class Grid>
 typename Grid::ConstPtr filtered(const typename Grid::ConstPtr& grid, const Lattice& lattice, const CarveMap& map, FilterMode mode, int width) {
     return openvdb::GridBase::grid<Grid>(seam_filtered(volume_of(grid), lattice, map, mode, width).grids.at(0));

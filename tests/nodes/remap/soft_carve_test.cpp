@@ -6,6 +6,7 @@
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
+#include "tests/support/sampled.h"
 #include "tests/support/wavy_seams.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
@@ -43,12 +44,6 @@ FloatGrid::Ptr blob(const std::array<int, 3>& shape) {
         values.setValueOn(*at, static_cast<float>(std::exp(-from.lengthSqr() / 40) * (2 + std::sin(0.7 * (*at).x() + 0.3 * (*at).y()))));
     }
     out->setName("density");
-    return out;
-}
-
-double sum(const openvdb::GridBase& grid) {
-    double out = 0;
-    for (auto value = static_cast<const FloatGrid&>(grid).cbeginValueOn(); value; ++value) out += *value;
     return out;
 }
 

@@ -9,6 +9,7 @@
 #include "tests/support/bent_lattices.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/sampled.h"
 #include "tests/support/warped.h"
 #include "tests/support/wavy_seams.h"
 
@@ -36,14 +37,8 @@ FloatGrid::Ptr grid_of(const CoordBBox& box, const std::function<double(const Ve
     return out;
 }
 
-FloatGrid::ConstPtr carved(const FloatGrid::Ptr& grid, const Lattice& lattice, const Seams& seams) {
+FloatGrid::ConstPtr carved_by_warp(const FloatGrid::Ptr& grid, const Lattice& lattice, const Seams& seams) {
     return openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, lattice, map_of(lattice, {seams}), Interpolation::linear));
-}
-
-double sum(const openvdb::GridBase& grid) {
-    double out = 0;
-    for (auto value = static_cast<const FloatGrid&>(grid).cbeginValueOn(); value; ++value) out += *value;
-    return out;
 }
 
 /// Keeps its width up to `k = 4`, then changes it more and more.
@@ -72,7 +67,7 @@ TEST_CASE("an even warp is even scaling, to a thousandth of a voxel, on the voxe
     const auto lattice = make_box(Vec3d(aside, aside, 0), shape, 1.0, {0, 1, 2});
     const int a = static_cast<int>(axis);
     const auto grid = grid_of({Coord(-2), Coord(42, 42, 9)}, [&](const Vec3d& at) { return at[a] + 0.1 * at.z(); });
-    const auto out = carved(grid, lattice, warped(lattice, evenly(lattice, by, axis), axis));
+    const auto out = carved_by_warp(grid, lattice, warped(lattice, evenly(lattice, by, axis), axis));
     for (int n = 1; n < static_cast<int>(39 + by); ++n) {
         Coord at(4, 4, 3);
         at[a] = n;
@@ -84,7 +79,7 @@ TEST_CASE("what a warp leaves behind is empty, and what it does not reach keeps 
     const double by = GENERATE(-7.25, 6.5);
     const auto lattice = make_box(Vec3d(0), {40, 9, 12}, 1.0, {0, 1, 2});
     const auto grid = grid_of({Coord(-5), Coord(55, 14, 17)}, [](const Vec3d& at) { return 1 + std::sin(at.x()) * std::cos(0.3 * at.y() + at.z()); });
-    const auto out = carved(grid, lattice, warped(lattice, ramp(lattice, by)));
+    const auto out = carved_by_warp(grid, lattice, warped(lattice, ramp(lattice, by)));
     auto before = grid->getConstAccessor(), after = out->getConstAccessor();
     for (auto at = CoordBBox(Coord(-5), Coord(55, 14, 17)).begin(); at; ++at) {
         const int x = (*at).x(), y = (*at).y(), z = (*at).z();
@@ -108,7 +103,7 @@ TEST_CASE("widths follow a ramp, to half a voxel at each height") {
     const auto lattice = make_box(Vec3d(0), {60, 9, 25}, 1.0, {0, 1, 2});
     const auto grid = grid_of({Coord(20, 0, 0), Coord(39, 8, 24)}, [](const Vec3d&) { return 1; });
     for (const double most : {-30.0, -12.5, 25.0}) {
-        const auto out = carved(grid, lattice, warped(lattice, ramp(lattice, most), Axis::u, {1}, 2));
+        const auto out = carved_by_warp(grid, lattice, warped(lattice, ramp(lattice, most), Axis::u, {1}, 2));
         for (int k = 0; k < 25; ++k) {
             double width = 0;
             for (int x = -2; x < 100; ++x) width += out->tree().getValue({x, 4, k});
@@ -197,8 +192,8 @@ TEST_CASE("a ring's warp does not know where the ring begins") {
     constexpr int shift = 14;
     std::rotate(planes.begin(), planes.begin() + shift, planes.end());
     const auto shifted = with_planes(lattice.shape, 1.0, true, planes, "shifted");
-    const auto a = carved(grid, lattice, warped(lattice, wave, Axis::u, {1}, factor)),
-               b = carved(grid, shifted,
+    const auto a = carved_by_warp(grid, lattice, warped(lattice, wave, Axis::u, {1}, factor)),
+               b = carved_by_warp(grid, shifted,
                           warped(
                               shifted, [&](int entry, int lateral, int k, int t) { return wave(entry, lateral, k + shift, t); }, Axis::u, {1}, factor));
     double most = 0, moved = 0;
@@ -234,7 +229,7 @@ TEST_CASE("a warp is the same by whole numbers and by sampling, and on one threa
     const auto lattice = make_box(Vec3d(0), {40, 20, 18}, 1.0, {0, 1, 2});
     const auto grid = grid_of({Coord(0), Coord(45, 19, 17)}, [](const Vec3d& at) { return std::sin(0.4 * at.x() + 0.2 * at.y()) + 0.1 * at.z(); });
     const auto seams = warped(lattice, ramp(lattice, GENERATE(-8.5, 5.5)));
-    const auto fast = carved(grid, lattice, seams);
+    const auto fast = carved_by_warp(grid, lattice, seams);
     const auto map = map_of(lattice, {seams});
     const auto sampled = carve_sampled<FloatGrid>(grid, Mapping(lattice, map.reach()), map, Interpolation::linear);
     int differ = 0;
@@ -244,7 +239,7 @@ TEST_CASE("a warp is the same by whole numbers and by sampling, and on one threa
     }
     CHECK(differ == 0);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    CHECK(bytes(carved(grid, lattice, seams)->baseTree()) == bytes(fast->baseTree()));
+    CHECK(bytes(carved_by_warp(grid, lattice, seams)->baseTree()) == bytes(fast->baseTree()));
 }
 
 TEST_CASE("a fade takes a warp back to the identity at the rims") {

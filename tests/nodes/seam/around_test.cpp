@@ -3,6 +3,7 @@
 #include "nodes/seam/search/find_seams.h"
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/searches.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <catch2/catch.hpp>
@@ -11,7 +12,6 @@ using namespace fluidcarve;
 using namespace fluidcarve::test;
 
 namespace {
-const Tick nobody = [](double) {};
 }  // namespace
 
 TEST_CASE("greedy seams around a rig close across it, along it and in both, in any window") {

@@ -16,7 +16,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-FloatGrid::Ptr cube(int size) {
+FloatGrid::Ptr filled_cube(int size) {
     const auto out = FloatGrid::create();
     out->denseFill(CoordBBox(Coord(0), Coord(size - 1)), 1.0f, true);
     return out;
@@ -27,7 +27,7 @@ Lattice box_at(const Vec3d& first, const std::array<int, 3>& shape, double spaci
 }  // namespace
 
 TEST_CASE("voxels lie in a box if its vertices are as near as half a spacing or half a voxel") {
-    const auto grid = cube(8);
+    const auto grid = filled_cube(8);
     const auto half = content_in(*grid, box({4, 8, 8}));
     CHECK(half.voxels == 512);
     CHECK(half.inside == 256);
@@ -45,7 +45,7 @@ TEST_CASE("voxels of tiles count as many as they are, and many voxels are counte
     const auto counted = content_in(*tile, box({64, 128, 128}));
     CHECK(counted.voxels == std::uint64_t{1} << 21);
     CHECK(counted.inside == 1 << 20);
-    const auto many = content_in(*cube(100), box({50, 100, 100}));
+    const auto many = content_in(*filled_cube(100), box({50, 100, 100}));
     CHECK(many.voxels == 1000000);
     CHECK(many.inside == Approx(5e5).epsilon(0.03));
 }

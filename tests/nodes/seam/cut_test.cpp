@@ -4,6 +4,7 @@
 #include "nodes/seam/graph_cut.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/searches.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
@@ -15,10 +16,6 @@ using namespace fluidcarve;
 using namespace fluidcarve::test;
 
 namespace {
-
-const auto quiet = [] {};
-
-Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed, graph.around}; }
 
 Cut::CostOf whole_costs(const CostAt& cost) {
     return [&cost](std::size_t c, Band::Column band, std::int32_t* costs) {
@@ -47,13 +44,6 @@ double least_of_line(std::size_t length, int width, const CostAt& cost) {
         std::swap(before, now);
     }
     return *std::min_element(before.begin(), before.end());
-}
-
-template <class Call>
-auto with_threads(int threads, const Call& call) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    return arena.execute(call);
 }
 
 }  // namespace

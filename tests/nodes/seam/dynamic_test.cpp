@@ -4,6 +4,7 @@
 #include "nodes/seam/greedy.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/searches.h"
 
 #include <catch2/catch.hpp>
 
@@ -11,8 +12,6 @@ using namespace fluidcarve;
 using namespace fluidcarve::test;
 
 namespace {
-
-const Tick nobody = [](double) {};
 
 }  // namespace
 

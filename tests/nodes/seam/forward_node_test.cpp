@@ -18,14 +18,14 @@ using openvdb::CoordBBox;
 
 namespace {
 
-constexpr std::size_t frames = 3;
+constexpr std::size_t frames_solved = 3;
 
 using Frames = std::vector<FloatGrid::Ptr>;
 
 /// Quarters, so that means are exact in 16 bits.
-Frames noise(std::mt19937& random, const std::array<int, 3>& shape, int least = 0) {
+Frames noise_from(std::mt19937& random, const std::array<int, 3>& shape, int least = 0) {
     Frames out;
-    for (std::size_t t = 0; t < frames; ++t) {
+    for (std::size_t t = 0; t < frames_solved; ++t) {
         out.push_back(FloatGrid::create());
         auto values = out.back()->getAccessor();
         for (auto at = CoordBBox(Coord(0), Coord(shape[0] - 1, shape[1] - 1, shape[2] - 1)).begin(); at; ++at)
@@ -42,7 +42,7 @@ struct Given {
 Solved solve(NodeType solver, const std::string& yaml, const Given& given, const std::vector<Ref<Seams>>& after = {}) {
     Grids grids;
     if (!given.field.empty()) grids["field"] = {given.field.begin(), given.field.end()};
-    return fluidcarve::test::solve(std::move(solver), yaml, given.energy, {box(given.shape)}, grids, frames, after);
+    return fluidcarve::test::solve(std::move(solver), yaml, given.energy, {box(given.shape)}, grids, frames_solved, after);
 }
 
 std::string faults(const std::string& yaml, std::size_t fields) { return NodeBench(seam_pyramid(), yaml, {{"field", fields}}).faults(); }
@@ -68,7 +68,7 @@ TEST_CASE("forward costs want a field, a field wants forward costs, and neither 
 
 TEST_CASE("a field that codes do not hold is told with its place") {
     std::mt19937 random(1);
-    Given given{noise(random, {6, 4, 3}), noise(random, {6, 4, 3}), {6, 4, 3}};
+    Given given{noise_from(random, {6, 4, 3}), noise_from(random, {6, 4, 3}), {6, 4, 3}};
     given.field[1]->getAccessor().setValue(Coord(2, 3, 1), 1e6f);
     CHECK_THROWS_WITH(solve(seam_greedy(), "{count: -1, cost: forward}", given),
                       "the field is 1000000 at (2, 3, 1), vertex (2, 3, 1); forward costs need values from -65504 to 65504; scale the field down");
@@ -77,7 +77,7 @@ TEST_CASE("a field that codes do not hold is told with its place") {
 TEST_CASE("with forward costs and rigidity solvers are swapped by their type, and each reports what its seam pays") {
     std::mt19937 random(2);
     for (const std::string more : {"", ", rigidity: 3, rigidity_time: 5", ", cost: forward, field_weight: 0.5, rigidity: 1"}) {
-        Given given{noise(random, {9, 1, 7}), noise(random, {9, 1, 7}, -128), {9, 1, 7}};
+        Given given{noise_from(random, {9, 1, 7}), noise_from(random, {9, 1, 7}, -128), {9, 1, 7}};
         if (more.find("forward") == std::string::npos) given.field.clear();
         const auto energy = [&](const NodeType& solver) { return solve(solver, "{count: -3" + more + "}", given).listener.entry["energy"]; };
         const auto exact = energy(seam_graph_cut());
@@ -90,7 +90,7 @@ TEST_CASE("with forward costs and rigidity solvers are swapped by their type, an
 
 TEST_CASE("seams with forward costs go on in what earlier ones left, removed and inserted, along either axis") {
     std::mt19937 random(3);
-    const Given given{noise(random, {8, 7, 4}), noise(random, {8, 7, 4}, -128), {8, 7, 4}};
+    const Given given{noise_from(random, {8, 7, 4}), noise_from(random, {8, 7, 4}, -128), {8, 7, 4}};
     const std::string forward = ", cost: forward, rigidity: 0.125}";
     const auto both = solve(seam_graph_cut(), "{count: -2" + forward, given);
     const auto first = solve(seam_graph_cut(), "{count: -1" + forward, given);
@@ -103,7 +103,7 @@ TEST_CASE("seams with forward costs go on in what earlier ones left, removed and
     const auto wider = solve(seam_graph_cut(), "{count: 1" + forward, given);
     Given grown{{}, {}, {9, 7, 4}};
     for (const auto& [from, to] : {std::pair(&given.energy, &grown.energy), std::pair(&given.field, &grown.field)})
-        for (std::size_t t = 0; t < frames; ++t) {
+        for (std::size_t t = 0; t < frames_solved; ++t) {
             auto out = FloatGrid::create();
             auto values = out->getAccessor();
             auto source = (*from)[t]->getConstAccessor();
@@ -127,7 +127,7 @@ TEST_CASE("seams with forward costs go on in what earlier ones left, removed and
 
 TEST_CASE("with forward costs, the seams of a pair are each found as if the other window were not there") {
     std::mt19937 random(5);
-    const Given given{noise(random, {12, 4, 3}), noise(random, {12, 4, 3}, -128), {12, 4, 3}};
+    const Given given{noise_from(random, {12, 4, 3}), noise_from(random, {12, 4, 3}, -128), {12, 4, 3}};
     for (const std::string count : {"-2", "2"}) {
         const auto opposite = count == "2" ? "-2" : "2";
         const auto pair = solve(seam_graph_cut(), "{cost: forward, rigidity: 0.5, window: [1, 5], pair_window: [7, 10], count: " + count + "}", given);
@@ -142,13 +142,13 @@ TEST_CASE("with forward costs, the seams of a pair are each found as if the othe
 
 TEST_CASE("forward seams pass no protected vertex") {
     std::mt19937 random(6);
-    const Given given{noise(random, {9, 5, 4}), noise(random, {9, 5, 4}, -128), {9, 5, 4}};
+    const Given given{noise_from(random, {9, 5, 4}), noise_from(random, {9, 5, 4}, -128), {9, 5, 4}};
     std::vector<Coord> wall;
     for (int x = 0; x < 9; ++x)
         if (x % 4 != 2) wall.emplace_back(x, 2, 1);
     for (const auto& solver : {seam_graph_cut(), seam_pyramid(), seam_greedy()}) {
         const auto solved = fluidcarve::test::solve(solver, "{count: -2, cost: forward, rigidity: 2}", given.energy, {box(given.shape)},
-                                                    {{"field", {given.field.begin(), given.field.end()}}, {"protect", {mask_grid(wall)}}}, frames);
+                                                    {{"field", {given.field.begin(), given.field.end()}}, {"protect", {mask_grid(wall)}}}, frames_solved);
         CHECK(solved.listener.entry["protected"] == nlohmann::ordered_json({0, 0}));
         CHECK(solved.listener.warnings.empty());
     }
@@ -156,7 +156,7 @@ TEST_CASE("forward seams pass no protected vertex") {
 
 TEST_CASE("forward seams avoid the edges that backward ones make") {
     std::mt19937 random(4);
-    Given given{noise(random, {12, 6, 5}), noise(random, {12, 6, 5}), {12, 6, 5}};
+    Given given{noise_from(random, {12, 6, 5}), noise_from(random, {12, 6, 5}), {12, 6, 5}};
     const auto edges = [&](const Ref<Seams>& seams) {
         double out = 0;
         const auto& at = seams->seams[0].at;

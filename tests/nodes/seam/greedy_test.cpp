@@ -2,6 +2,7 @@
 #include "nodes/payloads.h"
 #include "nodes/seam/energy/code.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/searches.h"
 
 #include <tbb/global_control.h>
 
@@ -18,12 +19,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-const Tick nobody = [](double) {};
-
-FindSeam greedy(int starts) {
-    return [=](const EnergyVolume& energy, Window window, int number, const Tick& tick) { return greedy_seam(energy, window, number, starts, tick); };
-}
-
 EnergyVolume volume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, const std::function<float(std::size_t t, std::size_t n)>& energy,
                     bool closed = false) {
     EnergyVolume out(shape, axis, frames, ~std::uint64_t{0}, "", closed);
@@ -38,7 +33,7 @@ EnergyVolume noise(const std::array<int, 3>& shape, Axis axis, std::size_t frame
         shape, axis, frames, [&](std::size_t, std::size_t) { return static_cast<float>(random() % 1000) / 100; }, closed);
 }
 
-struct Columns {
+struct ColumnSizes {
     int laterals, slices, frames;
     template <class Entries>
     int largest_jump(const Entries& at) const {
@@ -74,7 +69,7 @@ double cost(EnergyVolume& energy, std::span<const std::uint16_t> at) {
 }
 
 /// The greedy seam from one start, straight from its definition.
-std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, int start, const Columns& shape, bool below_first) {
+std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, int start, const ColumnSizes& shape, bool below_first) {
     std::vector<std::uint16_t> at;
     for (int t = 0; t < shape.frames; ++t)
         for (int k = 0; k < shape.slices; ++k)
@@ -107,7 +102,7 @@ std::vector<std::uint16_t> by_definition(EnergyVolume& energy, Window window, in
 
 TEST_CASE("a greedy seam takes the cheapest entry that its passed neighbours allow, and the best start wins") {
     for (unsigned seed = 0; seed < 80; ++seed) {
-        const Columns shape{1 + int(seed % 7), 1 + int(seed % 5), 1 + int(seed % 4)};
+        const ColumnSizes shape{1 + int(seed % 7), 1 + int(seed % 5), 1 + int(seed % 4)};
         const auto axis = seed % 2 ? Axis::u : Axis::v;
         const int width = 3 + int(seed % 9);
         auto energy = noise(axis == Axis::u ? std::array{width, shape.laterals, shape.slices} : std::array{shape.laterals, width, shape.slices}, axis,
@@ -158,7 +153,7 @@ TEST_CASE("of equal ways aside, even seams take the one below and odd seams the 
 }
 
 TEST_CASE("seams after the first are found in what the others left, inside a window that shrinks") {
-    const Columns shape{6, 5, 3};
+    const ColumnSizes shape{6, 5, 3};
     auto energy = noise({12, 6, 5}, Axis::u, 3, 3), state = noise({12, 6, 5}, Axis::u, 3, 3);
     const Window window{2, 9};
     const auto found = find_seams(energy, Seams::Kind::remove, 8, window, greedy(16), nobody);
@@ -175,7 +170,7 @@ TEST_CASE("seams after the first are found in what the others left, inside a win
 }
 
 TEST_CASE("insertions are removals in original places: distinct, never the last entry, feasible when sorted") {
-    const Columns shape{6, 5, 3};
+    const ColumnSizes shape{6, 5, 3};
     auto removals = noise({9, 6, 5}, Axis::u, 3, 4), insertions = noise({9, 6, 5}, Axis::u, 3, 4);
     const auto removed = find_seams(removals, Seams::Kind::remove, 8, {0, 7}, greedy(16), nobody);
     const auto inserted = find_seams(insertions, Seams::Kind::insert, 8, {0, 8}, greedy(16), nobody);
@@ -230,7 +225,7 @@ TEST_CASE("seams through a closed lattice close, with and without the Gaussian g
     std::mt19937 random(11);
     const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
     for (unsigned n = 0; n < 1000; ++n) {
-        const Columns shape{1 + below(6), 2 + below(12), 1 + below(4)};
+        const ColumnSizes shape{1 + below(6), 2 + below(12), 1 + below(4)};
         const int width = 2 + below(20), first = below(width);
         const Window window{first, first + below(width - first)};
         auto energy = noise({width, shape.laterals, shape.slices}, Axis::u, static_cast<std::size_t>(shape.frames), n, true);
@@ -268,7 +263,7 @@ TEST_CASE("the Gaussian guide keeps a seam near where it began, the cone alone l
 }
 
 TEST_CASE("a static seam is the same in all frames and follows the sum of their energy, finer than 16 bits") {
-    const Columns shape{4, 5, 3};
+    const ColumnSizes shape{4, 5, 3};
     auto energy = noise({9, 4, 5}, Axis::u, 3, 8), left = noise({9, 4, 5}, Axis::u, 3, 8);
     const auto found = find_seams(energy, Seams::Kind::remove, 3, {0, 8}, greedy(9), nobody, nullptr, true);
     for (const auto& seam : found.seams) {
@@ -297,7 +292,7 @@ TEST_CASE("a search stops when it is told to") {
 
 namespace {
 
-struct Listener : Context::Host {
+struct EntryListener : Context::Host {
     nlohmann::ordered_json entry;
     std::vector<std::string> warnings;
     void warn(const std::string& message) override { warnings.push_back(message); }
@@ -307,16 +302,16 @@ struct Listener : Context::Host {
     }
 };
 
-struct Solved {
+struct SolvedGreedily {
     Ref<Seams> seams;
-    Listener listener;
+    EntryListener listener;
 };
 
 /// Runs seam.greedy over frames 5 and 6, energy `value(voxel, t)` on voxels 0 to 7.
-Solved solve(const std::string& yaml, const std::function<float(const Coord&, int)>& value,
+SolvedGreedily solve(const std::string& yaml, const std::function<float(const Coord&, int)>& value,
              const Lattice& lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2})) {
     static const std::vector<int> frames{5, 6};
-    Solved out;
+    SolvedGreedily out;
     const auto space = Payload(std::make_shared<Lattice>(lattice));
     NodeBench bench(seam_greedy(), yaml);
     for (std::size_t t = 0; t < 2; ++t) {
@@ -378,7 +373,7 @@ TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and se
 
 TEST_CASE("an energy that is the same for all frames is asked for once") {
     static const std::vector<int> frames{5, 6, 7};
-    Listener listener;
+    EntryListener listener;
     const auto space = Payload(std::make_shared<Lattice>(make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2})));
     const auto grid = FloatGrid::create();
     for (auto at = CoordBBox(Coord(0), Coord(7)).begin(); at; ++at) grid->tree().setValueOn(*at, wavy(*at, 0));

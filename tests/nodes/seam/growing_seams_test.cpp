@@ -29,7 +29,7 @@ namespace {
 
 using Frames = std::vector<FloatGrid::Ptr>;
 
-Frames noise(std::mt19937& random, const std::array<int, 3>& shape, std::size_t frames) {
+Frames noise_in_quarters(std::mt19937& random, const std::array<int, 3>& shape, std::size_t frames) {
     Frames out;
     for (std::size_t t = 0; t < frames; ++t)
         out.push_back(energy_grid(CoordBBox(Coord(0), Coord(shape[0] - 1, shape[1] - 1, shape[2] - 1)),
@@ -81,7 +81,7 @@ Solved go_on(const Task& task, int count, const Ref<Seams>& before, const nlohma
     return solve(task, count, otherwise);
 }
 
-void check_same(const std::vector<Seams::Seam>& got, const std::vector<Seams::Seam>& want) {
+void require_same_bounds(const std::vector<Seams::Seam>& got, const std::vector<Seams::Seam>& want) {
     REQUIRE(got.size() == want.size());
     for (std::size_t n = 0; n < got.size(); ++n) {
         REQUIRE(got[n].at == want[n].at);
@@ -90,9 +90,9 @@ void check_same(const std::vector<Seams::Seam>& got, const std::vector<Seams::Se
     }
 }
 
-void check_same(const Seams& got, const Seams& want) {
-    check_same(got.seams, want.seams);
-    check_same(got.pairs, want.pairs);
+void require_same_bounds(const Seams& got, const Seams& want) {
+    require_same_bounds(got.seams, want.seams);
+    require_same_bounds(got.pairs, want.pairs);
     CHECK(got.axis == want.axis);
     CHECK(got.kind == want.kind);
     CHECK(got.closed == want.closed);
@@ -165,7 +165,7 @@ std::vector<Task> tasks() {
     for (const auto& [name, solver] : {std::pair("greedy", &seam_greedy), std::pair("pyramid", &seam_pyramid), std::pair("graph_cut", &seam_graph_cut)}) {
         const auto add = [&, name = name, solver = solver](const std::string& what, const std::string& params, const Grids& grids = {},
                                                            const std::vector<Ref<Seams>>& after = {}, std::size_t energies = 3) {
-            out.push_back({fmt::format("{}, {}", name, what), solver, params, noise(random, shape, energies), box(shape), grids, after});
+            out.push_back({fmt::format("{}, {}", name, what), solver, params, noise_in_quarters(random, shape, energies), box(shape), grids, after});
         };
         add("alone", "");
         add("a window, bounds", ", window: [2, 12], bound_passes: 3");
@@ -177,7 +177,7 @@ std::vector<Task> tasks() {
         const Grids masks{{"protect", {cube(Coord(2, 0, 0), Coord(3, 1, 3))}}, {"attract", {cube(Coord(8, 1, 0), Coord(11, 3, 2))}}};
         add("masks", "", masks);
         add("masks, static", ", static: true", masks);
-        const auto field = noise(random, shape, 3);
+        const auto field = noise_in_quarters(random, shape, 3);
         const Grids seen{{"field", {field.begin(), field.end()}}};
         add("forward", ", cost: forward", seen);
         add("forward pairs", ", cost: forward, window: [1, 7], pair_window: [9, 16]", seen);
@@ -191,11 +191,11 @@ std::vector<Task> tasks() {
     Lattice ring = box({12, 4, 6});
     ring.closed = true;
     for (const auto* params : {"", ", static: true", ", window: [1, 7], pair_window: [9, 16]", ", window: [1, 7], pair_window: [9, 16], pair_static: true"})
-        out.push_back({fmt::format("walking{}", params), walking, params, noise(random, shape, 3), box(shape)});
+        out.push_back({fmt::format("walking{}", params), walking, params, noise_in_quarters(random, shape, 3), box(shape)});
     for (const auto* guide : {"cone", "gaussian"})
-        out.push_back({fmt::format("greedy, {}", guide), seam_greedy, fmt::format(", guide: {}", guide), noise(random, ring.shape, 3), ring});
+        out.push_back({fmt::format("greedy, {}", guide), seam_greedy, fmt::format(", guide: {}", guide), noise_in_quarters(random, ring.shape, 3), ring});
     for (const auto* kind : {", static: true", ", rigidity: 2, static: true"})
-        out.push_back({"dynamic", seam_dynamic, kind, noise(random, {17, 9, 1}, 3), box({17, 9, 1})});
+        out.push_back({"dynamic", seam_dynamic, kind, noise_in_quarters(random, {17, 9, 1}, 3), box({17, 9, 1})});
     // Too large to be cut as a whole.
     for (const auto* params : {"", ", quality: draft, window: [3, 58]"})
         out.push_back({fmt::format("pyramid, coarse to fine{}", params), &seam_pyramid, params, waves({60, 40, 40}, 3), box({60, 40, 40}), {}, {}, 2, {1}});
@@ -232,10 +232,10 @@ TEST_CASE("more seams are found from fewer as they are from none, and fewer are 
                 INFO(task.name << ", " << sign * count << " of " << sign * most);
                 const auto some = solve(task, sign * count);
                 auto entry = all.listener.entry;
-                check_same(*growth.first(Payload(all.seams), static_cast<std::size_t>(count), entry).as<Seams>(), *some.seams);
+                require_same_bounds(*growth.first(Payload(all.seams), static_cast<std::size_t>(count), entry).as<Seams>(), *some.seams);
                 check_same_report(entry, some.listener.entry);
                 const auto resumed = go_on(task, sign * most, some.seams, some.listener.entry);
-                check_same(*resumed.seams, *all.seams);
+                require_same_bounds(*resumed.seams, *all.seams);
                 check_same_report(resumed.listener.entry, all.listener.entry);
                 CHECK(resumed.listener.warnings == all.listener.warnings);
                 const auto &walls = resumed.listener.entry.at("wall_s"), &before = some.listener.entry.at("wall_s");
@@ -264,7 +264,7 @@ TEST_CASE("a solver hands over what it has found while it looks for more") {
     for (const std::string params : {"", ", static: true", ", window: [1, 7], pair_window: [9, 16]"})
         for (const int sign : {-1, 1}) {
             INFO(params << ", " << sign);
-            const Task task{"", eager, params, noise(random, shape, 3), box(shape), masks};
+            const Task task{"", eager, params, noise_in_quarters(random, shape, 3), box(shape), masks};
             const bool paired = params.find("pair") != std::string::npos;
             const auto all = solve(task, sign * 4);
             REQUIRE(all.listener.held.size() == (paired ? 7 : 3));
@@ -276,24 +276,24 @@ TEST_CASE("a solver hands over what it has found while it looks for more") {
                 CHECK(reported.at("energy").size() == part->seams.size());
                 auto want = all.listener.entry, got = reported;
                 const auto first = growth_of(task).first(Payload(all.seams), part->seams.size(), want).as<Seams>();
-                check_same(*growth_of(task).first(Payload(part), part->seams.size(), got).as<Seams>(), *first);
+                require_same_bounds(*growth_of(task).first(Payload(part), part->seams.size(), got).as<Seams>(), *first);
                 check_same_report(got, want);
                 const auto resumed = go_on(task, sign * 4, part, reported);
-                check_same(*resumed.seams, *all.seams);
+                require_same_bounds(*resumed.seams, *all.seams);
                 check_same_report(resumed.listener.entry, all.listener.entry);
                 if (!part->seams.empty()) continue;
                 const auto fewer = go_on(task, sign * 2, part, reported), two = solve(task, sign * 2);
-                check_same(*fewer.seams, *two.seams);
+                require_same_bounds(*fewer.seams, *two.seams);
                 check_same_report(fewer.listener.entry, two.listener.entry);
             }
             // What an earlier run found is not lost while pairs are looked for.
             const auto two = solve(task, sign * 2);
             const auto resumed = go_on(task, sign * 4, two.seams, two.listener.entry);
-            check_same(*resumed.seams, *all.seams);
+            require_same_bounds(*resumed.seams, *all.seams);
             for (const auto& [part, reported] : resumed.listener.held) {
                 CHECK(part->seams.size() >= 2);
                 CHECK(reported.at("energy").size() == part->seams.size());
-                check_same(*go_on(task, sign * 4, part, reported).seams, *all.seams);
+                require_same_bounds(*go_on(task, sign * 4, part, reported).seams, *all.seams);
             }
         }
 }
@@ -306,7 +306,7 @@ TEST_CASE("seams are the same in memory, on disk, and continued on disk") {
         std::make_shared<Seams>(random_seams(random, box(shape), shape, Axis::u, Seams::Kind::remove, 2, std::vector<int>{5, 6, 7}))};
     for (const auto& before : {std::vector<Ref<Seams>>{}, after})
         for (const int sign : {-1, 1}) {
-            const Task task{"", seam_greedy, "", noise(random, shape, 3), box(shape), {}, before};
+            const Task task{"", seam_greedy, "", noise_in_quarters(random, shape, 3), box(shape), {}, before};
             const auto all = solve(task, sign * 4);
             Otherwise on_disk;
             on_disk.memory_budget = 0;
@@ -315,8 +315,8 @@ TEST_CASE("seams are the same in memory, on disk, and continued on disk") {
             REQUIRE(some.seams->seams[1].at.on_disk());
             on_disk.before = some.seams;
             on_disk.reported = some.listener.entry;
-            check_same(*solve(task, sign * 4, on_disk).seams, *all.seams);
-            check_same(some.seams->seams, {all.seams->seams.begin(), all.seams->seams.begin() + 2});
+            require_same_bounds(*solve(task, sign * 4, on_disk).seams, *all.seams);
+            require_same_bounds(some.seams->seams, {all.seams->seams.begin(), all.seams->seams.begin() + 2});
         }
 }
 
@@ -335,8 +335,8 @@ TEST_CASE("a search is told of the last seam before it goes on, as it was found"
             for (std::size_t count = 1; count < 20; count += 3) {
                 Continued continued;
                 continued.before.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
-                check_same(find(20, continued), all);
-                check_same(find(static_cast<int>(count)), continued.before);
+                require_same_bounds(find(20, continued), all);
+                require_same_bounds(find(static_cast<int>(count)), continued.before);
             }
         }
 }
@@ -356,12 +356,12 @@ TEST_CASE("a pyramid of very many columns goes on from the last seam") {
     const auto all = find(2);
     Continued continued;
     continued.before = {all.front()};
-    check_same(find(2, continued), all);
+    require_same_bounds(find(2, continued), all);
 }
 
 TEST_CASE("what a solver keeps of a frame depends on nothing that is asked of the seams") {
     std::mt19937 random(4);
-    const auto energy = noise(random, {9, 4, 4}, 1)[0], field = noise(random, {9, 4, 4}, 1)[0];
+    const auto energy = noise_in_quarters(random, {9, 4, 4}, 1)[0], field = noise_in_quarters(random, {9, 4, 4}, 1)[0];
     auto bent = box({8, 4, 4});
     bent.planes[1].origin.z() += 0.25;
     bent.hash = lattice_hash(bent);
@@ -386,8 +386,8 @@ TEST_CASE("what a solver keeps of a frame depends on nothing that is asked of th
 TEST_CASE("what a solver keeps of a frame goes to a file and comes back to the last bit") {
     std::mt19937 random(5);
     const std::array<int, 3> shape{9, 4, 4};
-    const auto field = noise(random, shape, 3);
-    auto energy = noise(random, shape, 3);
+    const auto field = noise_in_quarters(random, shape, 3);
+    auto energy = noise_in_quarters(random, shape, 3);
     for (auto& grid : energy) grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0 / 3));
     const auto lattice = make_box(Vec3d(0), shape, 1.0 / 3, {0, 1, 2});
     auto seen = field;
@@ -425,6 +425,6 @@ TEST_CASE("what a solver keeps of a frame goes to a file and comes back to the l
         }
         return back;
     };
-    check_same(*solve(task, -3, filed).seams, *solve(task, -3).seams);
+    require_same_bounds(*solve(task, -3, filed).seams, *solve(task, -3).seams);
     CHECK(taken == 3);
 }

@@ -2,6 +2,7 @@
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/search/bound.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/searches.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
@@ -13,8 +14,6 @@ using namespace fluidcarve;
 using namespace fluidcarve::test;
 
 namespace {
-
-const Tick nobody = [](double) {};
 
 }  // namespace
 

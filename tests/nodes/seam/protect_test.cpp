@@ -9,6 +9,7 @@
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/reference_carve.h"
+#include "tests/support/searches.h"
 
 #include <catch2/catch.hpp>
 
@@ -22,13 +23,6 @@ using namespace fluidcarve::test;
 // Protected and attracted vertices, against all seams of tiny volumes.
 
 namespace {
-
-const Tick nobody = [](double) {};
-const auto quiet = [] {};
-
-FindSeam greedy(int starts) {
-    return [=](const EnergyVolume& energy, Window window, int number, const Tick& tick) { return greedy_seam(energy, window, number, starts, tick); };
-}
 
 /// What a protected vertex costs the oracle: more than all energies of a tiny volume.
 constexpr double blocked = 1e9;

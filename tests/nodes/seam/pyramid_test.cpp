@@ -5,6 +5,7 @@
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/searches.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
@@ -17,9 +18,6 @@ using namespace fluidcarve::test;
 
 namespace {
 
-const Tick nobody = [](double) {};
-const auto quiet = [] {};
-
 Seams::Seam pyramid_seam(const EnergyVolume& energy, Window window, int number = 0, Quality quality = Quality::normal) {
     return Pyramid(quality, 16)(energy, window, number, nobody);
 }
@@ -29,8 +27,6 @@ std::size_t half_of(int size) { return (static_cast<std::size_t>(size) + 1) / 2;
 ColumnGraph halved(const ColumnGraph& graph) {
     return ColumnGraph({(graph.size[0] + 1) / 2, (graph.size[1] + 1) / 2, (graph.size[2] + 1) / 2}, graph.closed, graph.around);
 }
-
-Columns columns_of(const ColumnGraph& graph) { return {graph.size[0], graph.size[1], graph.size[2], graph.closed, graph.around}; }
 
 }  // namespace
 

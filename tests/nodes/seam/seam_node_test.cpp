@@ -3,6 +3,7 @@
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/greedy.h"
 #include "tests/support/reference_carve.h"
+#include "tests/support/searches.h"
 #include "tests/support/solver_bench.h"
 
 #include <catch2/catch.hpp>
@@ -19,7 +20,6 @@ using openvdb::Vec3d;
 
 namespace {
 
-const Tick nobody = [](double) {};
 const std::vector<int> frames{5, 6, 7};
 
 Solved solve(const std::string& yaml, const std::vector<FloatGrid::Ptr>& energy, const Lattice& lattice, const std::vector<Ref<Seams>>& after = {}) {
@@ -47,8 +47,6 @@ EnergyVolume volume_of(const std::vector<FloatGrid::Ptr>& energy, const std::arr
     return out;
 }
 
-const FindSeam greedy = [](const EnergyVolume& energy, Window window, int number, const Tick& tick) { return greedy_seam(energy, window, number, 16, tick); };
-
 void check_same(const std::vector<Seams::Seam>& got, const std::vector<Seams::Seam>& want) {
     REQUIRE(got.size() == want.size());
     for (std::size_t n = 0; n < got.size(); ++n) {
@@ -69,8 +67,8 @@ TEST_CASE("seams come in pairs of opposite kinds, each window solved as if the o
         const auto kind = count < 0 ? Seams::Kind::remove : Seams::Kind::insert;
         const auto solved = solve(fmt::format("{{count: {}, window: [1, 6], pair_window: [7, 15]}}", count), energy, box(shape));
         auto first = volume_of(energy, shape), second = volume_of(energy, shape);
-        check_same(solved.seams->seams, find_seams(first, kind, 3, {1, 6}, greedy, nobody).seams);
-        check_same(solved.seams->pairs, find_seams(second, opposite(kind), 3, {7, 15}, greedy, nobody).seams);
+        check_same(solved.seams->seams, find_seams(first, kind, 3, {1, 6}, greedy(16), nobody).seams);
+        check_same(solved.seams->pairs, find_seams(second, opposite(kind), 3, {7, 15}, greedy(16), nobody).seams);
         CHECK(solved.seams->kind == kind);
         CHECK(solved.seams->shape_after(3) == shape);
         CHECK(solved.listener.entry["energy"][2] == solved.seams->seams[2].energy);

@@ -23,13 +23,13 @@ EnergyVolume column_of(const std::vector<float>& energies) {
     return out;
 }
 
-std::vector<float> energies_of(const EnergyVolume& energy) {
+std::vector<float> values_of(const EnergyVolume& energy) {
     std::vector<float> out;
     for (int n = 0; n < energy.width(); ++n) out.push_back(decode_energy(energy.codes(0)[static_cast<std::size_t>(n)]));
     return out;
 }
 
-FloatGrid::Ptr noise(std::mt19937& random, const std::array<int, 3>& shape) {
+FloatGrid::Ptr noise_grid(std::mt19937& random, const std::array<int, 3>& shape) {
     return energy_grid(CoordBBox(Coord(0), Coord(shape[0] - 1, shape[1] - 1, shape[2] - 1)),
                        [&](const Coord&) { return static_cast<float>(1 + random() % 256) / 64; });
 }
@@ -42,11 +42,11 @@ TEST_CASE("a taken entry's energy goes in equal shares to those within `spread`,
     const std::vector<std::uint16_t> at{2};
     SECTION("to both sides") {
         energy.remove(at, {0, 5});
-        CHECK(energies_of(energy) == std::vector<float>{9, 2, 3, 17, 32});
+        CHECK(values_of(energy) == std::vector<float>{9, 2, 3, 17, 32});
     }
     SECTION("not out of the window") {
         energy.remove(at, {1, 3});
-        CHECK(energies_of(energy) == std::vector<float>{8, 3, 4, 16, 32});
+        CHECK(values_of(energy) == std::vector<float>{8, 3, 4, 16, 32});
     }
     SECTION("not to protected and attracted vertices") {
         energy.codes(0)[1] = protected_code;
@@ -60,7 +60,7 @@ TEST_CASE("a taken entry's energy goes in equal shares to those within `spread`,
     SECTION("and nowhere without a spread") {
         energy.set_spread(0);
         energy.remove(at, {0, 5});
-        CHECK(energies_of(energy) == std::vector<float>{8, 1, 2, 16, 32});
+        CHECK(values_of(energy) == std::vector<float>{8, 1, 2, 16, 32});
     }
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("with forward costs the energy is handed on and edges are counted anew
     energy.set_spread(1);
     energy.remove(std::vector<std::uint16_t>{2}, {0, 5});
     // The field is 0 1 9 16 25 now.
-    CHECK(energies_of(energy) == std::vector<float>{1 + 1, 4 + 9, 10 + 15, 16 + 16, 32 + 9});
+    CHECK(values_of(energy) == std::vector<float>{1 + 1, 4 + 9, 10 + 15, 16 + 16, 32 + 9});
 }
 
 TEST_CASE("seams that hand on what they take do not bunch") {
@@ -109,12 +109,12 @@ TEST_CASE("seams that hand on what they take do not bunch") {
 
 TEST_CASE("with a spread, too, many seams at once are the same as few, then more") {
     std::mt19937 random(2);
-    const auto energy = noise(random, {14, 6, 5});
+    const auto energy = noise_grid(random, {14, 6, 5});
     for (const std::string more :
          {", spread: 2}", ", spread: 3, window: [2, 11]}", ", spread: 2, static: true}", ", spread: 1, window: [1, 5], pair_window: [8, 12]}"})
         for (const std::string sign : {"-", ""}) {
             const auto find = [&](const std::string& count, const Otherwise& otherwise = {}) {
-                return solve(seam_pyramid(), "{count: " + sign + count + more, {energy, noise(random, {14, 6, 5})}, {box({14, 6, 5})}, {}, 2, {}, otherwise);
+                return solve(seam_pyramid(), "{count: " + sign + count + more, {energy, noise_grid(random, {14, 6, 5})}, {box({14, 6, 5})}, {}, 2, {}, otherwise);
             };
             random.seed(9);
             const auto all = find("4");

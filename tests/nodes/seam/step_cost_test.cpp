@@ -8,6 +8,7 @@
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/searches.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
@@ -23,9 +24,6 @@ using namespace fluidcarve::test;
 // What seams pay beside the energies of their entries: rigidity, and the edges that come to be where they were.
 
 namespace {
-
-const auto quiet = [] {};
-const Tick nobody = [](double) {};
 
 /// A volume whose seams pay for steps and edges, and beside it, in plain numbers, what they pay. Multiples of 1/64, which
 /// neither codes nor sums round.
@@ -95,13 +93,6 @@ struct Paid {
 
 Paid random_paid(std::mt19937& random, int n, int most_columns = 11) {
     return {random, random_size(random, most_columns), n % 2 == 0, 1 + static_cast<int>(random() % 6), n % 3 != 0};
-}
-
-template <class Call>
-auto with_threads(int threads, const Call& call) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    return arena.execute(call);
 }
 
 /// Smoke of any size whose seams pay for the edges in another smoke.

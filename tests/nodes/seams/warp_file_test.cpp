@@ -33,7 +33,7 @@ Seams some_warp(int factor = 1, bool still = false, bool closed = false, Axis ax
     return out;
 }
 
-bool equal(const Seams& a, const Seams& b) {
+bool equal_warps(const Seams& a, const Seams& b) {
     bool same = seam_texts(a) == seam_texts(b) && a.warp && b.warp && a.warp->frames() == b.warp->frames() && a.warp->scale() == b.warp->scale() &&
                 a.warp->bounds().value.least == b.warp->bounds().value.least && a.shape_after(1) == b.shape_after(1);
     for (std::size_t t = 0; same && t < a.warp->frames(); ++t) same = std::ranges::equal(a.warp->values(t), b.warp->values(t));
@@ -41,7 +41,7 @@ bool equal(const Seams& a, const Seams& b) {
 }
 
 /// A warp's volume after `edit`, and what is said of it.
-std::string fault(const SeamEdit& edit, bool sum = true) {
+std::string fault_of_warp(const SeamEdit& edit, bool sum = true) {
     auto volume = seams_to_volume(some_warp());
     if (!sum) volume.metadata.removeMeta("fluidcarve_checksum");
     return fault_after(std::move(volume), edit);
@@ -59,7 +59,7 @@ TEST_CASE("a warp comes back from its file as it was, of points apart, of a ring
     const Scratch scratch;
     for (const auto& seams : {some_warp(), some_warp(2), some_warp(4, true), some_warp(2, false, true), some_warp(1, true, true, Axis::v)}) {
         write_seams(scratch / "warp.vdb", seams);
-        CHECK(equal(read_seams(scratch / "warp.vdb"), seams));
+        CHECK(equal_warps(read_seams(scratch / "warp.vdb"), seams));
         CHECK(read_vdb(scratch / "warp.vdb").grids.size() == seams.warp->frames());
     }
     // What a file holds is what moves.
@@ -80,7 +80,7 @@ TEST_CASE("a warp is kept as it is, with its scale, and damaged ones are refused
         std::stringstream kept;
         type.write(Payload(std::make_shared<Seams>(seams)), kept);
         const auto text = kept.str();
-        CHECK(equal(*type.read(kept).as<Seams>(), seams));
+        CHECK(equal_warps(*type.read(kept).as<Seams>(), seams));
         for (const std::size_t cut : {text.size() - 1, text.size() / 2, text.size() - 5}) {
             std::stringstream shorter(text.substr(0, cut));
             CHECK(failure_of([&] { type.read(shorter); }) == "kept data is damaged or cut off");
@@ -95,35 +95,35 @@ TEST_CASE("a warp is kept as it is, with its scale, and damaged ones are refused
 }
 
 TEST_CASE("a warp's file that is no whole warp is refused, and says why") {
-    CHECK(fault([](auto&, auto&) {}).empty());
-    CHECK(fault([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "3"); }) == "'fluidcarve_warp_factor' wants 1, 2 or 4, not '3'");
-    CHECK(fault([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "2"); }) ==
+    CHECK(fault_of_warp([](auto&, auto&) {}).empty());
+    CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "3"); }) == "'fluidcarve_warp_factor' wants 1, 2 or 4, not '3'");
+    CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "2"); }) ==
           "grid 'warp.0000' has 378 active voxels, but wants the 80 points from (0, 0, 0) to (4, 3, 3), by the shape and the factor");
-    CHECK(fault([](Volume& volume, auto&) { restate(volume, "fluidcarve_shape", "65535,65535,65535,3"); }) ==
+    CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_shape", "65535,65535,65535,3"); }) ==
           "grid 'warp.0000' has 378 active voxels, but wants the 281462092005375 points from (0, 0, 0) to (65534, 65534, 65534), by the shape and the factor");
-    CHECK(fault([](Volume& volume, auto&) { volume.grids.pop_back(); }) == "there are 2 grids, but a warp wants one, or one for each of 3 frames");
-    CHECK(fault([](Volume&, auto& grids) { grids[1]->setName("other"); }) ==
+    CHECK(fault_of_warp([](Volume& volume, auto&) { volume.grids.pop_back(); }) == "there are 2 grids, but a warp wants one, or one for each of 3 frames");
+    CHECK(fault_of_warp([](Volume&, auto& grids) { grids[1]->setName("other"); }) ==
           "there is no float grid 'warp.0001'; a warp of 3 grids wants 'warp.0000' to 'warp.0002'");
-    CHECK(fault([](Volume&, auto& grids) {
+    CHECK(fault_of_warp([](Volume&, auto& grids) {
               grids[2]->tree().setValueOff({3, 3, 3});
           }) == "grid 'warp.0002' has 377 active voxels, but wants the 378 points from (0, 0, 0) to (8, 6, 5), by the shape and the factor");
-    CHECK(fault([](Volume&, auto& grids) {
+    CHECK(fault_of_warp([](Volume&, auto& grids) {
               grids[1]->tree().setValueOn({3, 2, 1}, std::numeric_limits<float>::quiet_NaN());
           }) == "grid 'warp.0001' has nan at (3, 2, 1), which is not finite");
-    const auto swapped = fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn({3, 2, 1}, 7); });
+    const auto swapped = fault_of_warp([](Volume&, auto& grids) { grids[1]->tree().setValueOn({3, 2, 1}, 7); });
     CHECK(swapped.starts_with("grid 'warp.0001' moves the point (3, 2, 1) by 7 vertices and the next along u by "));
     CHECK(swapped.ends_with(": they would change places"));
-    CHECK(fault(
+    CHECK(fault_of_warp(
               [](Volume&, auto& grids) {
                   for (auto value = grids[0]->beginValueOn(); value; ++value) value.setValue(1e30f);
               },
               false) != "");
-    CHECK(fault([](Volume&, auto& grids) {
+    CHECK(fault_of_warp([](Volume&, auto& grids) {
               grids[1]->tree().setValueOn({8, 2, 1}, 0.5f);
           }) ==
           "the file is damaged or was changed: its content does not match its checksum; write it again, or remove the metadata 'fluidcarve_checksum' if you "
           "changed it on purpose");
-    CHECK(fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn({8, 2, 1}, 0.5f); }, false).empty());
+    CHECK(fault_of_warp([](Volume&, auto& grids) { grids[1]->tree().setValueOn({8, 2, 1}, 0.5f); }, false).empty());
 }
 
 TEST_CASE("very many points in a few tiles are refused before memory is taken for them") {

@@ -8,7 +8,7 @@ using namespace fluidcarve::test;
 
 namespace {
 
-const std::vector<int> frames{5, 6, 7};
+const std::vector<int> task_frames{5, 6, 7};
 const std::vector<Ref<Seams>> none;
 
 Ref<Lattice> lattice_at(double y) { return std::make_shared<Lattice>(make_box(openvdb::Vec3d(0, y, 0), {10, 4, 3}, 1.0, {0, 1, 2})); }
@@ -17,9 +17,9 @@ Ref<Lattice> lattice_at(double y) { return std::make_shared<Lattice>(make_box(op
 Ref<Seams> removal(const Lattice& lattice, std::size_t count) {
     Seams out;
     out.shape = lattice.shape;
-    out.frames = frames;
+    out.frames = task_frames;
     out.lattice_hash = lattice.hash;
-    out.seams.assign(count, {std::vector<std::uint16_t>(out.columns_per_frame() * frames.size(), 0)});
+    out.seams.assign(count, {std::vector<std::uint16_t>(out.columns_per_frame() * task_frames.size(), 0)});
     return std::make_shared<Seams>(out);
 }
 
@@ -28,7 +28,7 @@ Ref<Seams> removal(const Lattice& lattice, std::size_t count) {
 TEST_CASE("a space is what earlier sets leave, and one frame may stand for all") {
     const std::vector<Ref<Lattice>> one{lattice_at(0)}, three{lattice_at(0), lattice_at(1), lattice_at(2)};
     const std::vector<Ref<Seams>> six{removal(*one[0], 6)}, twice{six[0], six[0]};
-    const CarvedSpace whole(three, none, frames), left(one, six, frames);
+    const CarvedSpace whole(three, none, task_frames), left(one, six, task_frames);
     CHECK(!whole.carved());
     CHECK(whole.shape() == std::array{10, 4, 3});
     CHECK(whole.place(2) == 2);
@@ -37,14 +37,14 @@ TEST_CASE("a space is what earlier sets leave, and one frame may stand for all")
     CHECK(left.shape() == std::array{4, 4, 3});
     CHECK(left.place(2) == 0);
     CHECK(left.carve_map(2).steps().size() == 1);
-    CHECK(failure_of([&] { CarvedSpace(one, twice, frames); }) ==
+    CHECK(failure_of([&] { CarvedSpace(one, twice, task_frames); }) ==
           "seam set 2 of 2 carves 10 x 4 x 3 vertices, but set 1 leaves 4 x 4 x 3; list the sets in the order in which they were found");
 }
 
 TEST_CASE("a task counts the vertices of its space, and its pairs are of the other kind") {
     const std::vector<Ref<Lattice>> lattices{lattice_at(0)};
     const std::vector<Ref<Seams>> five{removal(*lattices[0], 5)};
-    const CarvedSpace whole(lattices, none, frames), left(lattices, five, frames);
+    const CarvedSpace whole(lattices, none, task_frames), left(lattices, five, task_frames);
     SolverParams params;
     params.count = {-20, true};
     const auto first = task_of(params, whole), second = task_of(params, left);
@@ -79,12 +79,12 @@ TEST_CASE("a set without seams remembers its lattices, and only windows that wer
     SolverParams params;
     params.count = {-1, false};
     const auto empty = [&](const std::vector<Ref<Lattice>>& lattices) {
-        const CarvedSpace space(lattices, none, frames);
+        const CarvedSpace space(lattices, none, task_frames);
         return empty_seams(params, task_of(params, space), space);
     };
     CHECK(empty(still).lattice_hash == still[0]->hash);
     CHECK(empty(moving).lattice_hash == moving[0]->hash + "," + moving[1]->hash + "," + moving[2]->hash);
-    CHECK(empty(still).frames == frames);
+    CHECK(empty(still).frames == task_frames);
     CHECK(!empty(still).window);
     params.window = Interval{2, 5};
     REQUIRE(empty(still).window);
