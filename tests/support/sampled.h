@@ -37,9 +37,7 @@ VectorGrid::Ptr sampled_staggered(const openvdb::CoordBBox& box, double voxel, c
 inline openvdb::Vec3s rotation(const openvdb::Vec3d& omega, const openvdb::Vec3d& at) { return openvdb::Vec3s(omega.cross(at)); }
 
 /// A smooth field that differs in all directions, 0 to 4.
-inline float swirl(const openvdb::Vec3d& at) {
-    return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x()));
-}
+inline float swirl(const openvdb::Vec3d& at) { return static_cast<float>(2 + std::sin(0.3 * at.x() + 0.2 * at.y()) + std::cos(0.25 * at.z() - 0.4 * at.x())); }
 
 inline Volume volume_of(const openvdb::GridBase::ConstPtr& grid) {
     Volume out;

@@ -62,7 +62,8 @@ TEST_CASE("a rigid rotation has |curl| of twice its angular velocity, whatever t
 }
 
 TEST_CASE("a flow without spin has no vorticity") {
-    const auto energy = vorticity_energy(sampled_in<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(float(p.x()), float(2 * p.y()), float(-3 * p.z())); }), 1);
+    const auto energy =
+        vorticity_energy(sampled_in<VectorGrid>(cube, [](const Vec3d& p) { return Vec3s(float(p.x()), float(2 * p.y()), float(-3 * p.z())); }), 1);
     CHECK(largest_error(*energy, cube, [](const Vec3d&) { return 0.0; }) < 1e-6);
 }
 

@@ -106,8 +106,8 @@ TEST_CASE("the end of a narrow band is no edge, and a point no more than a ball 
 }
 
 TEST_CASE("the laplacian of a quadratic field is exact, and what it holds beyond its active voxels counts") {
-    const auto field =
-        sampled<FloatGrid>(fine_cube, fine_voxel, [](const Vec3d& p) { return static_cast<float>(p.x() * p.x() + 2 * p.y() * p.y() - 0.5 * p.z() * p.z() + p.x()); });
+    const auto field = sampled<FloatGrid>(fine_cube, fine_voxel,
+                                          [](const Vec3d& p) { return static_cast<float>(p.x() * p.x() + 2 * p.y() * p.y() - 0.5 * p.z() * p.z() + p.x()); });
     const auto laplacian = laplacian_field(*field);
     CHECK(laplacian->tree().getValue({3, -5, 7}) == Approx(5).epsilon(1e-3));
     CHECK(laplacian->getName() == "laplacian of sampled");

@@ -101,7 +101,7 @@ TEST_CASE("a wrong length of any chunk of values is found before it is read") {
         std::memcpy(&length, whole.data() + at, sizeof length);
         std::memcpy(&stated, whole.data() + at + 20, sizeof stated);
         if (length < 16 || length != stated || whole[at + 8] != 2) continue;
-        if (++chunks % 7 != 1) continue;
+        if (++chunks % 29 != 1) continue;
         for (const std::int64_t wrong : {-length, std::int64_t{-1000000}, length + 1, std::int64_t{1} << 60, std::numeric_limits<std::int64_t>::min()}) {
             auto mutant = whole;
             std::memcpy(mutant.data() + at, &wrong, sizeof wrong);

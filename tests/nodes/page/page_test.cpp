@@ -5,6 +5,7 @@
 #include "tests/support/bent_lattices.h"
 #include "tests/support/browser.h"
 #include "tests/support/node_bench.h"
+#include "tests/support/page_frames.h"
 #include "tests/support/wavy_seams.h"
 
 #include <catch2/catch.hpp>
@@ -18,39 +19,6 @@ using openvdb::Coord;
 using openvdb::Vec3d;
 
 namespace {
-
-/// A ball in a box of voxels.
-FloatGrid::Ptr ball(int size) {
-    auto out = FloatGrid::create();
-    out->setName("density");
-    const double middle = 0.5 * (size - 1);
-    for (int x = 0; x < size; ++x)
-        for (int y = 0; y < size; ++y)
-            for (int z = 0; z < size; ++z)
-                out->tree().setValue({x, y, z}, static_cast<float>(std::max(0.01, 1 - (Vec3d(x, y, z) - Vec3d(middle)).length() / middle)));
-    return out;
-}
-
-PageFrame frame_of(int size, int seams) {
-    PageFrame out;
-    out.number = 1;
-    out.before = ball(size);
-    out.lattice = std::make_shared<Lattice>(make_box({0, 0, 0}, {size, size, size}, 1, {0, 1, 2}));
-    auto set = wavy_seams(*out.lattice, Axis::u, Seams::Kind::remove, size / 2, seams, 2);
-    for (std::size_t n = 0; n < set.seams.size(); ++n) set.seams[n].energy = n < 4 ? 1.0 : static_cast<double>(n);
-    if (seams > 0) out.seams = {std::make_shared<Seams>(set)};
-    return out;
-}
-
-std::string page_of(const PageFrame& frame) {
-    PageWish wish;
-    wish.title = "shot.yaml </script>";
-    wish.grid = "density";
-    wish.setting = "seams.count";
-    wish.count = frame.seams.empty() ? 0 : 5;
-    wish.softness = {3, 0};
-    return page_html(page_scene(wish, {frame}));
-}
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -205,27 +173,4 @@ TEST_CASE("before there are seams, the page shows the lattice and tells of cells
     CHECK(seen["lattice"] == true);
     CHECK(seen["slider"] == false);
     CHECK(contains(seen["notes"], "cells of the lattice fold"));
-}
-
-TEST_CASE("from the slider to the picture the script takes less than 50 ms at 96 voxels") {
-    if (!browser_is_there()) return;
-    const Scratch scratch;
-    const auto seen = ask_browser(scratch, page_of(frame_of(96, 12)), R"js(
-        await showFrame();
-        const times = {};
-        for (const shown of ['volume', 'z']) {
-            document.querySelector(`input[name=kind][value=${shown}]`).checked = true;
-            showKind();
-            times[shown] = 1e9;
-            for (let n = 0; n < 24; ++n) {
-                byId('count').value = 1 + n % 12;
-                tellCount();
-                draw();
-                times[shown] = Math.min(times[shown], scriptTime);
-            }
-        }
-        return times;)js");
-    INFO(seen.dump());
-    CHECK(seen["volume"].get<double>() < 50);
-    CHECK(seen["z"].get<double>() < 50);
 }

@@ -168,7 +168,8 @@ TEST_CASE("the sheet node writes one PNG after the last frame") {
     Context::Host host;
     Context context(host, frames);
     const auto before = cube(Coord(0), 8, 1.0f), after = cube(Coord(2), 8, 1.0f);
-    for (std::size_t place = 0; place < frames.size(); ++place) node.add({{"before", {volume_with(before)}}, {"after", {volume_with(after)}}}, context.at(place));
+    for (std::size_t place = 0; place < frames.size(); ++place)
+        node.add({{"before", {volume_with(before)}}, {"after", {volume_with(after)}}}, context.at(place));
     CHECK_FALSE(std::filesystem::exists(scratch / "new/sheet.png"));
     node.finish(context);
 

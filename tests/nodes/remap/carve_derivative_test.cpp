@@ -36,7 +36,8 @@ double central(const std::function<double(int)>& value, int at, int size, bool c
     return low == high ? 0 : (value(high) - value(low)) / (high - low);
 }
 
-openvdb::GridBase::ConstPtr carved_by_node(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const std::vector<Seams>& sets, const std::string& yaml) {
+openvdb::GridBase::ConstPtr carved_by_node(const openvdb::GridBase::ConstPtr& grid, const Lattice& lattice, const std::vector<Seams>& sets,
+                                           const std::string& yaml) {
     const auto volume = std::make_shared<Volume>();
     volume->grids = {grid};
     std::vector<Payload> seams;
@@ -242,7 +243,8 @@ TEST_CASE("turned with the space around them, velocities of a rotation about a r
     const CoordBBox box(Coord(0, 0, -4), Coord(100, 100, 5));
     const auto spin = [](const Vec3d& at) { return rotation(Vec3d(0, 0, 0.1), at); };
     const auto grid = staggered ? sampled_staggered(box, 0.5, spin) : sampled<VectorGrid>(box, 0.5, spin);
-    const auto plain = as_vectors(carved_by_node(grid, lattice, {seams}, "{}")), got = as_vectors(carved_by_node(grid, lattice, {seams}, "{transform_vectors: true}"));
+    const auto plain = as_vectors(carved_by_node(grid, lattice, {seams}, "{}")),
+               got = as_vectors(carved_by_node(grid, lattice, {seams}, "{transform_vectors: true}"));
     const auto map = map_of(lattice, {seams});
     const Mapping mapping(lattice, map.reach());
     int beyond = 0, before = 0, at_seam = 0;

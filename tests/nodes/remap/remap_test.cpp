@@ -151,8 +151,8 @@ TEST_CASE("without seams, and where seams change nothing, the grid itself comes 
     const OnVoxels place(random);
     const auto grid = random_grid<FloatGrid>(random);
     grid->setTransform(place.transform);
-    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})), Interpolation::linear) ==
-          grid);
+    CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {})),
+                     Interpolation::linear) == grid);
     CHECK(carve_grid(grid, place.lattice, map_of_count(place.lattice, straight_seams(place.lattice, Axis::u, Seams::Kind::remove, {2, 3}), 0),
                      Interpolation::linear) == grid);
 
@@ -175,7 +175,8 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     CHECK(got->tree().getValue(Coord(125, 5, 5)) == 0.0f);
     CHECK(got->tree().getValue(Coord(124, 130, 5)) == 3.0f);
 
-    const auto emptied = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(256, 0))));
+    const auto emptied =
+        carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, std::vector<int>(256, 0))));
     CHECK(emptied->tree().leafCount() == 0);
     CHECK(emptied->activeVoxelCount() == 0);
 }

@@ -194,8 +194,8 @@ TEST_CASE("a ring's warp does not know where the ring begins") {
     const auto shifted = with_planes(lattice.shape, 1.0, true, planes, "shifted");
     const auto a = carved_by_warp(grid, lattice, warped(lattice, wave, Axis::u, {1}, factor)),
                b = carved_by_warp(grid, shifted,
-                          warped(
-                              shifted, [&](int entry, int lateral, int k, int t) { return wave(entry, lateral, k + shift, t); }, Axis::u, {1}, factor));
+                                  warped(
+                                      shifted, [&](int entry, int lateral, int k, int t) { return wave(entry, lateral, k + shift, t); }, Axis::u, {1}, factor));
     double most = 0, moved = 0;
     for (auto at = grid->evalActiveVoxelBoundingBox().begin(); at; ++at) {
         most = std::max(most, static_cast<double>(std::abs(a->tree().getValue(*at) - b->tree().getValue(*at))));

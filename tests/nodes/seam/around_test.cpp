@@ -11,8 +11,7 @@
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 
-namespace {
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("greedy seams around a rig close across it, along it and in both, in any window") {
     std::mt19937 random(1);

@@ -11,9 +11,7 @@
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("dynamic programming finds the least energy of a line in any dimension, also of a ring, to the last digit") {
     std::mt19937 random(1);

@@ -309,7 +309,7 @@ struct SolvedGreedily {
 
 /// Runs seam.greedy over frames 5 and 6, energy `value(voxel, t)` on voxels 0 to 7.
 SolvedGreedily solve(const std::string& yaml, const std::function<float(const Coord&, int)>& value,
-             const Lattice& lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2})) {
+                     const Lattice& lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2})) {
     static const std::vector<int> frames{5, 6};
     SolvedGreedily out;
     const auto space = Payload(std::make_shared<Lattice>(lattice));

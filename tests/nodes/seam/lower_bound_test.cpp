@@ -13,9 +13,7 @@
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("no seam has less energy than the lower bound, with any number of passes") {
     std::mt19937 random(1);

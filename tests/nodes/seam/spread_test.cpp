@@ -114,7 +114,8 @@ TEST_CASE("with a spread, too, many seams at once are the same as few, then more
          {", spread: 2}", ", spread: 3, window: [2, 11]}", ", spread: 2, static: true}", ", spread: 1, window: [1, 5], pair_window: [8, 12]}"})
         for (const std::string sign : {"-", ""}) {
             const auto find = [&](const std::string& count, const Otherwise& otherwise = {}) {
-                return solve(seam_pyramid(), "{count: " + sign + count + more, {energy, noise_grid(random, {14, 6, 5})}, {box({14, 6, 5})}, {}, 2, {}, otherwise);
+                return solve(seam_pyramid(), "{count: " + sign + count + more, {energy, noise_grid(random, {14, 6, 5})}, {box({14, 6, 5})}, {}, 2, {},
+                             otherwise);
             };
             random.seed(9);
             const auto all = find("4");
