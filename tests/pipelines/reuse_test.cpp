@@ -30,6 +30,7 @@ struct Shot {
         const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
         replace("tests/data/vortex/", "sim/");
         replace("frames: 41-46", fmt::format("frames: {}-{}", first, last));
+        replace("show: render", "show: maximum");  // quicker
         std::ofstream(folder + "/p.yaml") << text;
     }
     static std::string data(int frame) { return fmt::format("{}/tests/data/vortex/vortex.{:04}.vdb", source_root, frame); }
