@@ -189,5 +189,5 @@ TEST_CASE("a task whose job is not in its work folder says so") {
     CHECK(ran.code == 3);
     CHECK_THAT(ran.err,
                Catch::StartsWith("failed: --task plume-123456/out: there is no folder ") && Catch::Contains("share the work folder with this machine"));
-    CHECK(call_shell(plume.command("run", "out", "--task ../x")).err == "--task ../x: wants JOB/STEP, each of letters, digits, - and _\n");
+    CHECK(call_shell(plume.command("run", "out", "--task ../x")).err == "--task ../x: must be JOB/STEP, each of letters, digits, - and _\n");
 }
