@@ -78,8 +78,7 @@ std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
 
 /// The job for people: its steps, what each waits for, its tasks and what they ask for, and the command of its first task.
 std::string to_text(const FarmJob& job);
-/// {"name", "pipeline", "folder", "again", "steps": [{"name", "what", "needs", "frames"?, "tasks", "cores", "memory", "disk", "seconds", "command"}]};
-/// `command` is that of the first task.
+/// The job for programs, as pipelines/FORMATS.md says.
 nlohmann::ordered_json to_json(const FarmJob& job);
 
 }  // namespace fluidcarve
