@@ -190,6 +190,14 @@ public:
             else add(problems_, item.mark, "'env' must list names, not " + item.describe());
     }
 
+    /// The declared variables that are set.
+    std::vector<std::pair<std::string, std::string>> environment() const {
+        std::vector<std::pair<std::string, std::string>> out;
+        for (const auto& [name, mark] : environment_)
+            if (const auto* const value = std::getenv(name.c_str())) out.emplace_back(name, value);
+        return out;
+    }
+
     /// @return map: param name to value
     Value declare_params(const Value& params, const std::map<std::string, Value>& settings) {
         Value out;
@@ -425,6 +433,7 @@ Document document_of(const std::string& name, const std::vector<std::string>& se
     known.replace(out.plugins);
     known.replace(out.provenance);
     out.insertions = std::move(known.insertions);
+    out.environment = known.environment();
     return out;
 }
 

@@ -51,7 +51,7 @@ struct FarmJob {
     std::string name;                 ///< unique in the work folder; the same command makes the same name
     std::string pipeline;             ///< path of the pipeline file, as it was given
     std::string folder;               ///< the current folder, absolute
-    std::vector<std::string> prefix;  ///< words before the program: `rez-env fluidcarve --`
+    std::vector<std::string> prefix;  ///< words before the program: `env SHOT=sh010 rez-env fluidcarve --`
     std::string executable;           ///< the program
     std::string work;                 ///< the work folder, absolute
     std::string again;                ///< the command that makes this job again, for a shell
