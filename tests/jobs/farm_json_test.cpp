@@ -65,8 +65,9 @@ TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says
     const auto after = Json::parse(call("plan --json").out);
     const auto job = Json::parse(call("farm local --dry-run --json").out);
     REQUIRE(call("farm local --chunk 3", closed).code == 1);
+    REQUIRE(call("run -q", closed).code == 1);
     const auto all = Json::parse(call_shell(fmt::format("{} status --json --work {}", FLUIDCARVE_PROGRAM, scratch / "work")).out);
-    REQUIRE(all.size() == 2);
+    REQUIRE(all.size() == 3);
     CHECK(all.at(0).contains("job"));
     CHECK_FALSE(all.at(1).contains("job"));
 
@@ -75,5 +76,5 @@ TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says
     CHECK(paths_of({before, after}) == tables[0]);
     CHECK(paths_of({job}) == tables[1]);
     CHECK(paths_of({all.at(0)}) == tables[2]);
-    CHECK(paths_of({all.at(1)}) == tables[3]);
+    CHECK(paths_of({all.at(1), all.at(2)}) == tables[3]);
 }
