@@ -3,7 +3,7 @@
 #include "nodes/seams/read.h"
 #include "nodes/seams/seam_metadata.h"
 #include "nodes/seams/write.h"
-#include "tests/support/edited_seams.h"
+#include "tests/support/files/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/scratch.h"

@@ -4,7 +4,7 @@
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seam_file.h"
 #include "nodes/seams/seam_metadata.h"
-#include "tests/support/edited_seams.h"
+#include "tests/support/files/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 #include "tests/support/warped.h"
