@@ -90,7 +90,7 @@ private:
     FrameSet read_frames() {
         if (document_.frames.kind == Value::Kind::null || document_.frames.kind == Value::Kind::unresolved) return FrameSet({1});
         if (document_.frames.kind == Value::Kind::scalar && document_.frames.text == "auto") return auto_frames();
-        std::string fault = "wants a frame set such as 1001-1084, not " + document_.frames.describe();
+        std::string fault = "must be a frame set such as 1001-1084, not " + document_.frames.describe();
         if (document_.frames.kind == Value::Kind::scalar)
             if (auto frames = FrameSet::parse(document_.frames.text, fault)) return *frames;
         add(problems_, document_.frames.mark, "frames: " + fault);
@@ -116,7 +116,7 @@ private:
             return add(problems_, mark, fmt::format("'{}' can't name a node; use letters, digits, _ and -", name));
         known_.insert(name);
         if (value.kind != Value::Kind::map)
-            return add(problems_, value.mark, fmt::format("node '{}' wants {{type: ..., ...}}, not {}", name, value.describe()));
+            return add(problems_, value.mark, fmt::format("node '{}' must be {{type: ..., ...}}, not {}", name, value.describe()));
         const auto* const type = value.find("type");
         if (!type) return add(problems_, mark, fmt::format("node '{}' has no type", name));
         const auto* const node_type = registry_.node(type->value.text);
@@ -211,7 +211,7 @@ private:
             if (value.kind == Value::Kind::unresolved) return;
             if (value.kind != Value::Kind::scalar)
                 return add(problems_, value.mark,
-                           fmt::format("{} input '{}' wants a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
+                           fmt::format("{} input '{}' must be a node or node.output, not {}", draft.node.type->name, spec.name, value.describe()));
             const auto dot = value.text.find('.');
             draft.references[n].push_back({value.mark, value.text.substr(0, dot), dot == std::string::npos ? std::string() : value.text.substr(dot + 1)});
             draft.node.input_names[n].push_back(name);
@@ -224,7 +224,7 @@ private:
         } else if (spec.arity == InputSpec::Arity::named) {
             if (value.kind != Value::Kind::map)
                 add(problems_, value.mark,
-                    fmt::format("{} input '{}' wants {{name: node.output, ...}}, not {}", draft.node.type->name, spec.name, value.describe()));
+                    fmt::format("{} input '{}' must be {{name: node.output, ...}}, not {}", draft.node.type->name, spec.name, value.describe()));
             for (const auto& each : value.fields) take(each.value, each.name);
         } else {
             take(value, {});

@@ -42,7 +42,7 @@ Confinement::Confinement(const std::vector<std::string>& folders) {
     for (const auto& each : folders) {
         std::error_code error;
         const auto folder = std::filesystem::canonical(each, error);
-        if (error || !std::filesystem::is_directory(folder, error)) throw Failure(fmt::format("--confine wants a folder that exists, not '{}'", each));
+        if (error || !std::filesystem::is_directory(folder, error)) throw Failure(fmt::format("--confine must be a folder that exists, not '{}'", each));
         folders_.push_back(folder);
     }
 }

@@ -101,7 +101,7 @@ public:
         const auto* const extends = root.find("extends");
         if (!extends) return root;
         if (extends->value.kind != Value::Kind::scalar)
-            return add(problems_, extends->value.mark, "'extends' wants the path of a pipeline file, not " + extends->value.describe()), root;
+            return add(problems_, extends->value.mark, "'extends' must be the path of a pipeline file, not " + extends->value.describe()), root;
         auto base_path = fs::path(extends->value.text);
         if (base_path.is_relative()) base_path = fs::path(source->folder) / base_path;
         Value merged = load(base_path.lexically_normal().string(), extends->value.mark);
@@ -163,13 +163,13 @@ private:
             add(problems_, version->value.mark, fmt::format("format version {} is unknown; this program reads version 1", version->value.describe()));
         for (const auto* name : {"params", "nodes"})
             if (const auto* field = root.find(name); field && field->value.kind != Value::Kind::map)
-                add(problems_, field->value.mark, fmt::format("'{}' wants a map, not {}", name, field->value.describe()));
+                add(problems_, field->value.mark, fmt::format("'{}' must be a map, not {}", name, field->value.describe()));
         const auto* const plugins = root.find("plugins");
         if (!plugins || plugins->value.kind == Value::Kind::null) return;
         if (plugins->value.kind != Value::Kind::list)
-            return add(problems_, plugins->value.mark, "'plugins' wants a list of files, not " + plugins->value.describe());
+            return add(problems_, plugins->value.mark, "'plugins' must be a list of files, not " + plugins->value.describe());
         for (const auto& file : plugins->value.items)
-            if (file.kind != Value::Kind::scalar) add(problems_, file.mark, "'plugins' wants the paths of files, not " + file.describe());
+            if (file.kind != Value::Kind::scalar) add(problems_, file.mark, "'plugins' must list the paths of files, not " + file.describe());
     }
 
     Problems& problems_;
@@ -184,10 +184,18 @@ public:
 
     void declare_environment(const Value& list) {
         if (list.kind == Value::Kind::null) return;
-        if (list.kind != Value::Kind::list) return add(problems_, list.mark, "'env' wants a list of environment variables, not " + list.describe());
+        if (list.kind != Value::Kind::list) return add(problems_, list.mark, "'env' must be a list of environment variables, not " + list.describe());
         for (const auto& item : list.items)
             if (item.kind == Value::Kind::scalar) environment_.emplace(item.text, item.mark);
-            else add(problems_, item.mark, "'env' wants names, not " + item.describe());
+            else add(problems_, item.mark, "'env' must list names, not " + item.describe());
+    }
+
+    /// The declared variables that are set.
+    std::vector<std::pair<std::string, std::string>> environment() const {
+        std::vector<std::pair<std::string, std::string>> out;
+        for (const auto& [name, mark] : environment_)
+            if (const auto* const value = std::getenv(name.c_str())) out.emplace_back(name, value);
+        return out;
     }
 
     /// @return map: param name to value
@@ -219,7 +227,7 @@ private:
         const auto& [name, mark, param] = field;
         values_[name].kind = Value::Kind::unresolved;  // declared, even if the declaration has faults
         if (param.kind != Value::Kind::map)
-            return add(problems_, param.mark, fmt::format("param '{}' wants {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
+            return add(problems_, param.mark, fmt::format("param '{}' must be {{type: ..., default: ..., doc: ...}}, not {}", name, param.describe()));
         for (const auto& each : param.fields)
             if (!find_field(param_fields, each.name))
                 add(problems_, each.mark, fmt::format("a param has no field '{}'{}", each.name, did_you_mean(each.name, names_of(param_fields))));
@@ -346,7 +354,7 @@ std::optional<Setting> read_setting(const std::string& text, Problems& problems)
     source->name = "--set";
     source->text = text;
     const auto sign = text.find('=');
-    if (sign == std::string::npos || sign == 0) return add(problems, {source, 1, 1}, "wants NODE.FIELD=VALUE or PARAM=VALUE"), std::nullopt;
+    if (sign == std::string::npos || sign == 0) return add(problems, {source, 1, 1}, "must be NODE.FIELD=VALUE or PARAM=VALUE"), std::nullopt;
     Setting out;
     out.target = {text.substr(0, sign), {source, 1, 1}, {}};
     const auto value = text.substr(sign + 1);
@@ -425,6 +433,7 @@ Document document_of(const std::string& name, const std::vector<std::string>& se
     known.replace(out.plugins);
     known.replace(out.provenance);
     out.insertions = std::move(known.insertions);
+    out.environment = known.environment();
     return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -25,7 +26,8 @@ struct Document {
     Value provenance;           ///< null: written files state what made them
     Value plugins;              ///< null, or a list of paths; plugins of extended files come first
     std::vector<Insertion> insertions;
-    std::vector<std::string> command;  ///< the words of the command line that stands for the document; empty: `run NAME`
+    std::vector<std::pair<std::string, std::string>> environment;  ///< name and value of each variable that `env` lists and that is set
+    std::vector<std::string> command;                              ///< the words of the command line that stands for the document; empty: `run NAME`
 };
 
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.

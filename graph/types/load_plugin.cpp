@@ -45,11 +45,11 @@ void check(const PluginHeader& header, const std::string& file, const Registry& 
                         file, header.version, header.node_type, sizeof(NodeType), again));
     const std::string family = header.family ? header.family : "";
     if (!can_name_a_family(family))
-        throw Failure(fmt::format("the plugin {} wants the family '{}' for its types; a family's name has letters, digits and _", file, family));
+        throw Failure(fmt::format("the plugin {} gives its types the family '{}'; a family's name has letters, digits and _", file, family));
     for (const auto& [name, type] : registry.nodes())
         if (!files.contains(name) && family_of(name) == family)
-            throw Failure(fmt::format("the plugin {} wants the family '{}' for its types, but that is a built-in one, of '{}'; give it one of its own", file,
-                                      family, name));
+            throw Failure(
+                fmt::format("the plugin {} gives its types the family '{}', but that is a built-in one, of '{}'; give it one of its own", file, family, name));
 }
 
 /// Checks that all types and conversions of a plugin belong to its family.

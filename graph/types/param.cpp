@@ -93,7 +93,7 @@ std::string to_text(const Shape& shape) {
     return out;
 }
 
-void ValueReader::unwanted(const Value& value, const std::string& wanted) { fault(value, fmt::format("wants {}, not {}", wanted, value.describe())); }
+void ValueReader::unwanted(const Value& value, const std::string& form) { fault(value, fmt::format("must be {}, not {}", form, value.describe())); }
 
 void ValueReader::fault(const Value& value, const std::string& message) {
     if (value.kind != Value::Kind::unresolved) problems_.push_back({value.mark, what_ + " " + message, {}, {}});

@@ -79,8 +79,8 @@ std::string to_text(const Shape& shape);
 class ValueReader {
 public:
     ValueReader(Problems& problems, std::string what, Range range) : problems_(problems), what_(std::move(what)), range_(range) {}
-    /// Adds the problem "<what> wants <wanted>, not <value>" at the value's place.
-    void unwanted(const Value& value, const std::string& wanted);
+    /// Adds the problem "<what> must be <form>, not <value>" at the value's place.
+    void unwanted(const Value& value, const std::string& form);
     /// Adds the problem "<what> <message>" at the value's place.
     void fault(const Value& value, const std::string& message);
     /// A finite number within the range; else adds a problem and returns nothing. @param whole  accept whole numbers only

@@ -29,8 +29,8 @@ std::string text_of(const MissedRange& missed) {
     const auto wanted = std::isinf(high)  ? fmt::format("from {:g}", low)
                         : std::isinf(low) ? fmt::format("up to {:g}", high)
                                           : fmt::format("from {:g} to {:g}", low, high);
-    if (missed.values.low > missed.values.high) return fmt::format("mask.threshold wants values {}, but the field has no active voxels", wanted);
-    return fmt::format("mask.threshold wants values {}, but the field has {:g} to {:g} only", wanted, missed.values.low, missed.values.high);
+    if (missed.values.low > missed.values.high) return fmt::format("mask.threshold marks values {}, but the field has no active voxels", wanted);
+    return fmt::format("mask.threshold marks values {}, but the field has {:g} to {:g} only", wanted, missed.values.low, missed.values.high);
 }
 
 }  // namespace fluidcarve

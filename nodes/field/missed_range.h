@@ -18,7 +18,7 @@ struct MissedRange {
 void note_missed_range(MaskGrid& mask, const MissedRange& missed);
 /// What is noted in a mask; nothing: nothing.
 std::optional<MissedRange> missed_range(const openvdb::GridBase& mask);
-/// For messages: "mask.threshold wants values from 2, but the field has 0 to 0.9 only".
+/// For messages: "mask.threshold marks values from 2, but the field has 0 to 0.9 only".
 std::string text_of(const MissedRange& missed);
 
 }  // namespace fluidcarve

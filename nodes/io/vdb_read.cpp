@@ -79,7 +79,7 @@ private:
             return true;
         }
         const auto best = nearest(value.text, {"float", "vector"});
-        reader.fault(value, fmt::format("wants float or vector, not {}{}", value.describe(), best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
+        reader.fault(value, fmt::format("must be float or vector, not {}{}", value.describe(), best.empty() ? "" : fmt::format("; did you mean '{}'?", best)));
         return false;
     }
 };

@@ -25,7 +25,7 @@ struct ParamTraits<Radii> {
         }
         const auto radii = ParamTraits<std::vector<double>>::parse(value, reader);
         if (!radii) return std::nullopt;
-        if (radii->size() != 2) return reader.fault(value, fmt::format("wants one radius or two, not {}", radii->size())), std::nullopt;
+        if (radii->size() != 2) return reader.fault(value, fmt::format("must have one number or two, not {}", radii->size())), std::nullopt;
         return Radii{{(*radii)[0], (*radii)[1]}};
     }
     static std::string text(const Radii& radii) { return fmt::format("[{}, {}]", radii.of[0], radii.of[1]); }

@@ -46,7 +46,7 @@ struct RigPoints {
         if (Vec3d(params.up.data()).length() == 0) check.fault("up", "'up' has no direction");
         if (params.frames.empty()) return refuse(rig_of(params, positions(params.points)), "points", "", check);
         for (const auto& [frame, points] : params.frames) {
-            if (!frame_number(frame)) check.fault("frames", fmt::format("'frames' wants a frame's number before each list of points, not '{}'", frame));
+            if (!frame_number(frame)) check.fault("frames", fmt::format("'frames' needs a frame's number before each list of points, not '{}'", frame));
             refuse(rig_of(params, positions(points)), "frames", " in frame " + frame, check);
         }
     }

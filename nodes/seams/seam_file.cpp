@@ -124,10 +124,10 @@ void require_columns(const SeamGrids& grids, const Seams& seams) {
         if (!trees.insert(&grid->tree()).second) continue;
         held += grid->memUsage();
         if (const auto voxels = grid->activeVoxelCount(); voxels != columns)
-            throw wrong_seams(fmt::format("grid '{}' has {} active voxels, but wants one for each of {} columns", grid->getName(), voxels, columns));
+            throw wrong_seams(fmt::format("grid '{}' has {} active voxels, but must have one for each of {} columns", grid->getName(), voxels, columns));
         if (const auto box = grid->evalActiveVoxelBoundingBox(); box != wanted)
-            throw wrong_seams(fmt::format("grid '{}' has active voxels from {} to {}, but wants the columns from {} to {}", grid->getName(), place(box.min()),
-                                          place(box.max()), place(wanted.min()), place(wanted.max())));
+            throw wrong_seams(fmt::format("grid '{}' has active voxels from {} to {}, but must have the columns from {} to {}", grid->getName(),
+                                          place(box.min()), place(box.max()), place(wanted.min()), place(wanted.max())));
     }
     if (!all.empty() && columns > (always_allowed + most_per_byte * held) / (all.size() * sizeof(std::uint16_t)))
         throw wrong_seams(
@@ -167,8 +167,8 @@ private:
         for (auto value = grid.cbeginValueOn(); value; ++value) {
             const auto box = value.getBoundingBox();
             if (!(*value >= static_cast<float>(lowest) && *value <= static_cast<float>(highest)) || *value != std::floor(*value))
-                throw wrong_seams(
-                    fmt::format("grid '{}' has {} at {}, but wants a whole number from {} to {}", grid.getName(), *value, place(box.min()), lowest, highest));
+                throw wrong_seams(fmt::format("grid '{}' has {} at {}, but must have a whole number from {} to {}", grid.getName(), *value, place(box.min()),
+                                              lowest, highest));
             most = std::max(most, *value);
             for (int t = box.min().z(); t <= box.max().z(); ++t)
                 for (int k = box.min().y(); k <= box.max().y(); ++k)

@@ -41,7 +41,7 @@ std::string of_file(const openvdb::MetaMap& metadata, const char* name) { return
 std::array<int, 4> read_shape(const std::string& text) {
     const auto out = numbers<4>(text);
     if (!out || std::any_of(out->begin(), out->end(), [](int n) { return n < 1 || n > most_entries; }))
-        throw wrong_seams(fmt::format("'fluidcarve_shape' wants four numbers from 1 to {}, I,J,K,T, not '{}'", most_entries, cut_short(text)));
+        throw wrong_seams(fmt::format("'fluidcarve_shape' must be four numbers from 1 to {}, I,J,K,T, not '{}'", most_entries, cut_short(text)));
     return *out;
 }
 
@@ -61,7 +61,7 @@ std::vector<int> read_frames(const std::string& text, int count) {
 bool read_bool(const openvdb::MetaMap& metadata, const char* name) {
     if (!metadata[name]) return false;
     const auto text = of_file(metadata, name);
-    if (text != "true" && text != "false") throw wrong_seams(fmt::format("'{}' wants true or false, not '{}'", name, cut_short(text)));
+    if (text != "true" && text != "false") throw wrong_seams(fmt::format("'{}' must be true or false, not '{}'", name, cut_short(text)));
     return text == "true";
 }
 
@@ -72,7 +72,7 @@ std::optional<Window> read_window(const openvdb::MetaMap& metadata, const char* 
     const auto ends = numbers<2>(text).value_or(std::array{-1, -1});
     const Window out{ends[0], ends[1]};
     if (out.first < whole.first || out.last < out.first || out.last > whole.last)
-        throw wrong_seams(fmt::format("'{}' wants two vertices from {} to {}, first,last, not '{}'", name, whole.first, whole.last, cut_short(text)));
+        throw wrong_seams(fmt::format("'{}' must be two vertices from {} to {}, first,last, not '{}'", name, whole.first, whole.last, cut_short(text)));
     return out;
 }
 
@@ -84,7 +84,7 @@ Anchor read_anchor(const openvdb::MetaMap& metadata, int size) {
         if (text == to_text(Anchor{at, 0})) return {at, 0};
     const int vertex = numbers<1>(text).value_or(std::array{-1})[0];
     if (vertex < 0 || vertex >= size)
-        throw wrong_seams(fmt::format("'{}' wants low, middle, high or a vertex from 0 to {}, not '{}'", name, size - 1, cut_short(text)));
+        throw wrong_seams(fmt::format("'{}' must be low, middle, high or a vertex from 0 to {}, not '{}'", name, size - 1, cut_short(text)));
     return {Anchor::At::vertex, vertex};
 }
 
@@ -124,14 +124,14 @@ std::optional<int> warp_factor(const openvdb::MetaMap& metadata) {
     if (!metadata[factor_name]) return std::nullopt;
     const auto text = of_file(metadata, factor_name);
     const auto factor = numbers<1>(text).value_or(std::array{0})[0];
-    if (factor != 1 && factor != 2 && factor != 4) throw wrong_seams(fmt::format("'{}' wants 1, 2 or 4, not '{}'", factor_name, cut_short(text)));
+    if (factor != 1 && factor != 2 && factor != 4) throw wrong_seams(fmt::format("'{}' must be 1, 2 or 4, not '{}'", factor_name, cut_short(text)));
     return factor;
 }
 
 Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     Seams out;
     const auto axis = of_file(metadata, "fluidcarve_axis");
-    if (axis != "u" && axis != "v") throw wrong_seams(fmt::format("'fluidcarve_axis' wants u or v, not '{}'", cut_short(axis)));
+    if (axis != "u" && axis != "v") throw wrong_seams(fmt::format("'fluidcarve_axis' must be u or v, not '{}'", cut_short(axis)));
     out.axis = axis == "u" ? Axis::u : Axis::v;
     const auto shape = read_shape(of_file(metadata, "fluidcarve_shape"));
     out.shape = {shape[0], shape[1], shape[2]};

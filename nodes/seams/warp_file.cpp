@@ -27,14 +27,14 @@ CoordBBox points_box(const Warp& warp) {
 /// The grids in the order of the frames.
 std::vector<FloatGrid::ConstPtr> ordered(const Volume& volume, std::size_t frames) {
     if (volume.grids.size() != 1 && volume.grids.size() != frames)
-        throw wrong_seams(fmt::format("there are {} grids, but a warp wants one, or one for each of {} frames", volume.grids.size(), frames));
+        throw wrong_seams(fmt::format("there are {} grids, but a warp has one, or one for each of {} frames", volume.grids.size(), frames));
     std::map<std::string, FloatGrid::ConstPtr> named;
     for (const auto& grid : volume.grids) named.emplace(grid->getName(), openvdb::GridBase::grid<FloatGrid>(grid));
     std::vector<FloatGrid::ConstPtr> out;
     for (std::size_t n = 0; n < volume.grids.size(); ++n) {
         const auto found = named.find(warp_name(n));
         if (found == named.end() || !found->second)
-            throw wrong_seams(fmt::format("there is no float grid '{}'; a warp of {} grids wants '{}' to '{}'", warp_name(n), volume.grids.size(), warp_name(0),
+            throw wrong_seams(fmt::format("there is no float grid '{}'; a warp of {} grids has '{}' to '{}'", warp_name(n), volume.grids.size(), warp_name(0),
                                           warp_name(volume.grids.size() - 1)));
         out.push_back(found->second);
     }
@@ -53,8 +53,9 @@ void require_points(const std::vector<FloatGrid::ConstPtr>& grids, const std::ar
         if (!trees.insert(&grid->tree()).second) continue;
         held += grid->memUsage();
         if (const auto voxels = grid->activeVoxelCount(); voxels != count || grid->evalActiveVoxelBoundingBox() != wanted)
-            throw wrong_seams(fmt::format("grid '{}' has {} active voxels, but wants the {} points from (0, 0, 0) to ({}, {}, {}), by the shape and the factor",
-                                          grid->getName(), voxels, count, wanted.max().x(), wanted.max().y(), wanted.max().z()));
+            throw wrong_seams(
+                fmt::format("grid '{}' has {} active voxels, but must have the {} points from (0, 0, 0) to ({}, {}, {}), by the shape and the factor",
+                            grid->getName(), voxels, count, wanted.max().x(), wanted.max().y(), wanted.max().z()));
     }
     if (count > (always_allowed + most_per_byte * held) / (grids.size() * sizeof(float)))
         throw wrong_seams(

@@ -42,7 +42,7 @@ struct UsdWrite {
             if (!is_usd_name(name)) check.fault("files", fmt::format("can't name a prim '{}'; use letters, digits and _, and no digit first", name));
             if (!names_vdb(file.text()) && !names_usda(file.text()))
                 check.fault("files", fmt::format("takes .vdb and .usda files, not {}; mesh.write and points.write make .usda files, too", file.text()));
-            else if (volume && !names_vdb(file.text())) check.fault("files", fmt::format("wants the .vdb file of volume '{}', not {}", name, file.text()));
+            else if (volume && !names_vdb(file.text())) check.fault("files", fmt::format("needs the .vdb file of volume '{}', not {}", name, file.text()));
             else if (!volume && names_vdb(file.text()))
                 check.fault("files", fmt::format("needs what {1} holds: connect what its writer takes, as in 'volumes: {{{0}: NODE}}'", name, file.text()));
         }

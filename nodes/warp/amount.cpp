@@ -37,7 +37,7 @@ std::optional<std::vector<Point>> parse_points(const Value::Field& field, bool a
     const auto wanted = fmt::format("a list of points in '{}', [[place, {}], ...]", field.name, field.name == "at" ? "amount" : "share");
     const auto& list = field.value;
     if (list.kind != Value::Kind::list) return reader.unwanted(list, wanted), std::nullopt;
-    if (list.items.empty()) return reader.fault(list, fmt::format("has no points in '{}': a curve wants at least one", field.name)), std::nullopt;
+    if (list.items.empty()) return reader.fault(list, fmt::format("has no points in '{}': a curve needs at least one", field.name)), std::nullopt;
     std::vector<Point> out;
     for (const auto& item : list.items) {
         if (item.kind != Value::Kind::list || item.items.size() != 2) return reader.unwanted(item, wanted), std::nullopt;
@@ -63,7 +63,7 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
     const auto* const at = value.find("at");
     const auto* const over = value.find("over");
     if (!along || !at)
-        return reader.fault(value, fmt::format("lacks '{}': a curve wants {{along: w or time, at: [[place, amount], ...]}}", along ? "at" : "along")),
+        return reader.fault(value, fmt::format("lacks '{}': a curve is {{along: w or time, at: [[place, amount], ...]}}", along ? "at" : "along")),
                std::nullopt;
     const auto dimension = ParamTraits<WarpAmount::Along>::parse(along->value, reader);
     if (!dimension) return std::nullopt;

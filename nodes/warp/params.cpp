@@ -31,25 +31,25 @@ void require_squeezable(const std::string& name, const Window& window, double sq
 
 void check_params(const WarpParams& params, NodeCheck& check) {
     if (params.anchor.vertex < 0)
-        check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+        check.fault("anchor", fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
         if (!window) continue;
         if (std::floor(window->low) != window->low || std::floor(window->high) != window->high)
-            check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, window_text(*window)));
-        else if (window->low == window->high) check.fault(name, fmt::format("{} {} has one vertex; a warp wants at least two", name, window_text(*window)));
+            check.fault(name, fmt::format("parameter '{}' must be whole vertices, not {}", name, window_text(*window)));
+        else if (window->low == window->high) check.fault(name, fmt::format("{} {} has one vertex; a warp needs at least two", name, window_text(*window)));
     }
-    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' wants a 'window' beside it, below it on the axis");
+    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
     if (params.pair_window && params.window && params.pair_window->low < params.window->high)
         check.fault("pair_window",
-                    fmt::format("pair_window {} {} window {}; it wants to begin at vertex {:g} or above", window_text(*params.pair_window),
+                    fmt::format("pair_window {} {} window {}; it must begin at vertex {:g} or above", window_text(*params.pair_window),
                                 params.pair_window->high <= params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
     if (params.static_ && params.amount.varies_along(WarpAmount::Along::time))
         check.fault("static", "a static warp is the same in all frames, but 'amount' changes over time; leave one of the two out");
     if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
-        check.fault("factor", fmt::format("parameter 'factor' wants auto, 1, 2 or 4, not {}", *params.factor));
+        check.fault("factor", fmt::format("parameter 'factor' must be auto, 1, 2 or 4, not {}", *params.factor));
     if (check.stated("field_weight") && check.connections("field") == 0)
-        check.fault("field_weight", "parameter 'field_weight' wants a `field`, in which edges are seen");
+        check.fault("field_weight", "parameter 'field_weight' needs a `field`, in which edges are seen");
 }
 
 Window window_of(const Auto<Interval>& window, int size) {
@@ -67,7 +67,7 @@ void require_fits(const WarpParams& params, const std::array<int, 3>& shape, boo
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
         if (window && window->high > size - 1) throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices));
     if (params.anchor.vertex > size - 1) throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices));
-    if (size < 2) throw Failure(fmt::format("a warp wants two vertices along {}{}, but there is one", to_text(params.axis), space));
+    if (size < 2) throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one", to_text(params.axis), space));
     const auto& amount = params.amount;
     const bool ring = closed && amount.varies_along(WarpAmount::Along::w);
     for (const int frame : frames) {

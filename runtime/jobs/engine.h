@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -20,9 +21,10 @@ struct FarmRequest {
 /// What runs the steps of a job, or writes them in the form that a scheduler takes.
 struct FarmEngine {
     std::string name;
-    std::string doc;              ///< one clause, for the help
-    std::string progress;         ///< how tasks show progress (`run --progress`)
-    bool other_machines = false;  ///< tasks run elsewhere, so that the work folder must be shared
+    std::string doc;                   ///< one clause, for the help
+    std::string progress;              ///< how tasks show progress (`run --progress`)
+    bool other_machines = false;       ///< tasks run elsewhere, so that the work folder must be shared
+    std::vector<std::string> options;  ///< those of the verb that only some engines take, and this one does
     /// Why it can't do what is asked; empty: it can. Left out: it always can.
     std::function<std::string(const FarmRequest& request)> refusal;
     /// Prints what it did. The job is in the work folder by then. @return an exit code @throws Failure

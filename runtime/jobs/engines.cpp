@@ -10,9 +10,15 @@ namespace fluidcarve {
 
 const std::vector<FarmEngine>& farm_engines() {
     static const std::vector<FarmEngine> engines{
-        {"local", "runs the steps as processes on this machine", "plain", false, {}, farm_locally},
-        {"slurm", "writes batch scripts for Slurm", "plain", true, slurm_refusal, farm_slurm},
-        {"openjd", "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes", "openjd", true, openjd_refusal, farm_openjd}};
+        {"local", "runs the steps as processes on this machine", "plain", false, {"--processes"}, {}, farm_locally},
+        {"slurm", "writes batch scripts for Slurm", "plain", true, {"--output", "--submit"}, slurm_refusal, farm_slurm},
+        {"openjd",
+         "writes a job bundle for Open Job Description, such as AWS Deadline Cloud takes",
+         "openjd",
+         true,
+         {"--output", "--submit", "--no-chunk-extension"},
+         openjd_refusal,
+         farm_openjd}};
     return engines;
 }
 

@@ -80,8 +80,8 @@ nlohmann::ordered_json to_json(const FarmJob& job) {
                       {"cores", step.resources.cores},
                       {"memory", step.resources.memory},
                       {"disk", step.resources.disk},
-                      {"seconds", step.resources.seconds},
                       {"command", command_of(job, step, step.tasks.front())}});
+        if (step.resources.seconds > 0) entry["seconds"] = step.resources.seconds;
     }
     return out;
 }

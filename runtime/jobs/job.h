@@ -51,7 +51,7 @@ struct FarmJob {
     std::string name;                 ///< unique in the work folder; the same command makes the same name
     std::string pipeline;             ///< path of the pipeline file, as it was given
     std::string folder;               ///< the current folder, absolute
-    std::vector<std::string> prefix;  ///< words before the program: `rez-env fluidcarve --`
+    std::vector<std::string> prefix;  ///< words before the program: `env SHOT=sh010 rez-env fluidcarve --`
     std::string executable;           ///< the program
     std::string work;                 ///< the work folder, absolute
     std::string again;                ///< the command that makes this job again, for a shell
@@ -78,8 +78,7 @@ std::vector<FarmTask> chunks_of(const FrameSet& frames, std::size_t most);
 
 /// The job for people: its steps, what each waits for, its tasks and what they ask for, and the command of its first task.
 std::string to_text(const FarmJob& job);
-/// {"name", "pipeline", "folder", "again", "steps": [{"name", "what", "needs", "frames"?, "tasks", "cores", "memory", "disk", "seconds", "command"}]};
-/// `command` is that of the first task.
+/// The job for programs, as pipelines/FORMATS.md says.
 nlohmann::ordered_json to_json(const FarmJob& job);
 
 }  // namespace fluidcarve

@@ -71,8 +71,7 @@ StepStatus status_of(const std::string& name, bool chunked, const std::vector<Js
     return out;
 }
 
-/// What is known of a job: {"job", "pipeline", "engine", "state", "steps": [{"name", "state", "frames"?, "of_frames"?, "tasks_done",
-/// "tasks_running", "needs"}], "failures": [{"task", "state", "host", "messages"}], "again"}.
+/// What is known of a job, as `status --json` prints it.
 Json about(const Json& job, const std::string& folder) {
     const auto tasks = recorded_runs(folder + "/tasks");
     Json out{{"job", job["name"]}, {"pipeline", job["pipeline"]}, {"engine", job["engine"]},
@@ -161,7 +160,7 @@ std::string job_status_text(const std::string& work_folder, bool json) {
     std::string out;
     for (const auto& job : jobs) out += text_of(job) + "\n";
     if (!jobs.empty() && recorded_runs(work_folder + "/runs").empty()) return out;
-    return out + status_text(work_folder, false);
+    return out + status_text(work_folder);
 }
 
 }  // namespace fluidcarve

@@ -11,7 +11,7 @@ namespace fluidcarve {
 void record_job(const FarmJob& job, const std::string& engine);
 
 /// What the verb `status` prints: the jobs of farms in a work folder, how far each step of them is, what failed and how to go on; then the
-/// runs (status_text). @param json  one array of jobs and runs; a job has the key `job`
+/// runs (status_text). @param json  for programs, as pipelines/FORMATS.md says
 std::string job_status_text(const std::string& work_folder, bool json);
 
 }  // namespace fluidcarve

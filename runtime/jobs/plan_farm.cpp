@@ -8,6 +8,7 @@
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -63,10 +64,11 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
 }
 
 /// A name that the same command gives to the same job, and another one to another.
-std::string name_of(const FarmJob& job, const std::vector<std::string>& arguments, const std::vector<RunStep>& steps) {
+std::string name_of(const FarmJob& job, const FarmCommand& command, const std::vector<RunStep>& steps) {
     ContentHash hash;
     hash.text(job.folder);
-    for (const auto& word : arguments) hash.text(word);
+    for (const auto& [variable, value] : command.environment) hash.text(variable).text(value);
+    for (const auto& word : command.pipeline) hash.text(word);
     for (const auto& step : steps) hash.text(step.wish.to).text(FrameSet(step.frames).text());
     constexpr std::size_t digits = 6;
     auto stem = fs::path(job.pipeline).stem().string();
@@ -96,13 +98,17 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     FarmJob out;
     out.pipeline = pipeline.name;
     out.folder = fs::current_path().string();
-    out.prefix = command.prefix;
+    // Machines of a farm may have another environment.
+    if (!command.environment.empty()) out.prefix.emplace_back("env");
+    for (const auto& [variable, value] : command.environment) out.prefix.push_back(fmt::format("{}={}", variable, value));
+    out.prefix.insert(out.prefix.end(), command.prefix.begin(), command.prefix.end());
     out.executable = command.executable;
     out.work = request.options.work_folder;
     out.again = command.again;
-    out.name = name_of(out, command.pipeline, steps);
+    out.name = name_of(out, command, steps);
     out.paths = paths_of(pipeline, out.work);
     std::uint64_t kept = 0;
+    std::vector<std::string> unmeasured;
     for (const auto& step : steps) {
         auto& added = out.steps.emplace_back();
         added.name = step.name;
@@ -114,8 +120,13 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
         added.arguments = command.pipeline;
         added.arguments.insert(added.arguments.end(), command.options.begin(), command.options.end());
         added.arguments.insert(added.arguments.end(), {step.wish.only ? "--only" : "--to", step.wish.to, "--task", out.name + "/" + step.name});
-        kept += step.cost(step.frames.size()).disk;
+        const auto whole = step.cost(step.frames.size());
+        kept += whole.disk;
+        if (step.chunked && !whole.all_measured) unmeasured.push_back(step.name);
     }
+    if (chunking.minutes && !unmeasured.empty())
+        tell(fmt::format("warning: --minutes {}: nobody measured yet how long a frame takes in {}; {} a task", *chunking.minutes, fmt::join(unmeasured, ", "),
+                         counted(frames_unmeasured, "frame")));
     if (kept > request.options.cache_size)
         tell(fmt::format("warning: the steps write about {}, more than --cache-size ({}): a task may find removed what another has made; raise --cache-size",
                          size_text(kept), size_text(request.options.cache_size)));

@@ -54,8 +54,7 @@ Forecast make_forecast(const Pipeline& pipeline, const Preparation& prepared, co
 
 /// The forecast as a table, followed by time and memory.
 std::string to_text(const Forecast& forecast);
-/// {"pipeline", "frames", "nodes": {name: {"type", "frames", "cached", "why"?, "taken"?: {"frames", "cached"}, "item"?}},
-/// "passes": [{"frames", "nodes", "gathers"}], "seconds", "unmeasured", "bytes", "disk", "cores"}
+/// The forecast for programs, as pipelines/FORMATS.md says, without steps.
 nlohmann::ordered_json to_json(const Forecast& forecast);
 
 /// Formats a text table. The first two columns and the last are aligned left, the others right.

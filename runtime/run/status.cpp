@@ -202,9 +202,8 @@ std::vector<Json> recorded_runs(const std::string& folder) {
     return out;
 }
 
-std::string status_text(const std::string& folder, bool json) {
+std::string status_text(const std::string& folder) {
     const auto runs = recorded_runs(folder + "/runs");
-    if (json) return Json(runs).dump(2) + "\n";
     if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
     std::string out;
     for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run);

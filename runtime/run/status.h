@@ -46,12 +46,11 @@ std::string task_record(const std::string& work_folder, const std::string& task,
 /// How a task is called: `seams-energy.1001-1010`, by its first and last frame.
 std::string task_name(const std::string& step, const std::optional<FrameSet>& frames);
 
-/// What is known of the runs whose files lie in a folder, latest first: {"pipeline", "frames", "nodes", "host", "pid", "started", "updated", "exit"?,
-/// "faults"?, "state", "file"}.
+/// What is known of the runs whose files lie in a folder, latest first, as pipelines/FORMATS.md says; a task that failed has its "faults", too.
 std::vector<nlohmann::ordered_json> recorded_runs(const std::string& folder);
 
 /// What the verb `status` prints: each run in a work folder, latest first: its nodes, how much of each is done, how far those are that gather,
-/// and whether the run is running, has ended, or was killed. @param json  as JSON, for programs
-std::string status_text(const std::string& folder, bool json);
+/// and whether the run is running, has ended, or was killed.
+std::string status_text(const std::string& folder);
 
 }  // namespace fluidcarve

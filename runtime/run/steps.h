@@ -40,8 +40,7 @@ struct RunStep {
 std::vector<RunStep> steps_of(const Pipeline& pipeline, const Registry& registry, const Preparation& prepared, const History& history,
                               const RunOptions& options);
 
-/// [{"name", "what", "needs", "frames"?, "cores", "memory", "disk", "seconds"?}]; of a step in one run. `seconds` is left out if a node was
-/// never measured.
+/// The steps for programs, as `plan --json` prints them (pipelines/FORMATS.md).
 nlohmann::ordered_json to_json(const std::vector<RunStep>& steps);
 
 }  // namespace fluidcarve

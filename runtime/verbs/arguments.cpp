@@ -43,7 +43,7 @@ std::string fault_of_task(const std::string& task) {
     const auto good = slash != std::string::npos && slash > 0 && slash + 1 < task.size() &&
                       std::all_of(task.begin(), task.begin() + static_cast<std::ptrdiff_t>(slash), plain) &&
                       std::all_of(task.begin() + static_cast<std::ptrdiff_t>(slash) + 1, task.end(), plain);
-    return good ? "" : "wants JOB/STEP, each of letters, digits, - and _";
+    return good ? "" : "must be JOB/STEP, each of letters, digits, - and _";
 }
 
 /// A path with a name before its ending: "out/shot.seams.json".
@@ -177,7 +177,7 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     request.options.memory = half_of_memory();
     if (!memory.empty()) {
         const auto size = parse_size(memory);
-        if (!size) return wrong(fmt::format("--memory wants a size such as 8G, not '{}'", memory));
+        if (!size) return wrong(fmt::format("--memory must be a size such as 8G, not '{}'", memory));
         request.options.memory = *size;
     }
     if (frames_option && frames_option->count() > 0) {
@@ -194,7 +194,7 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
         return wrong(fmt::format("--work: {} {}", request.options.work_folder, refusal));
     if (!cache_size.empty()) {
         const auto size = parse_size(cache_size);
-        if (!size) return wrong(fmt::format("--cache-size wants a size such as 50G, not '{}'", cache_size));
+        if (!size) return wrong(fmt::format("--cache-size must be a size such as 50G, not '{}'", cache_size));
         request.options.cache_size = *size;
         // A size says that files may go: only from a folder that is ours.
         if (const auto fault = WorkFolder(request.options.work_folder).fault(); !fault.empty()) return wrong("--cache-size: " + fault);

@@ -131,7 +131,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
         return exit_code::usage;
     };
     if (!is_count(arguments.count))
-        return wrong(fmt::format("COUNT wants a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
+        return wrong(fmt::format("COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
     const auto solver = "seam." + arguments.solver;
     if (!registry.node(solver)) return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
     auto source = std::make_shared<Source>();

@@ -31,7 +31,7 @@ std::vector<std::string> split(std::string_view text) {
 Varied varied_of(const std::string& text) {
     const auto sign = text.find('=');
     if (sign == std::string::npos || sign == 0)
-        throw Failure(fmt::format("--over wants PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not '{}'", text));
+        throw Failure(fmt::format("--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not '{}'", text));
     Varied out{text.substr(0, sign), split(std::string_view(text).substr(sign + 1))};
     for (std::size_t n = 0; n < out.values.size(); ++n) {
         if (out.values[n].empty())

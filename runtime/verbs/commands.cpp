@@ -147,7 +147,10 @@ void add_examples(CLI::App& app) {
         {"plan", "  fluidcarve plan shot.yaml --set look.weights='[0.4, 0.6]'"},
         {"farm",
          "  fluidcarve farm local shot.yaml -j 4\n"
-         "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each"},
+         "  fluidcarve farm local shot.yaml --chunk 10 --dry-run            the steps, and the command of each\n"
+         "  fluidcarve farm slurm shot.yaml --minutes 20 --output shot_job  batch scripts; then: shot_job/submit --partition=fx\n"
+         "  fluidcarve farm slurm shot.yaml --work /shared/sh010/work --prefix 'rez-env fluidcarve --' --submit\n"
+         "  fluidcarve farm openjd shot.yaml --output shot_bundle           a bundle; then: deadline bundle submit shot_bundle"},
         {"view",
          "  fluidcarve view pipelines/plume.yaml                            after `run`: a slider for the count\n"
          "  fluidcarve view shot.yaml -o shot.html                          before: where rig, lattice, masks and energy lie\n"
@@ -191,7 +194,7 @@ void add_examples(CLI::App& app) {
 std::string wrong_verb(const CLI::App& app, int argc, const char* const* argv) {
     std::vector<std::string> names;
     for (const auto* const verb : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(verb->get_name());
-    if (argc < 2) return fmt::format("fluidcarve wants a verb: {}; `fluidcarve VERB --help` says more\n", fmt::join(names, ", "));
+    if (argc < 2) return fmt::format("fluidcarve needs a verb: {}; `fluidcarve VERB --help` says more\n", fmt::join(names, ", "));
     const std::string first = argv[1];
     if (first.starts_with('-') || std::find(names.begin(), names.end(), first) != names.end()) return {};
     return fmt::format("there is no verb '{}'{}\n", first, did_you_mean(first, names));
@@ -310,7 +313,6 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
     if (*view_verb) return view_pipeline(pipeline, view, registry);
-    if (*status_verb) return print(status_text(status_folder, json)), exit_code::done;
     if (*clean_verb) return clean(clean_folder);
     if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
     if (*carve_verb) return carve_files(carve_arguments, registry);

@@ -1,6 +1,8 @@
 #include "runtime/verbs/farm.h"
 
 #include "graph/text/shell_word.h"
+#include "graph/text/words.h"
+#include "graph/views/provenance.h"
 #include "runtime/jobs/engines.h"
 #include "runtime/jobs/job_status.h"
 #include "runtime/jobs/plan_farm.h"
@@ -8,9 +10,11 @@
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <sys/vfs.h>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -31,13 +35,21 @@ std::string executable_of(const FarmArguments& arguments) {
     return error ? "fluidcarve" : own.string();
 }
 
+/// The names of the engines that take an option; of all, if it is empty.
+std::vector<std::string> engines_with(const std::string& option) {
+    std::vector<std::string> out;
+    for (const auto& engine : farm_engines())
+        if (option.empty() || std::ranges::find(engine.options, option) != engine.options.end()) out.push_back(engine.name);
+    return out;
+}
+
 /// What is wrong with the arguments; empty: nothing.
 std::string fault_of(const FarmArguments& arguments, const RunArguments& run) {
-    if (!find_engine(arguments.engine)) {
-        std::vector<std::string> names;
-        for (const auto& engine : farm_engines()) names.push_back(engine.name);
-        return fmt::format("there is no farm engine '{}'{}", arguments.engine, did_you_mean(arguments.engine, names));
-    }
+    const auto* const engine = find_engine(arguments.engine);
+    if (!engine) return fmt::format("there is no farm engine '{}'{}", arguments.engine, did_you_mean(arguments.engine, engines_with({})));
+    for (const auto* const option : arguments.engine_options)
+        if (option->count() > 0 && std::ranges::find(engine->options, option->get_name()) == engine->options.end())
+            return fmt::format("{}: {} does not take it; it is for {}", option->get_name(), engine->name, fmt::join(engines_with(option->get_name()), " and "));
     if (arguments.chunk_option->count() > 0 && arguments.chunk == 0) return "--chunk 0: a task takes at least 1 frame";
     if (arguments.minutes_option->count() > 0 && !(arguments.minutes > 0))
         return fmt::format("--minutes {}: a task takes more than 0 minutes", arguments.minutes);
@@ -67,15 +79,19 @@ void FarmArguments::declare(CLI::App& verb, PipelineArguments& pipeline, RunArgu
     run.declare(verb);
     chunk_option = verb.add_option("--chunk", chunk, "Frames of a task (default: as many as take ten minutes, by earlier runs; 10 if nothing was measured)");
     minutes_option = verb.add_option("--minutes", minutes, "Minutes that a task should take, by earlier runs")->excludes("--chunk");
-    verb.add_option("-j,--processes", request.processes, "Of `local`: tasks at once; they share the threads")
-        ->check(CLI::Range(1, 4096))
-        ->capture_default_str();
+    auto* const processes = verb.add_option("-j,--processes", request.processes, "Of `local`: tasks at once; they share the threads")
+                                ->check(CLI::Range(1, 4096))
+                                ->capture_default_str();
     verb.add_option("--prefix", prefix, "Words before the program in each task's command, such as 'rez-env fluidcarve --'")->type_name("WORDS");
-    verb.add_option("--output", request.output, "Folder for what the engine writes (default: one of the job's name in the current folder)")->type_name("DIR");
-    verb.add_flag("--submit", request.submit, "Hand the job to the scheduler, too");
+    auto* const output =
+        verb.add_option("--output", request.output, "Of `slurm` and `openjd`: folder that they write (default: one of the job's name in the current folder)")
+            ->type_name("DIR");
+    auto* const submit = verb.add_flag("--submit", request.submit, "Of `slurm`: hand the job over, too");
     verb.add_flag("--dry-run", dry_run, "Only show the steps and their commands; make nothing");
     verb.add_flag("--json", json, "With --dry-run: print as JSON");
-    verb.add_flag("--no-chunk-extension", no_chunk_extension, "Of `openjd`: pairs of first and last frame in place of the extension TASK_CHUNKING");
+    auto* const no_extension =
+        verb.add_flag("--no-chunk-extension", no_chunk_extension, "Of `openjd`: pairs of first and last frame in place of the extension TASK_CHUNKING");
+    engine_options = {processes, output, submit, no_extension};
 }
 
 int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_arguments, RunArguments& run, const std::vector<std::string>& command,
@@ -83,13 +99,16 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (const auto fault = fault_of(arguments, run); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
     const auto& engine = *find_engine(arguments.engine);
     if (const auto fault = engine.refusal ? engine.refusal(arguments.request) : std::string(); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
-    const auto pipeline = pipeline_arguments.read_or_complain(registry);
-    if (!pipeline) return exit_code::usage;
+    Problems problems;
+    const auto document = read_document(pipeline_arguments.path, pipeline_arguments.settings, problems);
+    auto pipeline = pipeline_arguments.build(document, registry, problems);
+    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    state_provenance(pipeline, document, registry);
     const Interrupt interrupt(std::string(), grace_ms);
     if (run.threads_option->count() == 0 && !engine.other_machines) run.threads = std::max(1, run.threads / arguments.request.processes);
     if (run.progress == "auto") run.progress = engine.progress;
     run.request.wait = run.request.wait.value_or(wait_seconds);
-    auto request = run.read(*pipeline);
+    auto request = run.read(pipeline);
     if (!request) return exit_code::usage;
     request->options.work_folder = run.request.options.work_folder = fs::absolute(request->options.work_folder).lexically_normal().string();
     if (const auto fault = engine.other_machines ? not_shared(request->options.work_folder) : std::string(); !fault.empty())
@@ -99,10 +118,10 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (arguments.chunk > 0) chunking.frames = arguments.chunk;
     else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
     else if (!engine.other_machines) chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
-    FarmCommand shared{CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
+    FarmCommand shared{document.environment, CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
     for (auto& word : pipeline_arguments.words()) shared.pipeline.push_back(std::move(word));
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
-    const auto job = plan_farm(*pipeline, registry, *request, chunking, shared);
+    const auto job = plan_farm(pipeline, registry, *request, chunking, shared);
     if (!job) return exit_code::input;
     if (arguments.dry_run) return print(arguments.json ? to_json(*job).dump(2) + "\n" : to_text(*job)), exit_code::done;
     try {

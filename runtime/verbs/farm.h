@@ -20,6 +20,7 @@ struct FarmArguments {
     FarmRequest request;
     const CLI::Option* chunk_option = nullptr;
     const CLI::Option* minutes_option = nullptr;
+    std::vector<const CLI::Option*> engine_options;  ///< those that only some engines take
 
     void declare(CLI::App& verb, PipelineArguments& pipeline, RunArguments& run);
 };

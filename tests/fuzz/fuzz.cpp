@@ -29,7 +29,7 @@ Options options_of(const std::vector<std::string>& words) {
     std::size_t numbers = 0;
     for (auto word = words.begin(); word != words.end(); ++word) {
         if (const bool only = *word == "--only"; only || *word == "--corpus") {
-            if (word + 1 == words.end()) throw std::runtime_error(*word + " wants a name");
+            if (word + 1 == words.end()) throw std::runtime_error(*word + " needs a name");
             const auto option = *word++;
             (only ? out.only : out.corpus) = *word;
             continue;

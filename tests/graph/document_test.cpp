@@ -161,7 +161,7 @@ TEST_CASE("a file that is no pipeline is refused in words") {
           "p.yaml:1:13: format version '2' is unknown; this program reads version 1\nfluidcarve: 2\n            ^\n");
     CHECK(problems_of("fluidcarve: 1\nnode:\n  a: {type: x}\n") == "p.yaml:2:1: a pipeline has no field 'node'; did you mean 'nodes'?\nnode:\n^\n");
     CHECK(problems_of("fluidcarve: 1\n") == "p.yaml: the pipeline has no nodes\n");
-    CHECK(problems_of("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' wants a map, not nothing\nnodes:\n^\n");
+    CHECK(problems_of("fluidcarve: 1\nnodes:\n") == "p.yaml:2:1: 'nodes' must be a map, not nothing\nnodes:\n^\n");
     CHECK(problems_of(std::string("a\0b", 3)) == "p.yaml: binary data: a pipeline is a text in UTF-8\n");
     CHECK(problems_of("Dear all,\nplease find attached the pipeline that I told you about\n") ==
           "p.yaml:1:1: a pipeline is a map with 'fluidcarve: 1' and 'nodes:', not 'Dear all, please find attached the pipeline that I told you ...'\n"
@@ -229,17 +229,18 @@ TEST_CASE("params are checked against their declaration") {
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {default: 1}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:3: param 'n' needs a type: bool, int, float, vector, string, path or count\n  n: {default: 1}\n  ^\n");
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int, default: 1.5}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:27: param 'n' wants a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
+          "p.yaml:3:27: param 'n' must be a whole number, not '1.5'\n  n: {type: int, default: 1.5}\n                          ^\n");
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: flaot, default: 1}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:13: param 'n' has no type 'flaot'; did you mean 'float'?\n  n: {type: flaot, default: 1}\n            ^\n");
     CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: int}\nnodes:\n  a: {type: x}\n") ==
           "p.yaml:3:3: param 'n' has no value; give it a default or --set n=...\n  n: {type: int}\n  ^\n");
-    CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
-          "        ^\n");
+    CHECK(
+        problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: 12x}\nnodes:\n  a: {type: x}\n") ==
+        "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as -10%, not '12x'\n  n: {type: count, default: 12x}\n                    "
+        "        ^\n");
     for (const std::string bad : {"+-5", "%", "nan", "inf%", "1.5", "1e999", "0x10", "5 %"})
         CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + bad + "\"}\nnodes:\n  a: {type: x}\n") ==
-              "p.yaml:3:29: param 'n' wants a whole number of seams or a percentage such as -10%, not '" + bad + "'\n  n: {type: count, default: \"" + bad +
+              "p.yaml:3:29: param 'n' must be a whole number of seams or a percentage such as -10%, not '" + bad + "'\n  n: {type: count, default: \"" + bad +
                   "\"}\n                            ^\n");
     for (const std::string good : {"+5", "-5", "-12.5%", "+10%"})
         CHECK(problems_of("fluidcarve: 1\nparams:\n  n: {type: count, default: \"" + good + "\"}\nnodes:\n  a: {type: x}\n") == "");

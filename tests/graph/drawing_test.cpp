@@ -1,6 +1,6 @@
 #include "graph/views/drawing.h"
 #include "graph/views/layout.h"
-#include "tests/support/well_formed.h"
+#include "tests/support/files/well_formed.h"
 
 #include <catch2/catch.hpp>
 

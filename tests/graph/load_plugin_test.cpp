@@ -96,7 +96,7 @@ TEST_CASE("what a plugin throws is told, and nothing of it stays") {
 }
 
 TEST_CASE("a plugin's types are of a family of its own") {
-    CHECK(fault_of("built_in_family").starts_with("the plugin built_in_family.so wants the family 'toy' for its types, but that is a built-in one, of 'toy."));
+    CHECK(fault_of("built_in_family").starts_with("the plugin built_in_family.so gives its types the family 'toy', but that is a built-in one, of 'toy."));
     CHECK(fault_of("foreign_type") == "the plugin foreign_type.so adds the node type 'toy.grow', which is not of its own family 'acme'; call it 'acme.grow'");
     CHECK(fault_of("foreign_payload") ==
           "the plugin foreign_payload.so adds the payload type 'hair', which is not of its own family 'acme'; call it 'acme.hair'");
@@ -197,7 +197,8 @@ TEST_CASE("a pipeline has its own plugins and those of the files that it extends
 
 TEST_CASE("plugins are a list of paths, in which params stand") {
     const Scratch scratch;
-    CHECK(load(scratch, "plugins: hair.so\n", {}).problems == "p.yaml:2:10: 'plugins' wants a list of files, not 'hair.so'\nplugins: hair.so\n         ^\n");
-    CHECK(load(scratch, "plugins: [{a: b}]\n", {}).problems == "p.yaml:2:11: 'plugins' wants the paths of files, not a map\nplugins: [{a: b}]\n          ^\n");
+    CHECK(load(scratch, "plugins: hair.so\n", {}).problems == "p.yaml:2:10: 'plugins' must be a list of files, not 'hair.so'\nplugins: hair.so\n         ^\n");
+    CHECK(load(scratch, "plugins: [{a: b}]\n", {}).problems ==
+          "p.yaml:2:11: 'plugins' must list the paths of files, not a map\nplugins: [{a: b}]\n          ^\n");
     CHECK(load(scratch, "params:\n  tools: {type: path, default: " PLUGINS "}\nplugins: [\"${tools}/whole.so\"]\n", {true, {}}).files.size() == 1);
 }

@@ -192,13 +192,13 @@ TEST_CASE("values of the wrong kind or out of range are refused at their place")
         return problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  m:\n    type: toy.add\n    numbers: n\n    offset: " + value + "\n");
     };
     for (const std::string bad : {"nan", "inf", "-.inf", "1e999", "-1e999", ".5.", "0x10", "1_000", "+-5", "++5", "1 2", "true"})
-        CHECK(with(bad) == "p.yaml:7:13: toy.add parameter 'offset' wants a number, not '" + bad + "'\n    offset: " + bad + "\n            ^\n");
-    CHECK(with("\"\"") == "p.yaml:7:13: toy.add parameter 'offset' wants a number, not ''\n    offset: \"\"\n            ^\n");
+        CHECK(with(bad) == "p.yaml:7:13: toy.add parameter 'offset' must be a number, not '" + bad + "'\n    offset: " + bad + "\n            ^\n");
+    CHECK(with("\"\"") == "p.yaml:7:13: toy.add parameter 'offset' must be a number, not ''\n    offset: \"\"\n            ^\n");
     for (const std::string good : {"+5", "-5", ".5", "5.", "1e1", "\"7\""}) CHECK(with(good) == "");
-    CHECK(with("fast") == "p.yaml:7:13: toy.add parameter 'offset' wants a number, not 'fast'\n    offset: fast\n            ^\n");
+    CHECK(with("fast") == "p.yaml:7:13: toy.add parameter 'offset' must be a number, not 'fast'\n    offset: fast\n            ^\n");
     CHECK(with("500") == "p.yaml:7:13: toy.add parameter 'offset' must be from -100 to 100, not 500\n    offset: 500\n            ^\n");
-    CHECK(with(".nan") == "p.yaml:7:13: toy.add parameter 'offset' wants a number, not '.nan'\n    offset: .nan\n            ^\n");
-    CHECK(with("[1, 2]") == "p.yaml:7:13: toy.add parameter 'offset' wants a number, not a list of 2\n    offset: [1, 2]\n            ^\n");
+    CHECK(with(".nan") == "p.yaml:7:13: toy.add parameter 'offset' must be a number, not '.nan'\n    offset: .nan\n            ^\n");
+    CHECK(with("[1, 2]") == "p.yaml:7:13: toy.add parameter 'offset' must be a number, not a list of 2\n    offset: [1, 2]\n            ^\n");
     CHECK(with("\n  k: {type: toy.add, numbers: n}") == "p.yaml:7:5: toy.add field 'offset' has no value\n    offset: \n    ^\n");
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("a whole number is whole, and fits") {
         return problems("fluidcarve: 1\nnodes:\n  n:\n    type: toy.count\n    path: a.##\n    fail_at: " + value + "\n");
     };
     const auto refused = [](const std::string& value, const std::string& wanted) {
-        return "p.yaml:6:14: toy.count parameter 'fail_at' wants " + wanted + ", not '" + value + "'\n    fail_at: " + value + "\n             ^\n";
+        return "p.yaml:6:14: toy.count parameter 'fail_at' must be " + wanted + ", not '" + value + "'\n    fail_at: " + value + "\n             ^\n";
     };
     for (const std::string bad : {"1.5", "one", "nan", "0x10", "1e999"}) CHECK(with(bad) == refused(bad, "a whole number"));
     for (const std::string large : {"2147483648", "-1e10"}) CHECK(with(large) == refused(large, "a whole number from -2147483647 to 2147483647"));
@@ -220,7 +220,7 @@ TEST_CASE("a number that a float can't hold is refused, not taken for infinite")
     const auto parse = [&](const std::string& text) { return ParamTraits<float>::parse({Value::Kind::scalar, {}, text, {}, {}}, reader); };
     CHECK(parse("-3.4e38") == -3.4e38f);
     CHECK_FALSE(parse("1e39"));
-    CHECK(to_text(problems) == "gain wants a number up to 3.4e38, not '1e39'\n");
+    CHECK(to_text(problems) == "gain must be a number up to 3.4e38, not '1e39'\n");
 }
 
 TEST_CASE("all that is wrong with a file is told at once, in the order of its places") {
@@ -237,7 +237,7 @@ nodes:
                    {"bye=1", "m.numbers=s"}) ==
           "--set:1:1: there is no param 'bye'; did you mean 'by'?\nbye=1\n^\n"
           "p.yaml:2:9: frames: '5-' is no frame or range; write 1001, 1001-1084 or 1001-1084x2\nframes: 5-\n        ^\n"
-          "p.yaml:4:30: param 'by' wants a number, not 'much'\n  by: {type: float, default: much}\n                             ^\n"
+          "p.yaml:4:30: param 'by' must be a number, not 'much'\n  by: {type: float, default: much}\n                             ^\n"
           "p.yaml:6:30: toy.count parameter 'path' has '<fram>', which is no frame token; did you mean '<frame>'?\n"
           "  n: {type: toy.count, path: \"a.<fram>\", lat: true}\n                             ^\n"
           "p.yaml:6:42: toy.count has no parameter 'lat'; did you mean 'late'?\n"
@@ -359,7 +359,7 @@ TEST_CASE("a pipeline never writes over itself") {
 
 TEST_CASE("a faulty reader does not make its writer look faulty too") {
     CHECK(problems("fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##, late: maybe}\n  p: {type: toy.print, number: n, path: out.##}\n") ==
-          "p.yaml:3:42: toy.count parameter 'late' wants true or false, not 'maybe'\n  n: {type: toy.count, path: a.##, late: maybe}\n"
+          "p.yaml:3:42: toy.count parameter 'late' must be true or false, not 'maybe'\n  n: {type: toy.count, path: a.##, late: maybe}\n"
           "                                         ^\n");
 }
 
@@ -376,7 +376,7 @@ TEST_CASE("the frame set is checked where it stands") {
         return "p.yaml:2:9: frames: " + why + "\nframes: " + frames + "\n        ^\n";
     };
     CHECK(with("\"\"") == refused("\"\"", "no frame is named; write 1001, 1001-1084 or 1001-1084x2"));
-    CHECK(with("[1, 2]") == refused("[1, 2]", "wants a frame set such as 1001-1084, not a list of 2"));
+    CHECK(with("[1, 2]") == refused("[1, 2]", "must be a frame set such as 1001-1084, not a list of 2"));
     CHECK(with("1-10x0") == refused("1-10x0", "'1-10x0' has a step of 0; the least is 1"));
     CHECK(with("1-2000000") == refused("1-2000000", "'1-2000000' names more than 1000000 frames"));
     CHECK(with("1-99999999999") == refused("1-99999999999", "'1-99999999999' has a number beyond 2147483647, the most that a frame can be"));
@@ -398,5 +398,5 @@ TEST_CASE("settings reach params and node fields, and are checked like the file"
     CHECK(problems(good, {"count.late={a: "}) == "--set:1:1: not YAML: end of map flow not found\ncount.late={a: \n^\n");
     CHECK(problems(good, {"count.type=toy.cuont"}) ==
           "--set:1:12: there is no node type 'toy.cuont'; did you mean 'toy.count'?\ncount.type=toy.cuont\n           ^\n");
-    CHECK(problems(good, {"by"}) == "--set:1:1: wants NODE.FIELD=VALUE or PARAM=VALUE\nby\n^\n");
+    CHECK(problems(good, {"by"}) == "--set:1:1: must be NODE.FIELD=VALUE or PARAM=VALUE\nby\n^\n");
 }

@@ -142,5 +142,5 @@ TEST_CASE("a pipeline may say that its files state nothing") {
     CHECK_FALSE(off.pipeline.provenance);
     CHECK(off.pipeline.find("print")->provenance.empty());
     CHECK(state("provenance: true\n" + base).of("print") == state(base).of("print"));
-    CHECK(state("provenance: maybe\n" + base).problems == "p.yaml:1:13: 'provenance' wants true or false, not 'maybe'\nprovenance: maybe\n            ^\n");
+    CHECK(state("provenance: maybe\n" + base).problems == "p.yaml:1:13: 'provenance' must be true or false, not 'maybe'\nprovenance: maybe\n            ^\n");
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -33,8 +34,8 @@ nodes:
   kept:   {type: seams.write, seams: seams, path: "out/it's {{k}}.vdb"}
 )");
     }
-    Called call(const std::string& verb, const std::string& more = {}) const {
-        return call_shell(fmt::format("cd \"{}\" && {} {} 'shot {{{{a}}}}.yaml' --work work {}", folder(), FLUIDCARVE_PROGRAM, verb, more));
+    Called call(const std::string& verb, const std::string& more = {}, const std::string& work = "work") const {
+        return call_shell(fmt::format("cd \"{}\" && {} {} 'shot {{{{a}}}}.yaml' --work {} {}", folder(), FLUIDCARVE_PROGRAM, verb, work, more));
     }
     /// A bundle, handed to the scheduler of the tests. @param verb  `tasks` or `run`
     Called schedule(const std::string& bundle, const std::string& verb) const {
@@ -56,30 +57,27 @@ private:
     Scratch scratch_;
 };
 
-/// The frames of a step's tasks, as the program reads them; each is counted.
+/// The frames of a step's tasks, as the program reads them; each is counted. @param tasks  lines: a step and the frames of one of its tasks
 std::map<int, int> frames_of(const std::string& tasks, const std::string& step) {
-    std::map<int, int> out;
-    std::istringstream lines(tasks);
-    for (std::string line; std::getline(lines, line);) {
-        if (!line.starts_with(step + " ")) continue;
-        auto text = line.substr(step.size() + 1);
-        std::ranges::replace(text, ':', 'x');
-        const auto listed = call_shell("/usr/bin/python3 - '" + text + R"(' <<'END'
+    const Scratch scratch;
+    const auto listed = call_shell("/usr/bin/python3 - " + scratch.write("tasks", tasks) + " " + step + R"( <<'END'
 import re, sys
-for part in sys.argv[1].split(","):
-    first, last, step = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part).groups()
-    for frame in range(int(first), int(last or first) + 1, int(step or 1)): print(frame)
+for line in open(sys.argv[1]):
+    step, _, frames = line.strip().partition(" ")
+    for part in frames.replace(":", "x").split(",") if step == sys.argv[2] else []:
+        first, last, by = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part).groups()
+        for frame in range(int(first), int(last or first) + 1, int(by or 1)): print(frame)
 END
 )");
-        std::istringstream numbers(listed.out);
-        for (int frame = 0; numbers >> frame;) ++out[frame];
-    }
+    std::map<int, int> out;
+    std::istringstream numbers(listed.out);
+    for (int frame = 0; numbers >> frame;) ++out[frame];
     return out;
 }
 
 }  // namespace
 
-TEST_CASE("job bundles are valid, and their tasks have each frame once") {
+TEST_CASE("the tasks of every engine have each frame once, and job bundles are valid") {
     struct Case {
         std::string frames;
         int first, last, step;
@@ -98,6 +96,19 @@ TEST_CASE("job bundles are valid, and their tasks have each frame once") {
             REQUIRE(tasks.code == 0);
             CHECK(frames_of(tasks.out, "seams-energy") == wanted);
             CHECK(frames_of(tasks.out, "out") == wanted);
+        }
+        INFO(frames);
+        REQUIRE(project.call("farm slurm", "--chunk 7 --output job").code == 0);
+        REQUIRE(call_shell(
+                    fmt::format("cd \"{}\" && FLUIDCARVE_EXECUTABLE=true {} farm local *.yaml --work local -q --chunk 7", project.folder(), FLUIDCARVE_PROGRAM))
+                    .code == 0);
+        for (const std::string step : {"seams-energy", "out"}) {
+            const auto tasks_in = [&](const std::string& files) {
+                return call_shell(fmt::format("cd \"{}\" && cat {} | grep -o -- '--frames=[-0-9,x]*' | sed 's/--frames=/{} /'", project.folder(), files, step))
+                    .out;
+            };
+            CHECK(frames_of(tasks_in("job/" + step + ".sbatch"), step) == wanted);
+            CHECK(frames_of(tasks_in("local/jobs/*/logs/" + step + ".*"), step) == wanted);
         }
     }
 }
@@ -129,6 +140,7 @@ TEST_CASE("a job bundle says what travels, and what its hosts must have") {
     CHECK(amounts.at(0) == Json{{"name", "amount.worker.vcpu"}, {"min", 3}});
     CHECK(amounts.at(1).at("name") == "amount.worker.memory");
     CHECK(amounts.at(1).at("min") > 256);
+    CHECK(amounts.at(2).at("name") == "amount.worker.disk.scratch");
     CHECK(step.at("script").at("actions").at("onRun").at("cancelation").at("mode") == "NOTIFY_THEN_TERMINATE");
     CHECK(steps.at("seams").find("parameterSpace") == steps.at("seams").end());
 }
@@ -156,6 +168,28 @@ TEST_CASE("a job bundle makes what one run makes, also where its scheduler has m
     REQUIRE(ran.code == 0);
     CHECK(!fs::exists(project.folder() + "/out"));
     CHECK(call_shell(fmt::format("{0} diff \"{1}/one/o.####.vdb\" \"{2}/out/o.####.vdb\"", FLUIDCARVE_PROGRAM, project.folder(), moved)).code == 0);
+}
+
+TEST_CASE("the environment that a pipeline takes values from travels with its tasks") {
+    const Project project;
+    project.scratch().write("it's {{here}}/set.yaml", "extends: 'shot {{a}}.yaml'\nenv: [CARVED, UNSET]\nnodes: {out: {path: \"out/${CARVED}.####.vdb\"}}\n");
+    const auto call = [&](const std::string& carved, const std::string& engine, const std::string& more) {
+        return call_shell(
+            fmt::format("cd \"{}\" && CARVED={} {} farm {} set.yaml --work work --chunk 6 {}", project.folder(), carved, FLUIDCARVE_PROGRAM, engine, more));
+    };
+    const auto dry = [&](const std::string& carved) { return Json::parse(call(carved, "local", "--dry-run --json").out); };
+    const auto command = dry("'a b'").at("steps").at(0).at("command");
+    CHECK(command.at(0) == "env");
+    CHECK(command.at(1) == "CARVED=a b");
+    CHECK(dry("c").at("name") != dry("d").at("name"));
+    // The scheduler has another environment.
+    const auto made = call("'a b'", "openjd", "--output bundle");
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    const auto ran = project.schedule("bundle", "run");
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK(fs::exists(project.folder() + "/out/a b.0051.vdb"));
 }
 
 TEST_CASE("Slurm's scripts are shell code, and their arrays index chunks") {
@@ -193,13 +227,12 @@ TEST_CASE("arrays of more tasks than Slurm takes are split") {
 
 TEST_CASE("engines refuse what they can't do, and make nothing") {
     const Project project;
-    const auto refused = [&](const std::string& verb, const std::string& more, int code, const std::string& message) {
-        const auto called = project.call(verb, more);
+    const auto refused = [&](const std::string& verb, const std::string& more, int code, const std::string& message, const std::string& work = "work") {
+        const auto called = project.call(verb, more, work);
         INFO(verb << " " << more);
         CHECK(called.code == code);
         CHECK_THAT(called.err, Catch::Contains(message));
-        CHECK(!fs::exists(project.folder() + "/work"));
-        CHECK(!fs::exists(project.folder() + "/job"));
+        for (const auto& made : {project.folder() + "/work", project.folder() + "/job", work}) CHECK(!fs::exists(made));
     };
     refused("farm openjd", "--output job --submit", 2, "--submit: a bundle is handed over by its scheduler's own command, such as `deadline bundle submit");
     const auto without =
@@ -209,6 +242,15 @@ TEST_CASE("engines refuse what they can't do, and make nothing") {
     CHECK(!fs::exists(project.folder() + "/work"));
     CHECK(!fs::exists(project.folder() + "/job"));
     refused("farm slurm", "--output job --chunk 0", 2, "--chunk 0: ");
+    refused("farm openjd", "--output job --chunk 0", 2, "--chunk 0: ");
+    refused("farm local", "--output job", 2, "--output: local does not take it; it is for slurm and openjd\n");
+    refused("farm slurm", "--output job -j 2", 2, "--processes: slurm does not take it; it is for local\n");
+    refused("farm slurm", "--output job --no-chunk-extension", 2, "--no-chunk-extension: slurm does not take it; it is for openjd\n");
+    for (const std::string verb : {"farm slurm", "farm openjd"}) {
+        refused(verb, "--output job --set sim.path=nowhere.####.vdb", 3, "nowhere.0051.vdb");
+        refused(verb, "--output job", 2, "--work: /dev/shm/fluidcarve_work is in the memory of this machine", "/dev/shm/fluidcarve_work");
+        refused(verb, "--output job", 1, "failed: cannot make the work folder /proc/none", "/proc/none");
+    }
     refused("farm openjd", "--output job --set energy.field=sim.densty", 2, "densty");
     fs::create_directories(project.folder() + "/taken");
     project.scratch().write("it's {{here}}/taken/submit", "echo mine\n");

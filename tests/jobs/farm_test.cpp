@@ -162,6 +162,24 @@ TEST_CASE("a dry run shows the steps and makes nothing") {
     CHECK_THAT(named.out, Catch::Contains("\n  /opt/f run pipelines/plume.yaml "));
 }
 
+TEST_CASE("tasks are as long as is asked for, by earlier runs") {
+    const Plume plume;
+    const auto tasks = [&](const std::string& minutes, const std::string& warning) {
+        const auto shown = call_shell(plume.command("farm local", "out", "--to seams --dry-run --json --minutes " + minutes));
+        CHECK(shown.err == warning);
+        std::size_t out = 0;
+        const auto job = Json::parse(shown.out);
+        for (const auto& step : job.at("steps"))
+            if (step.at("name") == "seams-energy") out = step.at("tasks").get<std::size_t>();
+        return out;
+    };
+    CHECK(tasks("0.00001", "warning: --minutes 1e-05: nobody measured yet how long a frame takes in sharp-energy, box-fit, seams-energy; 10 frames a task\n") ==
+          1);
+    REQUIRE(call_shell(plume.command("run", "out", "-q --to seams")).code == 0);
+    CHECK(tasks("0.00001", "") == 6);
+    CHECK(tasks("60", "") == 1);
+}
+
 TEST_CASE("a task waits for what others make, and says so if it does not come") {
     const Plume plume;
     const auto waited = call_shell(plume.command("run", "out", "--to seams.energy -f 52 --wait 0.6"));
@@ -189,5 +207,5 @@ TEST_CASE("a task whose job is not in its work folder says so") {
     CHECK(ran.code == 3);
     CHECK_THAT(ran.err,
                Catch::StartsWith("failed: --task plume-123456/out: there is no folder ") && Catch::Contains("share the work folder with this machine"));
-    CHECK(call_shell(plume.command("run", "out", "--task ../x")).err == "--task ../x: wants JOB/STEP, each of letters, digits, - and _\n");
+    CHECK(call_shell(plume.command("run", "out", "--task ../x")).err == "--task ../x: must be JOB/STEP, each of letters, digits, - and _\n");
 }

@@ -78,14 +78,14 @@ TEST_CASE("carve says what is wrong with its words before it reads much") {
         return ran.err;
     };
     const auto out = " -o " + (scratch / "o.####.vdb");
-    CHECK(wrong(plume + " many" + out, 2) == "COUNT wants a number of seams such as -12 or 12, or a share such as -20%, not 'many'\n");
+    CHECK(wrong(plume + " many" + out, 2) == "COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not 'many'\n");
     CHECK(wrong(plume + " -12 -o out/o.vdb", 2) ==
           "-o: " + plume + " is a sequence, and each frame needs a file of its own: name them as in out/plume.####.vdb\n");
     CHECK(wrong("nowhere.####.vdb -12" + out, 3) == "nowhere.####.vdb: there is no file of any frame\n");
     CHECK_THAT(wrong(plume + " -12 --solver piramid" + out, 2), Catch::Contains("there is no node type 'seam.piramid'; did you mean 'seam.pyramid'?"));
     CHECK_THAT(wrong(plume + " -12 --protect densty=1" + out, 2), Catch::Contains("no float grid 'densty'") && Catch::Contains("did you mean 'density'?"));
     CHECK_THAT(wrong(plume + " -12 --protect density" + out, 2), Catch::Contains("'density' is neither GRID=VALUE"));
-    CHECK_THAT(wrong(plume + " -12 --empty much" + out, 2), Catch::Contains("seam.pyramid parameter 'empty' wants a number"));
+    CHECK_THAT(wrong(plume + " -12 --empty much" + out, 2), Catch::Contains("seam.pyramid parameter 'empty' must be a number"));
 }
 
 TEST_CASE("init writes a pipeline that passes the check, runs and narrows") {

@@ -132,7 +132,7 @@ TEST_CASE("the report, the page, the profile and the work folder of a confined r
 TEST_CASE("a folder to confine to must exist") {
     const Confined at;
     const auto called = at.call("check", "--confine " + at.root + "/none");
-    CHECK(called.err == "--confine wants a folder that exists, not '" + at.root + "/none'\n");
+    CHECK(called.err == "--confine must be a folder that exists, not '" + at.root + "/none'\n");
     CHECK(called.code == 2);
     CHECK(at.call("check", "--confine ''").code == 2);
 }

@@ -43,7 +43,7 @@ TEST_CASE("a verb that is none is answered with the nearest one") {
     CHECK(called.err == "there is no verb 'rnu'; did you mean 'run'?\n");
     const auto nothing = fluidcarve_program("");
     CHECK(nothing.code == 2);
-    CHECK_THAT(nothing.err, Catch::StartsWith("fluidcarve wants a verb: run, check, plan,"));
+    CHECK_THAT(nothing.err, Catch::StartsWith("fluidcarve needs a verb: run, check, plan,"));
     CHECK_THAT(fluidcarve_program("shrink").err, Catch::StartsWith("there is no verb 'shrink'; known: run, check, "));
 }
 

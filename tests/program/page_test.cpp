@@ -1,5 +1,5 @@
+#include "tests/support/files/well_formed.h"
 #include "tests/support/program.h"
-#include "tests/support/well_formed.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

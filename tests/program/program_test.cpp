@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <regex>
@@ -169,7 +171,7 @@ TEST_CASE("exit codes and channels are the contract's") {
     CHECK(fluidcarve_program("run " + path + " --to otu").err == "--to: there is no node 'otu'; did you mean 'out'?\n");
     CHECK(fluidcarve_program("run " + path + " --only otu").err == "--only: there is no node 'otu'; did you mean 'out'?\n");
     CHECK(fluidcarve_program("run " + path + " --from otu").err == "--from: there is no node 'otu'; did you mean 'out'?\n");
-    CHECK(fluidcarve_program("run " + path + " --memory lots").err == "--memory wants a size such as 8G, not 'lots'\n");
+    CHECK(fluidcarve_program("run " + path + " --memory lots").err == "--memory must be a size such as 8G, not 'lots'\n");
 
     scratch.write("bad.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.raed, path: a}\n");
     const auto problems = nlohmann::json::parse(fluidcarve_program("check --json " + (scratch / "bad.yaml")).out);

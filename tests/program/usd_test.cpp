@@ -1,5 +1,5 @@
+#include "tests/support/files/usda.h"
 #include "tests/support/program.h"
-#include "tests/support/usda.h"
 
 #include <catch2/catch.hpp>
 

@@ -32,7 +32,7 @@ TEST_CASE("a wedge has all combinations, and the last target varies fastest") {
 
 TEST_CASE("values of a wedge that say nothing or too much are told") {
     CHECK(fault_of_over({"count=-4"}).empty());
-    CHECK(fault_of_over({"count"}) == "--over wants PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not 'count'");
+    CHECK(fault_of_over({"count"}) == "--over must be PARAM=VALUE,VALUE or NODE.FIELD=VALUE,VALUE, such as count=-4,-8,-12, not 'count'");
     CHECK(fault_of_over({"count="}) == "--over count: value 1 of 1 is empty; write count=VALUE,VALUE");
     CHECK(fault_of_over({"count=-4,"}) == "--over count: value 2 of 2 is empty; write count=VALUE,VALUE");
     CHECK(fault_of_over({"count=-4,-8,-4"}) == "--over count: -4 is there twice; leave one out");

@@ -131,7 +131,7 @@ TEST_CASE("an interrupted solver is shown with what it has found, and goes on fr
     Dig::stop_at_seven = true;
     CHECK(dug.run("", ", count: 12") == exit_code::interrupted);
     Dig::stop_at_seven = false;
-    const auto status = status_text(dug.scratch / "kept", false);
+    const auto status = status_text(dug.scratch / "kept");
     CHECK_THAT(status, Catch::Contains(": interrupted, "));
     CHECK_THAT(status, Catch::Contains("  5       0     0  5/5 frames gathered, 7/12 seams, interrupted  never run\n"));
     CHECK(dug.why("", ", count: 12") == "goes on from 7 of 12 seams");

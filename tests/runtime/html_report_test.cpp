@@ -2,9 +2,9 @@
 #include "graph/build_pipeline.h"
 
 #include "runtime/page/plot.h"
+#include "tests/support/files/well_formed.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"
-#include "tests/support/well_formed.h"
 
 #include <catch2/catch.hpp>
 

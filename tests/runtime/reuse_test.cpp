@@ -474,7 +474,7 @@ TEST_CASE("what is remembered of former runs may be anything") {
         for (const auto& file : files) std::ofstream(file) << text;
         fs::remove_all(shot.folder + "/out");
         CHECK(shot.run() == saves);
-        CHECK(status_text(shot.folder + "/kept", false) != "");
+        CHECK(status_text(shot.folder + "/kept") != "");
     }
 }
 

@@ -21,22 +21,22 @@ std::string ParamTraits<Anchor>::text(const Anchor& anchor) { return to_text(anc
 
 void check_params(const SolverParams& params, NodeCheck& check) {
     if (params.anchor.vertex < 0)
-        check.fault("anchor", fmt::format("parameter 'anchor' wants low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
+        check.fault("anchor", fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
         if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
-            check.fault(name, fmt::format("parameter '{}' wants whole vertices, not {}", name, window_text(*window)));
-    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' wants a 'window' beside it, below it on the axis");
+            check.fault(name, fmt::format("parameter '{}' must be whole vertices, not {}", name, window_text(*window)));
+    if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
     if (params.pair_window && params.window && params.pair_window->low <= params.window->high)
         check.fault("pair_window",
-                    fmt::format("pair_window {} {} window {}; it wants to begin above vertex {:g}", window_text(*params.pair_window),
+                    fmt::format("pair_window {} {} window {}; it must begin above vertex {:g}", window_text(*params.pair_window),
                                 params.pair_window->high < params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
-    if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' wants a 'pair_window'");
+    if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' needs a 'pair_window'");
     const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
-    if (forward && !field) check.fault("cost", "cost 'forward' wants a `field`, in which it counts the edges that seams leave behind");
+    if (forward && !field) check.fault("cost", "cost 'forward' needs a `field`, in which it counts the edges that seams leave behind");
     if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out");
     for (const auto* const name : {"field_weight", "empty"})
-        if (!forward && check.stated(name)) check.fault(name, fmt::format("parameter '{}' wants a `field`, in which content and edges are seen", name));
+        if (!forward && check.stated(name)) check.fault(name, fmt::format("parameter '{}' needs a `field`, in which content and edges are seen", name));
     if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");

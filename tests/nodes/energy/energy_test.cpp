@@ -253,7 +253,7 @@ TEST_CASE("energy.combine's parameters are checked against its terms") {
     CHECK(faults("range: [auto, [0, 1]]") == "range: states 2 ranges for 3 terms; state one per term\n");
     CHECK(faults("weights: [1, -2, 1]") == "weights must be at least 0, not -2\n");
     CHECK(faults("range: [2, 1]") == "range has its low end 2 above its high end 1\n");
-    CHECK(faults("range: wide") == "range wants auto or [low, high], or a list, each auto or [low, high], not 'wide'\n");
+    CHECK(faults("range: wide") == "range must be auto or [low, high], or a list, each auto or [low, high], not 'wide'\n");
     CHECK(faults("range: []") == "range: states 0 ranges for 3 terms; state one per term\n");
 }
 
@@ -458,5 +458,5 @@ TEST_CASE("energy.remap refuses parameters that make no sense") {
     CHECK(faults("{clamp: false, invert: true}") == "");
     CHECK(faults("gamma: 0") == "gamma must be from 0.01 to 100, not 0\n");
     CHECK(faults("to: [1, 0]") == "to has its low end 1 above its high end 0\n");
-    CHECK(faults("range: wide") == "range wants [low, high], not 'wide'\n");
+    CHECK(faults("range: wide") == "range must be [low, high], not 'wide'\n");
 }

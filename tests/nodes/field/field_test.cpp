@@ -274,10 +274,10 @@ TEST_CASE("a filter refuses values that are not finite, on its voxels or near th
 
 TEST_CASE("field.filter's parameters are checked, and handed on") {
     const auto faults = [](const std::string& yaml) { return NodeBench(field_filter(), yaml).faults(); };
-    CHECK(faults("mode: box") == "mode wants one of mean, median, gaussian, not 'box'\n");
+    CHECK(faults("mode: box") == "mode must be one of mean, median, gaussian, not 'box'\n");
     CHECK(faults("width: 0") == "width must be from 1 to 64, not 0\n");
     CHECK(faults("iterations: 0") == "iterations must be from 1 to 100, not 0\n");
-    CHECK(faults("width: 1.5") == "width wants a whole number, not '1.5'\n");
+    CHECK(faults("width: 1.5") == "width must be a whole number, not '1.5'\n");
     const auto path = std::string(TEST_DATA) + "/plume/plume.0053.vdb";
     const Ref<FloatGrid> density = openvdb::gridPtrCast<FloatGrid>(read_vdb_grid(path, "density"));
     NodeBench node(field_filter(), "{mode: gaussian, width: 2, iterations: 2}");

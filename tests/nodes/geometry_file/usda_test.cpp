@@ -1,7 +1,7 @@
 #include "nodes/geometry_file/usda.h"
 
+#include "tests/support/files/usda.h"
 #include "tests/support/scratch.h"
-#include "tests/support/usda.h"
 
 #include <catch2/catch.hpp>
 

@@ -86,7 +86,7 @@ TEST_CASE("vdb.read names the grids that are there when one is not, and both typ
 
 TEST_CASE("what is wrong with vdb.read's parameters is said before anything is read") {
     const auto faults = [&](const std::string& rest) { return NodeBench(vdb_read(), "{path: a.vdb, " + rest + "}").faults(); };
-    CHECK(faults("grids: {density: flaot}") == "grids wants float or vector, not 'flaot'; did you mean 'float'?\n");
+    CHECK(faults("grids: {density: flaot}") == "grids must be float or vector, not 'flaot'; did you mean 'float'?\n");
     CHECK(faults("grids: {density: {type: float, nmae: x}}") == "grids has no field 'nmae'; did you mean 'name'?\n");
     CHECK(faults("grids: {density: {name: x}}") == "grids lacks 'type': float or vector\n");
     CHECK(faults("grids: {volume: float}") ==
@@ -144,5 +144,5 @@ TEST_CASE("vdb.write compresses as it is told") {
     NodeBench read(vdb_read(), "{path: " + plume + "}");
     NodeBench(vdb_write(), "{path: " + scratch / "out.vdb" + ", compression: none}").run({{"source", {read.run({}, at(52)).at("volume")}}}, at(52));
     CHECK(read_vdb(scratch / "out.vdb").codec == "none");
-    CHECK(NodeBench(vdb_write(), "{path: a.vdb, compression: lzma}").faults() == "compression wants one of as_read, blosc, zip, none, not 'lzma'\n");
+    CHECK(NodeBench(vdb_write(), "{path: a.vdb, compression: lzma}").faults() == "compression must be one of as_read, blosc, zip, none, not 'lzma'\n");
 }

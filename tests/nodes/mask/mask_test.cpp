@@ -64,9 +64,9 @@ TEST_CASE("an empty mask of a threshold says what was wanted and what there was"
         const auto missed = missed_range(*mask);
         return missed ? text_of(*missed) : std::string();
     };
-    CHECK(noted("{above: 7}", ramp()) == "mask.threshold wants values from 7, but the field has 0 to 5 only");
-    CHECK(noted("{below: -1}", ramp()) == "mask.threshold wants values up to -1, but the field has 0 to 5 only");
-    CHECK(noted("{above: 2, below: 3}", FloatGrid::create()) == "mask.threshold wants values from 2 to 3, but the field has no active voxels");
+    CHECK(noted("{above: 7}", ramp()) == "mask.threshold marks values from 7, but the field has 0 to 5 only");
+    CHECK(noted("{below: -1}", ramp()) == "mask.threshold marks values up to -1, but the field has 0 to 5 only");
+    CHECK(noted("{above: 2, below: 3}", FloatGrid::create()) == "mask.threshold marks values from 2 to 3, but the field has no active voxels");
     CHECK(noted("{above: 2}", ramp()).empty());
 
     const auto foreseen = [](const Region& field) { return NodeBench(mask_threshold(), "{above: 2}").foresee({{"field", field}}).warnings; };
@@ -325,6 +325,6 @@ TEST_CASE("the mask nodes hand on what their functions give, and refuse paramete
 
     CHECK(NodeBench(mask_box(), "{min: [0, 0, 2], max: [1, 1, 1]}").faults() == "max: 'max' is below 'min' in z: 1 < 2\n");
     CHECK(NodeBench(mask_sphere(), "{center: [0, 0, 0], radius: -1}").faults() == "radius must be at least 0, not -1\n");
-    CHECK(NodeBench(mask_combine(), "mode: xor").faults() == "mode wants one of union, intersection, difference, not 'xor'\n");
+    CHECK(NodeBench(mask_combine(), "mode: xor").faults() == "mode must be one of union, intersection, difference, not 'xor'\n");
     CHECK(NodeBench(mask_dilate(), "voxels: 300").faults() == "voxels must be from -256 to 256, not 300\n");
 }

@@ -5,7 +5,7 @@
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"
 #include "nodes/mesh/write.h"
-#include "tests/support/mesh_files.h"
+#include "tests/support/files/mesh_files.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 

@@ -1,9 +1,9 @@
 #include "nodes/mesh/usda.h"
 
 #include "nodes/mesh/write.h"
+#include "tests/support/files/usda.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
-#include "tests/support/usda.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,9 +4,9 @@
 #include "nodes/points/file.h"
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
+#include "tests/support/files/point_files.h"
 #include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
-#include "tests/support/point_files.h"
 #include "tests/support/point_lists.h"
 #include "tests/support/scratch.h"
 

@@ -1,10 +1,10 @@
 #include "nodes/points/usda.h"
 
 #include "nodes/points/write.h"
+#include "tests/support/files/point_files.h"
+#include "tests/support/files/usda.h"
 #include "tests/support/node_bench.h"
-#include "tests/support/point_files.h"
 #include "tests/support/scratch.h"
-#include "tests/support/usda.h"
 
 #include <catch2/catch.hpp>
 

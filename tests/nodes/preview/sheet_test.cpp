@@ -231,8 +231,8 @@ TEST_CASE("ways to show a grid are stated as one or as a list, each once") {
     CHECK(faults("{show: [render, both], difference: true, slice: 3}") == "");
     CHECK(faults("{show: []}") == "show: 'show' names nothing; name 'render', 'maximum' or 'slice'\n");
     CHECK(faults("{show: [both, slice]}") == "show: 'show' names 'slice' twice; 'both' is 'maximum' and 'slice'\n");
-    CHECK(faults("{show: rendr}") == "show wants one of maximum, slice, both, render, not 'rendr'\n");
-    CHECK(faults("{show: {a: 1}}") == "show wants one of maximum, slice, both, render, or a list, each one of maximum, slice, both, render, not a map\n");
+    CHECK(faults("{show: rendr}") == "show must be one of maximum, slice, both, render, not 'rendr'\n");
+    CHECK(faults("{show: {a: 1}}") == "show must be one of maximum, slice, both, render, or a list, each one of maximum, slice, both, render, not a map\n");
     CHECK(preview_sheet().param("show")->fallback == "maximum");
     const NodeBench several(preview_sheet(), "{show: [render, slice]}");
     CHECK(several.type().param("show")->text(several.params()) == "[render, slice]");

@@ -8,7 +8,7 @@
 #include "nodes/mesh/mesh_file.h"
 #include "nodes/points/file.h"
 #include "nodes/preview/canvas.h"
-#include "tests/support/mesh_files.h"
+#include "tests/support/files/mesh_files.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 

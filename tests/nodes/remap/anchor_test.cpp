@@ -135,7 +135,7 @@ TEST_CASE("an anchor and windows stay with seams that are kept in a file") {
     auto volume = seams_to_volume(seams);
     volume.metadata.removeMeta("fluidcarve_anchor");
     volume.metadata.insertMeta("fluidcarve_anchor", openvdb::StringMetadata("14"));
-    CHECK(failure_of([&] { seams_from_volume(volume); }).find("'fluidcarve_anchor' wants low, middle, high or a vertex from 0 to 13, not '14'") !=
+    CHECK(failure_of([&] { seams_from_volume(volume); }).find("'fluidcarve_anchor' must be low, middle, high or a vertex from 0 to 13, not '14'") !=
           std::string::npos);
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("solvers take an anchor, and refuse one beyond the lattice, below it o
     CHECK_THROWS_WITH(solve(seam_pyramid(), "{count: -2, anchor: 14}", {energy}, {lattice}, {}, 1),
                       "anchor 14 lies beyond the lattice, which has 14 vertices along u: 0 to 13");
     CHECK(NodeBench(seam_pyramid(), "{count: -1, anchor: -2}").faults() ==
-          "anchor: parameter 'anchor' wants low, middle, high or a vertex from 0 on, not -2\n");
+          "anchor: parameter 'anchor' must be low, middle, high or a vertex from 0 on, not -2\n");
     CHECK(NodeBench(seam_pyramid(), "{count: -1, anchor: high, window: [0, 3], pair_window: [5, 7]}").faults() ==
           "anchor: pairs of seams move neither end of the lattice: leave 'anchor' out\n");
 }

@@ -85,7 +85,7 @@ TEST_CASE("rig.points says what is wrong with its points before a run") {
           "frames: needs either 'points', or 'frames' with points for each, and not both\n");
     CHECK(faults("{frames: {1: [[0, 0, 0]], b: [[0, 0, 0], [1, 0, 0]]}}") ==
           "frames: 'frames' is no path in frame 1: a rig needs at least 2 points, not 1\n"
-          "frames: 'frames' wants a frame's number before each list of points, not 'b'\n");
+          "frames: 'frames' needs a frame's number before each list of points, not 'b'\n");
 }
 
 TEST_CASE("rig.circle runs clockwise seen from its normal's tip, from x towards minus y if that is z") {
@@ -107,7 +107,7 @@ TEST_CASE("rig.circle says what is wrong with it") {
     const auto faults = [](const std::string& yaml) { return NodeBench(rig_circle(), yaml).faults(); };
     CHECK(faults("{center: [0, 0, 0], radius: 0}") == "radius: 'radius' must be more than 0\n");
     CHECK(faults("{center: [0, 0, 0], radius: [1, 0]}") == "radius: 'radius' must be more than 0\n");
-    CHECK(faults("{center: [0, 0, 0], radius: [1, 2, 3]}") == "radius wants one radius or two, not 3\n");
+    CHECK(faults("{center: [0, 0, 0], radius: [1, 2, 3]}") == "radius must have one number or two, not 3\n");
     CHECK(faults("{center: [0, 0, 0], radius: -1}") == "radius must be at least 0, not -1\n");
     CHECK(faults("{center: [0, 0, 0], radius: 1, normal: [0, 0, 0]}") == "normal: 'normal' has no direction\n");
 }

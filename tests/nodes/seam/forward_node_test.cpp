@@ -52,14 +52,14 @@ std::string faults(const std::string& yaml, std::size_t fields) { return NodeBen
 TEST_CASE("forward costs want a field, a field wants forward costs, and neither makes static seams") {
     CHECK(faults("{count: -1, cost: forward}", 1) == "");
     CHECK(faults("{count: -1, rigidity: 2, rigidity_time: 3}", 0) == "");
-    CHECK(faults("{count: -1, cost: forward}", 0) == "cost: cost 'forward' wants a `field`, in which it counts the edges that seams leave behind\n");
+    CHECK(faults("{count: -1, cost: forward}", 0) == "cost: cost 'forward' needs a `field`, in which it counts the edges that seams leave behind\n");
     CHECK(faults("{count: -1}", 1) == "");
     CHECK(faults("{count: -1, cost: backward}", 1) == "field: input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out\n");
     CHECK(faults("{count: -1, static: true}", 1) ==
           "static: with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out\n");
     CHECK(faults("{count: -1, field_weight: 2, empty: 1}", 0) ==
-          "field_weight: parameter 'field_weight' wants a `field`, in which content and edges are seen\n"
-          "empty: parameter 'empty' wants a `field`, in which content and edges are seen\n");
+          "field_weight: parameter 'field_weight' needs a `field`, in which content and edges are seen\n"
+          "empty: parameter 'empty' needs a `field`, in which content and edges are seen\n");
     CHECK(faults("{count: -1, cost: forward, window: [0, 3], pair_window: [5, 7]}", 1) == "");
     CHECK(faults("{count: -1, cost: forward, window: [0, 3], pair_window: [4, 7]}", 1) ==
           "pair_window: with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other\n");

@@ -102,13 +102,13 @@ TEST_CASE("either window may be static: a river bank beside a river") {
 }
 
 TEST_CASE("windows that do not go together are told before anything runs") {
-    CHECK(faults("{count: 1, pair_window: [3, 4]}") == "pair_window: parameter 'pair_window' wants a 'window' beside it, below it on the axis\n");
+    CHECK(faults("{count: 1, pair_window: [3, 4]}") == "pair_window: parameter 'pair_window' needs a 'window' beside it, below it on the axis\n");
     CHECK(faults("{count: 1, window: [2, 5], pair_window: [5, 7]}") ==
-          "pair_window: pair_window [5, 7] overlaps window [2, 5]; it wants to begin above vertex 5\n");
+          "pair_window: pair_window [5, 7] overlaps window [2, 5]; it must begin above vertex 5\n");
     CHECK(faults("{count: 1, window: [4, 5], pair_window: [0, 2]}") ==
-          "pair_window: pair_window [0, 2] lies below window [4, 5]; it wants to begin above vertex 5\n");
-    CHECK(faults("{count: 1, window: [4, 5], pair_window: [6.5, 8]}") == "pair_window: parameter 'pair_window' wants whole vertices, not [6.5, 8]\n");
-    CHECK(faults("{count: 1, window: [4, 5], pair_static: true}") == "pair_static: parameter 'pair_static' wants a 'pair_window'\n");
+          "pair_window: pair_window [0, 2] lies below window [4, 5]; it must begin above vertex 5\n");
+    CHECK(faults("{count: 1, window: [4, 5], pair_window: [6.5, 8]}") == "pair_window: parameter 'pair_window' must be whole vertices, not [6.5, 8]\n");
+    CHECK(faults("{count: 1, window: [4, 5], pair_static: true}") == "pair_static: parameter 'pair_static' needs a 'pair_window'\n");
     CHECK(faults("{count: 1, window: [4, 5], pair_window: [6, 8]}") == "");
 
     std::mt19937 random(3);

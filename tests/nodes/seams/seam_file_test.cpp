@@ -3,7 +3,7 @@
 #include "nodes/seams/read.h"
 #include "nodes/seams/seam_metadata.h"
 #include "nodes/seams/write.h"
-#include "tests/support/edited_seams.h"
+#include "tests/support/files/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/scratch.h"
@@ -129,8 +129,8 @@ TEST_CASE("seams around a rig come back from their file, and must leave out the 
         edit(wrong);
         CHECK_THROWS_WITH(seams_from_volume(seams_to_volume(wrong)), why);
     };
-    refused([](Seams& it) { it.seams[0] = straight_seam(it, 0); }, "grid 'seam.0000' has 0 at (0, 0, 0), but wants a whole number from 1 to 6");
-    refused([](Seams& it) { it.window = Window{0, 4}; }, "'fluidcarve_window' wants two vertices from 1 to 6, first,last, not '0,4'");
+    refused([](Seams& it) { it.seams[0] = straight_seam(it, 0); }, "grid 'seam.0000' has 0 at (0, 0, 0), but must have a whole number from 1 to 6");
+    refused([](Seams& it) { it.window = Window{0, 4}; }, "'fluidcarve_window' must be two vertices from 1 to 6, first,last, not '0,4'");
     const auto* const fixed = "'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig stays in place";
     refused([](Seams& it) { it.anchor.at = Anchor::At::high; }, fixed);
     refused(
@@ -148,17 +148,17 @@ TEST_CASE("a file of pairs that is wrong is refused with the reason") {
     CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->insertMeta("kind", openvdb::StringMetadata("remove")); }) ==
           "grid 'seam.0000.pair' says remove as 'seam.0000' does, but one of a pair removes and the other inserts");
     CHECK(pair_fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), 6); }) ==
-          "grid 'seam.0000.pair' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
+          "grid 'seam.0000.pair' has 6 at (4, 0, 2), but must have a whole number from 0 to 5");
     CHECK(pair_fault([](Volume&, auto& grids) { grids[3]->tree().setValueOn(Coord(4, 0, 2), 6); }, Seams::Kind::insert) ==
-          "grid 'seam.0001.pair' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
+          "grid 'seam.0001.pair' has 6 at (4, 0, 2), but must have a whole number from 0 to 5");
     CHECK(pair_fault([](Volume&, auto& grids) {
               grids[0]->tree().setValueOn(Coord(4, 0, 2), 3);
               grids[2]->tree().setValueOn(Coord(4, 0, 2), 3);
               grids[1]->tree().setValueOn(Coord(4, 0, 2), 5);
               grids[3]->tree().setValueOn(Coord(4, 0, 2), 4);
           }) == "at (4, 0, 2) a pair takes entry 4, but must be above all seams of the first window, which reach 4");
-    CHECK(metadata_fault("fluidcarve_around", "maybe") == "'fluidcarve_around' wants true or false, not 'maybe'");
-    CHECK(metadata_fault("fluidcarve_closed", "maybe") == "'fluidcarve_closed' wants true or false, not 'maybe'");
+    CHECK(metadata_fault("fluidcarve_around", "maybe") == "'fluidcarve_around' must be true or false, not 'maybe'");
+    CHECK(metadata_fault("fluidcarve_closed", "maybe") == "'fluidcarve_closed' must be true or false, not 'maybe'");
 }
 
 TEST_CASE("a seam file is what the contract says, to any reader of .vdb") {
@@ -183,25 +183,25 @@ TEST_CASE("a seam file is what the contract says, to any reader of .vdb") {
 
 TEST_CASE("a seam file that is wrong is refused with the reason") {
     CHECK(metadata_fault("fluidcarve_axis", "") == "the file has no text 'fluidcarve_axis' in its metadata, so it is no seam file");
-    CHECK(metadata_fault("fluidcarve_axis", "w") == "'fluidcarve_axis' wants u or v, not 'w'");
-    CHECK(metadata_fault("fluidcarve_shape", "7,5,4") == "'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '7,5,4'");
-    CHECK(metadata_fault("fluidcarve_shape", "7,5,4,3,") == "'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '7,5,4,3,'");
-    CHECK(metadata_fault("fluidcarve_shape", "7,5,400000,3") == "'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '7,5,400000,3'");
+    CHECK(metadata_fault("fluidcarve_axis", "w") == "'fluidcarve_axis' must be u or v, not 'w'");
+    CHECK(metadata_fault("fluidcarve_shape", "7,5,4") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,4'");
+    CHECK(metadata_fault("fluidcarve_shape", "7,5,4,3,") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,4,3,'");
+    CHECK(metadata_fault("fluidcarve_shape", "7,5,400000,3") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,400000,3'");
     CHECK(metadata_fault("fluidcarve_frames", "1-2") == "'fluidcarve_frames' lists 2 frames, but 'fluidcarve_shape' 3");
     CHECK(metadata_fault("fluidcarve_lattice_hash", "") == "the file has no text 'fluidcarve_lattice_hash' in its metadata, so it is no seam file");
     const auto entry = [](float value) { return fault([=](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), value); }); };
-    CHECK(entry(2.5f) == "grid 'seam.0001' has 2.5 at (4, 0, 2), but wants a whole number from 0 to 5");
-    CHECK(entry(6) == "grid 'seam.0001' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
-    CHECK(entry(-1) == "grid 'seam.0001' has -1 at (4, 0, 2), but wants a whole number from 0 to 5");
-    CHECK(entry(NAN) == "grid 'seam.0001' has nan at (4, 0, 2), but wants a whole number from 0 to 5");
+    CHECK(entry(2.5f) == "grid 'seam.0001' has 2.5 at (4, 0, 2), but must have a whole number from 0 to 5");
+    CHECK(entry(6) == "grid 'seam.0001' has 6 at (4, 0, 2), but must have a whole number from 0 to 5");
+    CHECK(entry(-1) == "grid 'seam.0001' has -1 at (4, 0, 2), but must have a whole number from 0 to 5");
+    CHECK(entry(NAN) == "grid 'seam.0001' has nan at (4, 0, 2), but must have a whole number from 0 to 5");
     CHECK(fault([](Volume&, auto& grids) { grids[0]->tree().setValueOff(Coord(4, 0, 2)); }) ==
-          "grid 'seam.0000' has 59 active voxels, but wants one for each of 60 columns");
+          "grid 'seam.0000' has 59 active voxels, but must have one for each of 60 columns");
     CHECK(fault([](Volume&, auto& grids) {
               grids[0]->tree().setValueOff(Coord(4, 0, 2));
               grids[0]->tree().setValueOn(Coord(5, 0, 2), 1);
-          }) == "grid 'seam.0000' has active voxels from (0, 0, 0) to (5, 3, 2), but wants the columns from (0, 0, 0) to (4, 3, 2)");
+          }) == "grid 'seam.0000' has active voxels from (0, 0, 0) to (5, 3, 2), but must have the columns from (0, 0, 0) to (4, 3, 2)");
     CHECK(fault([](Volume&, auto& grids) { grids[0]->tree().setValueOn(Coord(4, 0, 2), 6); }, Seams::Kind::insert) ==
-          "grid 'seam.0000' has 6 at (4, 0, 2), but wants a whole number from 0 to 5");
+          "grid 'seam.0000' has 6 at (4, 0, 2), but must have a whole number from 0 to 5");
     CHECK(fault([](Volume&, auto& grids) { grids[1]->tree().setValueOn(Coord(4, 0, 2), grids[0]->tree().getValue(Coord(4, 0, 2))); }, Seams::Kind::insert)
               .find("at (4, 0, 2), which another seam doubles too") != std::string::npos);
     CHECK(fault([](Volume&, auto& grids) { grids[1]->insertMeta("kind", openvdb::StringMetadata("insert")); }) ==
@@ -235,18 +235,19 @@ TEST_CASE("seams.write and seams.read pass seams through a file") {
 }
 
 TEST_CASE("a shape or frames that the grids do not hold are refused before there is room made for them") {
-    const auto no_numbers = [](const std::string& text) { return "'fluidcarve_shape' wants four numbers from 1 to 65535, I,J,K,T, not '" + text + "'"; };
+    const auto no_numbers = [](const std::string& text) { return "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '" + text + "'"; };
     // The second is 7,5,4,3 to readers that keep 32 bits.
     for (const std::string text : {"2147483648,5,4,3", "4294967303,5,4,3", "7,5,4,-3", "7,5,4,0", "1e3,5,4,3"})
         CHECK(metadata_fault("fluidcarve_shape", text) == no_numbers(text));
     CHECK(metadata_fault("fluidcarve_shape", std::string(1000, '7')) == no_numbers(std::string(60, '7') + "..."));
-    CHECK(metadata_fault("fluidcarve_shape", "65535,65535,65535,3") == "grid 'seam.0000' has 60 active voxels, but wants one for each of 12884508675 columns");
+    CHECK(metadata_fault("fluidcarve_shape", "65535,65535,65535,3") ==
+          "grid 'seam.0000' has 60 active voxels, but must have one for each of 12884508675 columns");
     CHECK(metadata_fault("fluidcarve_shape", "7,4,5,3") ==
-          "grid 'seam.0000' has active voxels from (0, 0, 0) to (4, 3, 2), but wants the columns from (0, 0, 0) to (3, 4, 2)");
+          "grid 'seam.0000' has active voxels from (0, 0, 0) to (4, 3, 2), but must have the columns from (0, 0, 0) to (3, 4, 2)");
     CHECK(metadata_fault("fluidcarve_frames", "1-99999999") == "'fluidcarve_frames' '1-99999999' names more than 9 frames");
     CHECK(metadata_fault("fluidcarve_frames", "1-10") == "'fluidcarve_frames' '1-10' names more than 9 frames");
-    CHECK(metadata_fault("fluidcarve_window", "0,4294967297") == "'fluidcarve_window' wants two vertices from 0 to 6, first,last, not '0,4294967297'");
-    CHECK(metadata_fault("fluidcarve_anchor", "4294967296") == "'fluidcarve_anchor' wants low, middle, high or a vertex from 0 to 6, not '4294967296'");
+    CHECK(metadata_fault("fluidcarve_window", "0,4294967297") == "'fluidcarve_window' must be two vertices from 0 to 6, first,last, not '0,4294967297'");
+    CHECK(metadata_fault("fluidcarve_anchor", "4294967296") == "'fluidcarve_anchor' must be low, middle, high or a vertex from 0 to 6, not '4294967296'");
 }
 
 TEST_CASE("a file without grids takes no memory, whatever it states") {
@@ -279,7 +280,7 @@ TEST_CASE("columns in tiles and in shared trees are read, but not more than the 
     const auto high_again = high->copy();
     high_again->setName("seam.0001");
     volume.grids = {high, high_again};
-    CHECK(failure_of([&] { seams_from_volume(volume); }) == "grid 'seam.0001' has 6 at (1, 2, 3), but wants a whole number from 0 to 5");
+    CHECK(failure_of([&] { seams_from_volume(volume); }) == "grid 'seam.0001' has 6 at (1, 2, 3), but must have a whole number from 0 to 5");
 
     volume.grids.clear();
     for (int n = 0; n < 9000; ++n) {
@@ -323,7 +324,7 @@ TEST_CASE("grids that are missing, doubled, too many or of another type are refu
                                                                           openvdb::BoolGrid::create(), openvdb::Vec3SGrid::create()})
         CHECK(other_type(grid).find("the 3 grids must be float grids") == 0);
     for (const float value : {1e30f, -1e30f, std::numeric_limits<float>::infinity(), 0.5f, 65536.0f})
-        CHECK(fault([&](Volume&, auto& grids) { grids[0]->tree().setValueOn(Coord(4, 0, 2), value); }).find("but wants a whole number from 0 to 6") !=
+        CHECK(fault([&](Volume&, auto& grids) { grids[0]->tree().setValueOn(Coord(4, 0, 2), value); }).find("but must have a whole number from 0 to 6") !=
               std::string::npos);
     CHECK(fault([](Volume&, auto& grids) { grids[1]->insertMeta("energy", openvdb::DoubleMetadata(NAN)); }) ==
           "grid 'seam.0001' has the energy nan, which is not finite");

@@ -4,7 +4,7 @@
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seam_file.h"
 #include "nodes/seams/seam_metadata.h"
-#include "tests/support/edited_seams.h"
+#include "tests/support/files/edited_seams.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 #include "tests/support/warped.h"
@@ -96,17 +96,19 @@ TEST_CASE("a warp is kept as it is, with its scale, and damaged ones are refused
 
 TEST_CASE("a warp's file that is no whole warp is refused, and says why") {
     CHECK(fault_of_warp([](auto&, auto&) {}).empty());
-    CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "3"); }) == "'fluidcarve_warp_factor' wants 1, 2 or 4, not '3'");
+    CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "3"); }) ==
+          "'fluidcarve_warp_factor' must be 1, 2 or 4, not '3'");
     CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_warp_factor", "2"); }) ==
-          "grid 'warp.0000' has 378 active voxels, but wants the 80 points from (0, 0, 0) to (4, 3, 3), by the shape and the factor");
+          "grid 'warp.0000' has 378 active voxels, but must have the 80 points from (0, 0, 0) to (4, 3, 3), by the shape and the factor");
     CHECK(fault_of_warp([](Volume& volume, auto&) { restate(volume, "fluidcarve_shape", "65535,65535,65535,3"); }) ==
-          "grid 'warp.0000' has 378 active voxels, but wants the 281462092005375 points from (0, 0, 0) to (65534, 65534, 65534), by the shape and the factor");
-    CHECK(fault_of_warp([](Volume& volume, auto&) { volume.grids.pop_back(); }) == "there are 2 grids, but a warp wants one, or one for each of 3 frames");
+          "grid 'warp.0000' has 378 active voxels, but must have the 281462092005375 points from (0, 0, 0) to (65534, 65534, 65534), by the shape and the "
+          "factor");
+    CHECK(fault_of_warp([](Volume& volume, auto&) { volume.grids.pop_back(); }) == "there are 2 grids, but a warp has one, or one for each of 3 frames");
     CHECK(fault_of_warp([](Volume&, auto& grids) { grids[1]->setName("other"); }) ==
-          "there is no float grid 'warp.0001'; a warp of 3 grids wants 'warp.0000' to 'warp.0002'");
+          "there is no float grid 'warp.0001'; a warp of 3 grids has 'warp.0000' to 'warp.0002'");
     CHECK(fault_of_warp([](Volume&, auto& grids) {
               grids[2]->tree().setValueOff({3, 3, 3});
-          }) == "grid 'warp.0002' has 377 active voxels, but wants the 378 points from (0, 0, 0) to (8, 6, 5), by the shape and the factor");
+          }) == "grid 'warp.0002' has 377 active voxels, but must have the 378 points from (0, 0, 0) to (8, 6, 5), by the shape and the factor");
     CHECK(fault_of_warp([](Volume&, auto& grids) {
               grids[1]->tree().setValueOn({3, 2, 1}, std::numeric_limits<float>::quiet_NaN());
           }) == "grid 'warp.0001' has nan at (3, 2, 1), which is not finite");

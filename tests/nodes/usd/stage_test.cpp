@@ -1,6 +1,6 @@
 #include "nodes/usd/stage.h"
 
-#include "tests/support/usda.h"
+#include "tests/support/files/usda.h"
 
 #include <catch2/catch.hpp>
 

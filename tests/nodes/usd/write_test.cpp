@@ -62,7 +62,7 @@ TEST_CASE("usd.write says which volume lacks a file, and which file its volume")
     CHECK(told("path: out/shot.usda, volumes: {smoke: sim}, files: {bank: out/b.usda}") ==
           Texts{"usd.write needs the file of volume 'smoke': name it in 'files: {smoke: ...}'"});
     CHECK(told("path: out/shot.usda, volumes: {bank: sim}, files: {bank: out/b.usda}") ==
-          Texts{"usd.write wants the .vdb file of volume 'bank', not out/b.usda"});
+          Texts{"usd.write needs the .vdb file of volume 'bank', not out/b.usda"});
     CHECK(told("path: out/shot.usda, files: {}") == Texts{"usd.write holds files together, but 'files' names none"});
 }
 

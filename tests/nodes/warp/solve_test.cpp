@@ -212,9 +212,9 @@ TEST_CASE("what warp.solve can't do is told with its place, its fault and a reme
 
 TEST_CASE("a bad amount is refused before the run") {
     using Catch::Contains;
-    CHECK_THAT(faults("{amount: wide}"), Contains("wants a number, not 'wide'"));
-    CHECK_THAT(faults("{amount: .nan}"), Contains("wants a number"));
-    CHECK_THAT(faults("{amount: [1, 2]}"), Contains("wants a number of vertices, a percentage such as -10%, or {along"));
+    CHECK_THAT(faults("{amount: wide}"), Contains("must be a number, not 'wide'"));
+    CHECK_THAT(faults("{amount: .nan}"), Contains("must be a number"));
+    CHECK_THAT(faults("{amount: [1, 2]}"), Contains("must be a number of vertices, a percentage such as -10%, or {along"));
     CHECK_THAT(faults("{amount: {along: w, at: []}}"), Contains("has no points in 'at'"));
     CHECK_THAT(faults("{amount: {along: w}}"), Contains("lacks 'at'"));
     CHECK_THAT(faults("{amount: {at: [[0, 1]]}}"), Contains("lacks 'along'"));
@@ -222,13 +222,13 @@ TEST_CASE("a bad amount is refused before the run") {
     CHECK_THAT(faults("{amount: {along: w, at: [[0, 1], [0, 2]]}}"), Contains("points must rise"));
     CHECK_THAT(faults("{amount: {along: w, at: [[0, 1], [7, 2]]}}"), Contains("has a point at 7 of the way along w"));
     CHECK_THAT(faults("{amount: {along: w, at: [[0, 1], 3]}}"), Contains("a list of points in 'at'"));
-    CHECK_THAT(faults("{amount: {along: w, at: [[0, nan]]}}"), Contains("wants a number, not 'nan'"));
+    CHECK_THAT(faults("{amount: {along: w, at: [[0, nan]]}}"), Contains("must be a number, not 'nan'"));
     CHECK_THAT(faults("{amount: {along: w, at: [[0, 1]], when: 3}}"), Contains("no field 'when'"));
     CHECK_THAT(faults("{amount: {along: time, at: [[1, 0], [9, -3]]}, static: true}"), Contains("changes over time"));
-    CHECK_THAT(faults("{amount: -3, factor: 3}"), Contains("wants auto, 1, 2 or 4, not 3"));
+    CHECK_THAT(faults("{amount: -3, factor: 3}"), Contains("must be auto, 1, 2 or 4, not 3"));
     CHECK_THAT(faults("{amount: -3, window: [3, 9], pair_window: [5, 12]}"), Contains("overlaps window [3, 9]"));
-    CHECK_THAT(faults("{amount: -3, pair_window: [5, 12]}"), Contains("wants a 'window' beside it"));
-    CHECK_THAT(faults("{amount: -3, window: [2.5, 9]}"), Contains("wants whole vertices"));
+    CHECK_THAT(faults("{amount: -3, pair_window: [5, 12]}"), Contains("needs a 'window' beside it"));
+    CHECK_THAT(faults("{amount: -3, window: [2.5, 9]}"), Contains("must be whole vertices"));
     CHECK(faults("{amount: {along: time, at: [[1001, -10%]], over: [[0, 0], [0.5, 1]]}}") == "");
     // As text it is read back.
     const NodeBench bench(warp_solve(), "{amount: {along: time, at: [[1, 0], [9, -10%]], over: [[0, 0], [1, 1]]}}");

@@ -112,7 +112,7 @@ TEST_CASE("masks that mark nothing say what values they wanted, if they are empt
         return out.size() == 1 ? out[0] : std::string();
     };
     const std::string all = "`protect` is set around no vertex of the lattice: nothing is protected";
-    CHECK(warning({empty(0.5, 1), empty(0, 0.75)}) == all + "; its mask.threshold wants values from 2, but the field has 0 to 1 only");
+    CHECK(warning({empty(0.5, 1), empty(0, 0.75)}) == all + "; its mask.threshold marks values from 2, but the field has 0 to 1 only");
     CHECK(warning({empty(0.5, 1), mask_grid({Coord(20)})}) == all);
     CHECK(warning({mask_grid({Coord(20)}), empty(0.5, 1)}) == all);
 }

@@ -2,6 +2,7 @@
 
 #include "nodes/points/file.h"
 #include "nodes/points/point_grid.h"
+#include "tests/support/node_bench.h"
 #include "tests/support/point_lists.h"
 
 #include <fmt/format.h>
