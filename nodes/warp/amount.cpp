@@ -18,8 +18,6 @@ namespace {
 
 using Length = WarpAmount::Length;
 
-constexpr double least_step = 1e-6;  ///< between the places of two points
-
 std::string text_of(const Length& length) { return fmt::format("{}{}", length.value, length.percent ? "%" : ""); }
 
 std::optional<Length> parse_length(const Value& value, ValueReader& reader) {
@@ -47,7 +45,7 @@ std::optional<std::vector<Point>> parse_points(const Value::Field& field, bool a
         if (along_w && (*place < 0 || *place > 1))
             return reader.fault(item, fmt::format("has a point at {} of the way along w, which goes from 0, the first plane, to 1, the last one", *place)),
                    std::nullopt;
-        if (!out.empty() && *place < out.back().at + least_step)
+        if (!out.empty() && *place < out.back().at + WarpAmount::least_step)
             return reader.fault(item, fmt::format("has a point at {} behind one at {}: points must rise", *place, out.back().at)), std::nullopt;
         out.push_back({*place, *got});
     }
@@ -82,7 +80,7 @@ std::optional<WarpAmount> parse_curve(const Value& value, ValueReader& reader) {
 /// A curve's value at a place. @param value  of a point
 template <class Point, class Get>
 double linear(const std::vector<Point>& points, double place, const Get& value) {
-    const auto above = std::ranges::find_if(points, [&](const Point& point) { return point.at >= place; });
+    const auto above = std::ranges::lower_bound(points, place, {}, &Point::at);
     if (above == points.end()) return value(points.back());
     if (above == points.begin()) return value(points.front());
     const auto below = above - 1;
@@ -93,14 +91,17 @@ double linear(const std::vector<Point>& points, double place, const Get& value) 
 
 bool WarpAmount::nothing() const {
     if (!varies()) return whole.value == 0;
-    return std::ranges::all_of(points, [](const Point& point) { return point.amount.value == 0; }) ||
-           (!shares.empty() && std::ranges::all_of(shares, [](const Share& share) { return share.share == 0; }));
+    const auto none = [](const std::vector<Point>& curve) { return std::ranges::all_of(curve, [](const Point& point) { return point.amount.value == 0; }); };
+    if (!sections.empty()) return std::ranges::all_of(sections, none, &Section::points);
+    return none(points) || (!shares.empty() && std::ranges::all_of(shares, [](const Share& share) { return share.share == 0; }));
 }
 
 double WarpAmount::at(double w, double frame, int size) const {
     if (!varies()) return whole.of(size);
+    const auto length = [size](const Point& point) { return point.amount.of(size); };
+    if (!sections.empty()) return linear(sections, frame, [&](const Section& section) { return linear(section.points, w, length); });
     const bool along_w = along == Along::w;
-    const double amount = linear(points, along_w ? w : frame, [&](const Point& point) { return point.amount.of(size); });
+    const double amount = linear(points, along_w ? w : frame, length);
     return shares.empty() ? amount : amount * linear(shares, along_w ? frame : w, [](const Share& share) { return share.share; });
 }
 

@@ -10,7 +10,8 @@
 namespace fluidcarve {
 
 /// By how much a warp makes a lattice longer along its axis: a number of vertices, which need not be whole, or a percentage of the vertices
-/// along the axis. Negative makes it shorter. A curve (METHOD 11 "Ramps") states other amounts at other planes or frames.
+/// along the axis. Negative makes it shorter. A curve (METHOD 11 "Ramps") states other amounts at other planes or frames; a file may state another
+/// curve along the lattice for each of several frames.
 struct WarpAmount {
     struct Length {
         double value = 0;
@@ -28,14 +29,23 @@ struct WarpAmount {
         double at = 0;  ///< of the other dimension
         double share = 0;
     };
+    struct Section {
+        double at = 0;              ///< a frame number
+        std::vector<Point> points;  ///< along w
+    };
+
+    /// The least distance between the places of two points.
+    static constexpr double least_step = 1e-6;
 
     Length whole;               ///< without a curve
     Along along = Along::w;     ///< of `points`
     std::vector<Point> points;  ///< of a curve, rising; linear between them, constant beyond; empty: none
     std::vector<Share> shares;  ///< factors along the other dimension, the same way; empty: all 1
+    /// Curves at frames, rising; linear between them, constant beyond. There are then no `points` and `shares`; empty: none.
+    std::vector<Section> sections;
 
-    bool varies() const { return !points.empty(); }
-    bool varies_along(Along dimension) const { return varies() && (dimension == along || !shares.empty()); }
+    bool varies() const { return !points.empty() || !sections.empty(); }
+    bool varies_along(Along dimension) const { return varies() && (dimension == along || !shares.empty() || !sections.empty()); }
     /// Whether nothing is to be done.
     bool nothing() const;
     /// The amount of a plane in a frame, vertices.

@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "graph/types/node_type.h"
 #include "nodes/seams/seams.h"
+#include "nodes/warp/amount_file.h"
 #include "nodes/warp/find_warp.h"
 
 #include <fmt/format.h>
@@ -44,12 +45,29 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("pair_window",
                     fmt::format("pair_window {} {} window {}; it must begin at vertex {:g} or above", window_text(*params.pair_window),
                                 params.pair_window->high <= params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
-    if (params.static_ && params.amount.varies_along(WarpAmount::Along::time))
+    const bool from_file = !params.amount_file.text().empty();
+    if (!params.amount && !from_file)
+        check.fault("amount",
+                    "warp.solve needs an 'amount', such as -7.25, -10% or {along: w, at: [[0, 0], [1, -12]]}, or a CSV file with one in 'amount_file'");
+    if (params.amount && from_file) check.fault("amount_file", "'amount_file' states the amount, and 'amount' does so, too; leave one of the two out");
+    if (params.amount_file.per_frame())
+        check.fault("amount_file", "parameter 'amount_file' can't have a frame token: one file holds the amounts of all frames, in a column 'time'");
+    if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))
         check.fault("static", "a static warp is the same in all frames, but 'amount' changes over time; leave one of the two out");
     if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
         check.fault("factor", fmt::format("parameter 'factor' must be auto, 1, 2 or 4, not {}", *params.factor));
     if (check.stated("field_weight") && check.connections("field") == 0)
         check.fault("field_weight", "parameter 'field_weight' needs a `field`, in which edges are seen");
+}
+
+WarpAmount amount_of(const WarpParams& params) {
+    if (params.amount) return *params.amount;
+    const auto path = params.amount_file.at(0);
+    auto out = read_amounts(path);
+    if (params.static_ && out.varies_along(WarpAmount::Along::time))
+        throw Failure(path + ": its amounts change over time, but a static warp is the same in all frames; leave out the column 'time', or 'static'",
+                      Failure::Kind::input);
+    return out;
 }
 
 Window window_of(const Auto<Interval>& window, int size) {
@@ -61,14 +79,14 @@ double place_along(int k, int slices, bool closed) {
     return planes > 0 ? static_cast<double>(k) / planes : 0;
 }
 
-void require_fits(const WarpParams& params, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames, const std::string& space) {
+void require_fits(const WarpParams& params, const WarpAmount& amount, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames,
+                  const std::string& space) {
     const int size = shape[dimension(params.axis)];
     const auto vertices = fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(params.axis), space, size - 1);
     for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
         if (window && window->high > size - 1) throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices));
     if (params.anchor.vertex > size - 1) throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices));
     if (size < 2) throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one", to_text(params.axis), space));
-    const auto& amount = params.amount;
     const bool ring = closed && amount.varies_along(WarpAmount::Along::w);
     for (const int frame : frames) {
         for (int k = 0; k < shape[2]; ++k) {

@@ -13,7 +13,8 @@ class NodeCheck;
 /// The parameters of `warp.solve`. Its declaration says what each means.
 struct WarpParams {
     Axis axis = Axis::u;
-    WarpAmount amount;
+    Auto<WarpAmount> amount;  ///< nothing: that of `amount_file`
+    InputPath amount_file;
     Auto<Interval> window, pair_window;
     bool static_ = false;
     Anchor anchor;
@@ -28,12 +29,18 @@ struct WarpParams {
 /// Finds parameters that do not go together.
 void check_params(const WarpParams& params, NodeCheck& check);
 
+/// The amount that is stated, or that of the file.
+/// @throws Failure (input) as read_amounts(), or if a static warp is to change over time
+WarpAmount amount_of(const WarpParams& params);
+
 /// Requires that what is asked for fits into a lattice. Masks may leave less room than that.
+/// @param amount  amount_of(params)
 /// @param shape   I, J, K of the space that is carved
 /// @param frames  frame numbers
 /// @param space   what its vertices are vertices of, for messages: empty, or " once the seams of `after` are carved"
 /// @throws Failure if a window, the anchor or the amount leaves the lattice, or if a ring's amounts do not meet
-void require_fits(const WarpParams& params, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames, const std::string& space);
+void require_fits(const WarpParams& params, const WarpAmount& amount, const std::array<int, 3>& shape, bool closed, const std::vector<int>& frames,
+                  const std::string& space);
 
 /// The window, or all vertices.
 Window window_of(const Auto<Interval>& window, int size);

@@ -61,11 +61,28 @@ private:
 /// The greatest share by which a warp squeezes space.
 double steepest(const Warp& warp) { return std::max(0.0, -static_cast<double>(warp.scaled(warp.bounds().slope).least)); }
 
+/// The least and the greatest amount of all planes and frames of a set, vertices.
+std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount) {
+    double least = std::numeric_limits<double>::infinity(), greatest = -least;
+    for (const int frame : set.frames)
+        for (int k = 0; k < set.shape[2]; ++k) {
+            const double here = amount.at(place_along(k, set.shape[2], set.closed), frame, set.carved());
+            least = std::min(least, here);
+            greatest = std::max(greatest, here);
+        }
+    return {least, greatest};
+}
+
+/// Whether it is known without a look into a file that nothing is to be done.
+bool states_nothing(const WarpParams& params) { return params.amount && params.amount->nothing(); }
+
 /// What a finished warp is reported by.
-Json report_of(const Seams& set, const WarpAmount* curve) {
+/// @param amount  what it was found for; null: no amount at all
+Json report_of(const Seams& set, const WarpParams& params, const WarpAmount* amount) {
     Json out{{"axis", to_text(set.axis)}, {"shape", {set.shape[0], set.shape[1], set.shape[2], set.frames.size()}}};
-    if (curve && curve->varies()) out["amount"] = ParamTraits<WarpAmount>::text(*curve);
-    else out["amount"] = set.warp ? set.warp->scale() : 0.0;
+    if (!amount || !amount->varies()) out["amount"] = set.warp ? set.warp->scale() : 0.0;
+    else if (params.amount) out["amount"] = ParamTraits<WarpAmount>::text(*amount);
+    else out["amounts"] = amounts_in(set, *amount);
     if (set.warp) out["factor"] = set.warp->factor();
     out["steepest"] = set.warp ? steepest(*set.warp) : 0.0;
     return out;
@@ -75,7 +92,7 @@ Json report_of(const Seams& set, const WarpAmount* curve) {
 SolverParams gathering_params(const WarpParams& params) {
     SolverParams out;
     out.axis = params.axis;
-    out.count.value = params.amount.nothing() ? 0 : 1;
+    out.count.value = states_nothing(params) ? 0 : 1;
     out.window = params.window;
     out.pair_window = params.pair_window;
     out.anchor = params.anchor;
@@ -88,17 +105,26 @@ struct WarpSolve {
 
     static void check(const Params& params, NodeCheck& check) { check_params(params, check); }
 
+    static void survey(const Params& params, Survey& survey) {
+        if (params.amount) return;
+        try {
+            amount_of(params);
+        } catch (const Failure& failure) {
+            survey.missing(survey.frames().front(), failure.what());
+        }
+    }
+
     static void foresee(const Params& params, Outlook& ahead) {
         const auto* const energy = ahead.region("energy");
-        if (params.amount.nothing() || !energy) return;
+        if (states_nothing(params) || !energy) return;
         if (const auto fault = placement_fault(*energy, ahead.region("lattice")); !fault.empty()) ahead.warn(fault);
     }
 
     static std::shared_ptr<FrameEnergy> digest(const Params& params, const Ports& io, Context& context) {
         // The first frame tells, before all others are read. What is left after other seams is known only later.
-        if (context.place() == 0 && io.after.empty() && !params.amount.nothing())
-            require_fits(params, io.lattice->shape, io.lattice->closed, context.frames(), "");
-        if (io.lattice->around && !params.amount.nothing())
+        if (context.place() == 0 && io.after.empty() && !states_nothing(params))
+            require_fits(params, amount_of(params), io.lattice->shape, io.lattice->closed, context.frames(), "");
+        if (io.lattice->around && !states_nothing(params))
             throw Failure("the lattice goes around its rig, so that its first column lies beside its last, which a warp does not know; carve it with seams");
         const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
         const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
@@ -116,22 +142,24 @@ struct WarpSolve {
 
     void finish(const Params& params, Ports& io, Context& context) {
         const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
-        const bool nothing = params.amount.nothing();
+        const auto amount = amount_of(params);
+        const bool nothing = amount.nothing();
         const auto shape = space.shape();
         if (!nothing) {
             const auto named = space.carved() ? " once the seams of `after` are carved" : "";
-            require_fits(params, shape, space.lattices().front()->closed, space.frames(), named);
+            require_fits(params, amount, shape, space.lattices().front()->closed, space.frames(), named);
             gathered_.require_met();
             for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         }
         const int size = shape[dimension(params.axis)];
-        const bool found_before = before_ && before_->warp && !before_->warp->linear() && !params.amount.varies() &&
-                                  entry_.value("amount", 0.0) == in_steps(params.amount.whole.of(size));
+        const bool found_before =
+            before_ && before_->warp && !before_->warp->linear() && !amount.varies() && entry_.value("amount", 0.0) == in_steps(amount.whole.of(size));
         auto set = found_before ? *before_ : empty_set(params, space);
         auto report = entry_;
         if (!found_before) {
-            report = report_of(set, &params.amount);
-            if (!nothing) report = solve(params, space, set, context);
+            // A curve may be other than 0 only where there is no plane or frame.
+            const bool moves = !nothing && amounts_in(set, amount) != std::pair(0.0, 0.0);
+            report = moves ? solve(params, amount, space, set, context) : report_of(set, params, nothing ? nullptr : &amount);
         }
         if (const auto fault = space.extension_fault(set); !fault.empty()) context.warn(fault);
         context.report(report_section, report);
@@ -140,8 +168,9 @@ struct WarpSolve {
 
     /// A linear warp answers every amount up to where it is too tight.
     static std::string rest(const Params& params) {
-        if (params.amount.varies()) return ParamTraits<WarpAmount>::text(params.amount);
-        return params.pair_window ? params.amount.whole.value < 0 ? "squeezes" : "draws out" : "";
+        if (!params.amount) return "of a file";
+        if (params.amount->varies()) return ParamTraits<WarpAmount>::text(*params.amount);
+        return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
     static Extent extent(const Payload& result) {
         const auto set = result.as<Seams>();
@@ -153,15 +182,16 @@ struct WarpSolve {
         return {Reach::of(sign * most_linear(*set->warp, sign), paired), of};
     }
     static std::size_t wanted(const Params& params, std::size_t vertices) {
-        if (params.amount.nothing()) return Reach::nothing;
-        return params.amount.varies() ? Reach::one_amount
-                                      : Reach::of(in_steps(params.amount.whole.of(static_cast<int>(vertices))), params.pair_window.has_value());
+        if (states_nothing(params)) return Reach::nothing;
+        return !params.amount || params.amount->varies()
+                   ? Reach::one_amount
+                   : Reach::of(in_steps(params.amount->whole.of(static_cast<int>(vertices))), params.pair_window.has_value());
     }
     static Payload first(const Payload& result, std::size_t count, Json& entry) {
         const auto set = std::make_shared<Seams>(*result.as<Seams>());
         if (count == Reach::nothing) {
             set->warp.reset();
-            entry = report_of(*set, nullptr);
+            entry = report_of(*set, {}, nullptr);
         } else if (set->warp && set->warp->linear()) {
             auto& warp = *set->warp;
             warp.set_scale(Reach::amount(count, set->pair_window.has_value(), warp.scale()));
@@ -198,7 +228,7 @@ private:
     }
 
     /// What a warp of a set is to do.
-    static WarpTask task_of(const Params& params, const Seams& set, const Warp& warp) {
+    static WarpTask task_of(const Params& params, const WarpAmount& amount, const Seams& set, const Warp& warp) {
         WarpTask out;
         const int size = set.carved(), planes = warp.points()[2];
         out.window = window_of(params.window, size);
@@ -206,11 +236,10 @@ private:
         out.stiffness = {static_cast<double>(params.stiffness), static_cast<double>(params.stiffness_time)};
         std::vector<double> amounts;
         for (std::size_t t = 0; t < warp.frames(); ++t)
-            for (int p = 0; p < planes; ++p)
-                amounts.push_back(params.amount.at(place_along(warp.vertex_of(2, p), set.shape[2], set.closed), set.frames[t], size));
-        const auto greatest = *std::ranges::max_element(amounts, {}, [](double amount) { return std::abs(amount); });
-        out.amount = params.amount.varies() ? greatest : in_steps(greatest);
-        for (const double amount : amounts) out.shares.push_back(params.amount.varies() ? static_cast<float>(amount / greatest) : 1.0f);
+            for (int p = 0; p < planes; ++p) amounts.push_back(amount.at(place_along(warp.vertex_of(2, p), set.shape[2], set.closed), set.frames[t], size));
+        const auto greatest = *std::ranges::max_element(amounts, {}, [](double each) { return std::abs(each); });
+        out.amount = amount.varies() ? greatest : in_steps(greatest);
+        for (const double each : amounts) out.shares.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
         return out;
     }
 
@@ -234,7 +263,7 @@ private:
     }
 
     /// Finds the warp of a set. @return its report
-    Json solve(const Params& params, const CarvedSpace& space, Seams& set, Context& context) {
+    Json solve(const Params& params, const WarpAmount& amount, const CarvedSpace& space, Seams& set, Context& context) {
         const auto begin = std::chrono::steady_clock::now();
         auto taken = gathered_.take_unpriced(gathering_params(params), space, context);
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
@@ -243,18 +272,18 @@ private:
         auto& warp = set.warp.emplace(vertices, set.closed, factor, frames, context.memory_budget(), context.work_folder());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(), context.work_folder());
         find_weights(taken.energy, taken.typical, {params.field_weight, params.evenness, params.empty}, warp, weights);
-        const auto task = task_of(params, set, warp);
+        const auto task = task_of(params, amount, set, warp);
         if (const auto none = no_room(task, warp, weights)) throw Failure(why(*none, params, set, space));
         const int cycles = find_warp(task, warp, weights, [&](double done) {
             context.check_cancelled();
             context.progress(done);
         });
         // A curve holds for itself alone.
-        if (params.amount.varies()) warp.set_linear(false);
+        if (amount.varies()) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();
-        auto report = report_of(set, &params.amount);
-        if (!params.amount.varies()) report["amount"] = task.amount;
+        auto report = report_of(set, params, &amount);
+        if (!amount.varies()) report["amount"] = task.amount;
         report["linear"] = warp.linear();
         report["cycles"] = cycles;
         if (const auto& marks = gathered_.marks(); marks.protect || marks.attract) {
@@ -294,12 +323,17 @@ NodeType warp_solve() {
                "Sets of seams, or warps, of this lattice that are carved before, in order. The warp is found in the space that they leave; windows and amounts "
                "count its vertices.")
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
-        .required(
-            "amount", &Params::amount, Unit::vertices, any_number(),
-            "By how much the lattice grows along the axis: negative shrinks. A number of vertices, such as -7.25, or N%, a share of the vertices along the "
-            "axis. Or a curve, {along: w, at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at places along the lattice, from 0, the first plane, to 1, the last "
-            "one; with `along: time`, at frame numbers. Between its points a curve is linear, beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
-            "multiplies it by factors along the other dimension. Where a curve is 0, nothing moves.")
+        .param("amount", &Params::amount, Unit::vertices, any_number(),
+               "By how much the lattice grows along the axis: negative shrinks. A number of vertices, such as -7.25, or N%, a share of the vertices along the "
+               "axis. Or a curve, {along: w, at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at places along the lattice, from 0, the first plane, to 1, the last "
+               "one; with `along: time`, at frame numbers. Between its points a curve is linear, beyond them constant. `over: [[1001, 0], [1024, 1]]` in it "
+               "multiplies it by factors along the other dimension. Where a curve is 0, nothing moves. auto takes the amount from `amount_file`; one of the "
+               "two is stated.")
+        .param(
+            "amount_file", &Params::amount_file,
+            "A .csv file with such a curve, in place of `amount`. Its first line names the columns: `amount` and `w` or `time`; each further line is a point. "
+            "With both `w` and `time`, each frame named has a curve of its own along the lattice, and frames between them what lies between; the lines of "
+            "a frame stand together.")
         .param("window", &Params::window, Unit::vertices, at_least(0),
                "First and last vertex along the axis between which space is squeezed or drawn out; auto is all vertices.")
         .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),

@@ -3,7 +3,7 @@
 //   build/bench [--large] [--only PART]... [VORTEX_FOLDER]
 //
 // --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --only: pipeline, memory, cache, energy,
-// remap, vortex, cut, lqr, greedy or page; the folder: another sequence like tests/data/vortex
+// remap, vortex, cut, lqr, greedy, warp or page; the folder: another sequence like tests/data/vortex
 
 #include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"
@@ -25,6 +25,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/page.h"
 #include "tests/bench/vortex.h"
+#include "tests/bench/warp.h"
 #include "tests/support/program.h"
 #include "tests/support/seams_through.h"
 
@@ -256,6 +257,7 @@ int main(int argc, char** argv) {
              bench_greedy({161, 52, 165}, 20);
              if (large) bench_greedy({322, 105, 331}, 84);
          }},
+        {"warp", [&] { bench_warp(large); }},
         {"page", bench_page},
     };
     fmt::print("{:<64} {:>8}\n", "", "ratio");

@@ -1,6 +1,7 @@
 #include "nodes/warp/solve.h"
 
 #include "nodes/warp/find_warp.h"
+#include "tests/support/scratch.h"
 #include "tests/support/solver_bench.h"
 
 #include <fmt/format.h>
@@ -147,6 +148,61 @@ TEST_CASE("an amount may follow a curve along the lattice, over time, or both") 
             for (int u = 0; u <= last; ++u)
                 if (w <= 0.4) CHECK(at(*along.seams, u, 2, k, t) == 0);
         }
+}
+
+TEST_CASE("a curve that is 0 in all frames of the run moves nothing") { CHECK_FALSE(warp("{amount: {along: time, at: [[100, 0], [101, -5]]}}").seams->warp); }
+
+TEST_CASE("amounts from a file warp as the same curve in the pipeline does") {
+    const Scratch scratch;
+    const auto of_file = [&](const std::string& name, const std::string& text) { return warp("{amount_file: " + scratch.write(name, text) + "}"); };
+    const auto stated = warp("{amount: {along: w, at: [[0, 0], [0.4, 0], [1, -25%]]}}");
+    const auto read = of_file("ramp.csv", "# a ramp\nw; note; amount\n0; ground; 0\n\n0.4; flame; 0\r\n1; top; -25%  # a quarter\n");
+    CHECK(same_values(*read.seams->warp, *stated.seams->warp));
+    CHECK(read.listener.entry["amounts"] == nlohmann::ordered_json({-6, 0}));
+    CHECK(same_values(*of_file("growth.csv", "time,amount\n5,0\n7,4\n").seams->warp, *warp("{amount: {along: time, at: [[5, 0], [7, 4]]}}").seams->warp));
+    CHECK_FALSE(of_file("still.csv", "w,amount\n0,0\n1,0\n").seams->warp);
+    // Not kept as the answer to another amount.
+    CHECK(growth().extent(Payload(read.seams)).count == wanted("{amount_file: ramp.csv}"));
+    CHECK(growth().rest(NodeBench(warp_solve(), "{amount_file: ramp.csv}").params()) != growth().rest(NodeBench(warp_solve(), "{amount: -3}").params()));
+}
+
+TEST_CASE("a file may state another curve along the lattice for each frame") {
+    const Scratch scratch;
+    const auto solved = warp("{amount_file: " + scratch.write("both.csv", "time, w, amount\n5, 0, -1\n5, 1, -3\n7, 0.5, 2\n") + "}");
+    for (int k = 0; k < shape[2]; ++k) {
+        const double first = -1 - 2 * (k / 5.0);
+        CHECK(at(*solved.seams, shape[0] - 1, 2, k, 0) == Approx(first).margin(1e-5));
+        CHECK(at(*solved.seams, shape[0] - 1, 2, k, 1) == Approx((first + 2) / 2).margin(1e-5));
+        CHECK(at(*solved.seams, shape[0] - 1, 2, k, 2) == Approx(2).margin(1e-5));
+    }
+}
+
+TEST_CASE("a file that holds no amounts is refused with its line, its fault and what it needs") {
+    using Catch::Contains;
+    const Scratch scratch;
+    const auto fault = [&](const std::string& text, const std::string& more = "", const std::string& name = "a.csv") -> std::string {
+        try {
+            warp("{amount_file: " + scratch.write(name, text) + more + "}");
+        } catch (const Failure& failure) {
+            return failure.what();
+        }
+        return "";
+    };
+    CHECK_THAT(fault(""), Contains("a.csv: there is nothing in it: the first line names the columns"));
+    CHECK_THAT(fault("w,amount\n"), Contains("a.csv: there are no points in it"));
+    CHECK_THAT(fault("0,0\n1,-3\n"), Contains("a.csv:1: there is no column 'amount'"));
+    CHECK_THAT(fault("x,amount\n0,0\n"), Contains("a.csv:1: there is no column 'w' or 'time'"));
+    CHECK_THAT(fault("w,amount\n0,0\n1\n"), Contains("a.csv:3: a line needs 2 columns, as the first one has, but this one has 1"));
+    CHECK_THAT(fault("w,amount\n0,nan\n"), Contains("a.csv:2: 'nan' is no number"));
+    CHECK_THAT(fault("w,amount\n0,0\n0,-3\n"), Contains("a.csv:3: this point, at 0, stands behind one at 0: points must rise"));
+    CHECK_THAT(fault("w,amount\n0,0\n1.5,-3\n"), Contains("a.csv:3: 1.5 is no place along w"));
+    CHECK_THAT(fault("time,w,amount\n6,0,0\n5,0,-3\n"), Contains("a.csv:3: frame 5 stands behind 6: frames must rise"));
+    CHECK_THAT(fault("w,amount\n0,-22\n"), Contains("at plane 0 in frame 5") && Contains("at most 20.7 are possible"));
+    CHECK_THAT(fault("time,amount\n5,0\n7,-3\n", ", static: true"), Contains("a.csv: its amounts change over time, but a static warp is the same"));
+    CHECK_THAT(fault("w,amount\n0,0\n", "", "a.txt"), Contains("a.txt: amounts are read from .csv, not from '.txt'"));
+    CHECK_THAT(faults("{}"), Contains("needs an 'amount'") && Contains("'amount_file'"));
+    CHECK_THAT(faults("{amount: -3, amount_file: a.csv}"), Contains("leave one of the two out"));
+    CHECK_THAT(faults("{amount_file: a.####.csv}"), Contains("can't have a frame token"));
 }
 
 TEST_CASE("the anchor of a warp stays in place in each column") {
