@@ -1,5 +1,5 @@
 #include "nodes/page/page_grid.h"
-#include "nodes/page/page_node.h"
+#include "nodes/page/page_html.h"
 #include "nodes/page/page_scene.h"
 #include "nodes/remap/grid.h"
 #include "tests/support/bent_lattices.h"
@@ -65,7 +65,8 @@ void check(const Case& what) {
     frame.lattice = std::make_shared<Lattice>(what.lattice);
     frame.seams = sets;
     const auto scene = page_scene(wish, {frame});
-    const auto seen = ask_browser(scratch, page_html(scene), "const counts = " + nlohmann::json(what.counts).dump() + R"js(, out = [];
+    const auto seen = ask_browser(scratch, page_html(wish.title, {scene}), "const counts = " + nlohmann::json(what.counts).dump() + R"js(, out = [];
+        const [{scene, picture}] = views;
         await showFrame();
         byId('wipe').value = 0;
         for (const count of counts)
@@ -73,8 +74,9 @@ void check(const Case& what) {
                 document.querySelector(`input[name=kind][value=${axis}]`).checked = true;
                 showKind();
                 byId('count').value = count;
+                takeCount();
                 draw();
-                const [r, t] = sliceAxes[axis], {width, height} = canvases.picture, slice = [], at = [0, 0, 0];
+                const [r, t] = sliceAxes[axis], {width, height} = picture.canvas, slice = [], at = [0, 0, 0];
                 const pixels = picture.context.getImageData(0, 0, width, height).data;
                 at[axisNumber[axis]] = number('at');
                 for (at[t] = 0; at[t] < scene.size[t]; ++at[t])
