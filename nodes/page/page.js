@@ -18,7 +18,8 @@ const frames = scenes.reduce((most, scene) => scene.frames.length > most.length 
 function draw() {
     drawing = 0;
     const begin = performance.now(), shown = kind(), style = getComputedStyle(document.documentElement);
-    const colours = Object.fromEntries(['ground', 'smoke', 'line', 'rig', 'bad', 'accent', 'page'].map(name => [name, style.getPropertyValue('--' + name).trim()]));
+    const names = ['ground', 'smoke', 'line', 'rig', 'bad', 'accent', 'page'];
+    const colours = Object.fromEntries(names.map(name => [name, style.getPropertyValue('--' + name).trim()]));
     byId('volume').hidden = shown !== 'volume';
     if (shown === 'volume') volume.clear();
     for (const view of views)

@@ -84,7 +84,8 @@ std::string page_html(const std::string& title, std::vector<Json> scenes) {
     std::string out(files.at("page.html"));
     fill(out, "title", xml_text(title));
     fill(out, "style", files.at("page.css"));
-    for (const auto* const script : {"carve", "scene", "volume", "picture", "view", "page"}) fill(out, script, files.at(std::string(script) + ".js"));
+    for (const auto* const script : {"lattice", "carve", "scene", "volume", "picture", "view", "page"})
+        fill(out, script, files.at(std::string(script) + ".js"));
     fill(out, "data", data);
     return out;
 }

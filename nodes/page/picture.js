@@ -44,7 +44,7 @@ function tinter(scene, frame, shown, count) {
         const u = places ? places[3 * n] : NaN;
         if (outside && u !== u) return paint(out, to, tints.outside, Math.min(200, 3 * Math.abs(frame.volume[n] - scene.background)));
         if (u === u && set) {
-            const v = places[3 * n + 1], entry = Math.round(axis === 0 ? u : v), lateral = Math.round(axis === 0 ? v : u);
+            const v = places[3 * n + 1], entry = Math.round(axis === 0 ? u : v), lateral = Math.round(axis === 0 ? v : u) % (set.around ? laterals : Infinity);
             if (entry >= 0 && entry < before && lateral >= 0 && lateral < laterals) {
                 const seam = seams ? Math.abs(order[((Math.round(places[3 * n + 2]) % slices) * laterals + lateral) * before + entry]) : 0;
                 if (seam > 0 && seam <= count) return paint(out, to, tints.seams, 200);
@@ -131,11 +131,14 @@ class Picture {
         context.lineWidth = width * (window.devicePixelRatio || 1);
         context.stroke();
     }
-    /** The outlines of about 16 planes, and the four lines through their corners. @param project  place in voxels to pixel */
+    /** The outlines of about 16 planes, and four lines along them: through their corners, or around a rig on four sides.
+     * @param project  place in voxels to pixel */
     drawLattice(lattice, project, colour) {
         const [lastU, lastV] = [lattice.shape[0] - 1, lattice.shape[1] - 1], planes = lattice.shape[2], step = Math.max(1, Math.ceil(planes / 16));
-        const corners = [[0, 0], [lastU, 0], [lastU, lastV], [0, lastV]];
-        const outline = k => this.line([...corners, corners[0]].map(([u, v]) => project(lattice.position(u, v, k))), colour, 1);
+        const quarter = lattice.shape[1] / 4, round = Array.from({length: lattice.shape[1]}, (_, v) => [lastU, v]);
+        const corners = lattice.around ? [0, 1, 2, 3].map(n => [lastU, n * quarter]) : [[0, 0], [lastU, 0], [lastU, lastV], [0, lastV]];
+        const rim = lattice.around ? round : corners;
+        const outline = k => this.line([...rim, rim[0]].map(([u, v]) => project(lattice.position(u, v, k))), colour, 1);
         for (let k = 0; k < planes; k += step) outline(k);
         if (!lattice.closed && (planes - 1) % step !== 0) outline(planes - 1);
         const ends = Array.from({length: planes + (lattice.closed ? 1 : 0)}, (_, k) => k);
@@ -144,7 +147,7 @@ class Picture {
     /** Folded cells, and a label at the first of them. */
     drawFolds(lattice, cells, project, colours) {
         for (const {k, i, j} of cells.slice(0, 4000)) {
-            const far = [Math.min(i + 1, lattice.shape[0] - 1), Math.min(j + 1, lattice.shape[1] - 1)];
+            const far = [Math.min(i + 1, lattice.shape[0] - 1), lattice.around ? j + 1 : Math.min(j + 1, lattice.shape[1] - 1)];
             for (const w of [k, k + 1])
                 this.line([[i, j], [far[0], j], far, [i, far[1]], [i, j]].map(([u, v]) => project(lattice.position(u, v, w))), colours.bad, 1);
         }

@@ -81,7 +81,7 @@ class Scene {
         return out;
     }
     readLattice(data) {
-        const {first, last} = reachOf(data, this.sets), purpose = JSON.stringify([data.shape, data.closed, data.box, this.size, first, last]);
+        const {first, last} = reachOf(data, this.sets), purpose = JSON.stringify([data.shape, data.closed, data.around, data.box, this.size, first, last]);
         return this.packed.get(data.planes, purpose, bytes => {
             const lattice = new Lattice(data, new Float64Array(bytes.buffer));
             return {lattice, places: lattice.locate(this.size, first, last), folds: foldedCells(lattice)};
@@ -110,25 +110,4 @@ class Scene {
         });
         return out;
     }
-}
-
-/** The cells of a lattice that fold (METHOD 2), each as its lower plane and its vertex (i, j). */
-function foldedCells(lattice) {
-    const out = [], [nu, nv] = lattice.shape;
-    for (let k = 0; k < lattice.slabs; ++k) {
-        const a = lattice.plane(k), b = lattice.plane(k + 1);
-        const [up, down] = [a, b].map(plane => cross(plane.u, plane.v).map(x => lattice.hand * x));
-        const bad = new Uint8Array(nu * nv);
-        for (let j = 0, n = 0; j < nv; ++j)
-            for (let i = 0; i < nu; ++i, ++n) {
-                const low = along(along(a.origin, a.u, i), a.v, j), high = along(along(b.origin, b.u, i), b.v, j);
-                bad[n] = dot(up, minus(high, a.origin)) > 0 && dot(down, minus(b.origin, low)) > 0 ? 0 : 1;
-            }
-        for (let j = 0; j < Math.max(1, nv - 1); ++j)
-            for (let i = 0; i < Math.max(1, nu - 1); ++i) {
-                const n = i + nu * j, right = i + 1 < nu ? 1 : 0, above = j + 1 < nv ? nu : 0;
-                if (bad[n] + bad[n + right] + bad[n + above] + bad[n + right + above] > 0) out.push({k, i, j});
-            }
-    }
-    return out;
 }

@@ -40,7 +40,7 @@ class View {
         this.scene = scene;
         this.number = number;
         this.whole = whole;
-        this.count = scene.most > 0 ? scene.count : 0;
+        this.count = Math.min(scene.count, scene.most);
         this.part = byId('part').content.firstElementChild.cloneNode(true);
         this.area = this.part.querySelector('.view');
         this.choice = this.part.querySelector('input');
@@ -123,7 +123,8 @@ class View {
             picture.drawFolds(frame.lattice, frame.folds, project, colours);
         }
         if (frame.rig && over.has('rig')) picture.drawRig(frame.rig, project, colours.rig);
-        if (frame.outside.of && over.has('outside')) picture.label(`${this.outsidePercent()} outside the lattice`, project(scene.placeOf(frame.outside.of.at)), colours);
+        if (frame.outside.of && over.has('outside'))
+            picture.label(`${this.outsidePercent()} outside the lattice`, project(scene.placeOf(frame.outside.of.at)), colours);
         if (over.has('window') && this.atEdge() > 0) picture.label(this.edgeText(), project(this.edge()), colours);
         picture.drawWipe(cut, colours.accent);
     }
