@@ -38,6 +38,17 @@ TEST_CASE("view shows where seams are to be found, and the carve once there are 
     CHECK_FALSE(fs::exists(scratch / "plume.0051.vdb"));
 }
 
+TEST_CASE("the pages of shipped pipelines stay below 2 MB") {
+    const Scratch scratch;
+    for (const std::string name : {"plume", "vortex", "river", "image"}) {
+        INFO(name);
+        const auto page = scratch / (name + ".html");
+        REQUIRE(fluidcarve_program("view pipelines/" + name + ".yaml --solve -q -o " + page).code == 0);
+        CHECK(fs::file_size(page) < 2 << 20);
+        CHECK_THAT(Scratch::read(page), !Catch::Contains("\"sets\":[]"));
+    }
+}
+
 TEST_CASE("view says what a pipeline lacks to be shown") {
     const Scratch scratch;
     const auto pipeline = scratch.write("p.yaml",

@@ -185,8 +185,8 @@ TEST_CASE("the page carves lattices around a rig as remap.grids does") {
     if (!browser_is_there()) return;
     const auto tube = around(through({{0.5, 0.8, 0.3}, {1.1, 1.0, 0.9}, {2.0, 0.85, 1.5}}), 0.75, 0.1);
     std::vector<Vec3d> circle;
-    for (int n = 0; n < 200; ++n) circle.push_back({1.25 + 0.75 * std::cos(M_PI * n / 100), 0.9 + 0.55 * std::sin(M_PI * n / 100), 0.95});
-    const auto loop = around(through(circle, true), 0.4, 0.1);
+    for (int n = 0; n < 200; ++n) circle.push_back({1.25 + 0.75 * std::cos(M_PI * n / 100), 0.9 + 0.6 * std::sin(M_PI * n / 100), 0.95});
+    const auto loop = around(through(circle, true), 0.45, 0.1);
     for (const auto& lattice : {tube, loop})
         for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
             for (const double soft : {0.0, 2.0})
