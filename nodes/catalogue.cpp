@@ -45,6 +45,7 @@
 #include "nodes/mesh/payload_type.h"
 #include "nodes/mesh/read.h"
 #include "nodes/mesh/write.h"
+#include "nodes/page/joined_page.h"
 #include "nodes/page/page_node.h"
 #include "nodes/points/keep_out.h"
 #include "nodes/points/payload_type.h"
@@ -94,6 +95,7 @@ Registry builtin_registry() {
     out.add(ProvenanceReader{&read_provenance});
     out.add(PipelineDrafter{&draft_pipeline, &draft_preview});
     out.add(ContactSheetWriter{&write_contact_sheet});
+    out.add(PageJoiner{&write_joined_page});
     out.add(image_inspector());
     out.add(geometry_inspector());
     out.add(volume_comparer());

@@ -4,6 +4,7 @@
 #include "graph/types/draft.h"
 #include "graph/types/file_comparer.h"
 #include "graph/types/node_type.h"
+#include "graph/types/page_joiner.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -46,6 +47,7 @@ public:
     void add(ProvenanceReader reader) { provenance_reader_ = std::move(reader); }
     void add(PipelineDrafter drafter) { drafter_ = std::move(drafter); }
     void add(ContactSheetWriter writer) { contact_sheet_ = std::move(writer); }
+    void add(PageJoiner joiner) { page_joiner_ = std::move(joiner); }
     void add(FileComparer comparer) { comparers_.push_back(std::move(comparer)); }
 
     const NodeType* node(std::string_view name) const;
@@ -60,6 +62,7 @@ public:
     const ProvenanceReader& provenance_reader() const { return provenance_reader_; }
     const PipelineDrafter& drafter() const { return drafter_; }
     const ContactSheetWriter& contact_sheet() const { return contact_sheet_; }
+    const PageJoiner& page_joiner() const { return page_joiner_; }
     const std::vector<FileComparer>& comparers() const { return comparers_; }
 
     /// Whether an input of type `to` takes a payload of type `from`, with or without a conversion.
@@ -80,6 +83,7 @@ private:
     ProvenanceReader provenance_reader_;
     PipelineDrafter drafter_;
     ContactSheetWriter contact_sheet_;
+    PageJoiner page_joiner_;
     std::vector<FileComparer> comparers_;
 };
 

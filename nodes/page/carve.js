@@ -1,142 +1,6 @@
 'use strict';
-// The carve of remap.grids, in the page: the lattice's map (METHOD 3), seams as displacements (METHOD 4), and their smoothing (METHOD 10).
-// Positions are voxels of the page. Volumes are `[z][y][x]`, x fastest. Lattice coordinates are vertices of the lattice as it was given, so
-// what an anchored insertion adds lies below 0. Displacements are vertices; an inserted entry has a half.
-
-const snapWidth = 1e-5, rimSlack = 1e-4;  // as nodes/lattice/snap.h
-const rounded = x => x + 6755399441055744 - 6755399441055744;  // 1.5 * 2^52 leaves no bits for a fraction: quicker than Math.round
-const snapped = x => { const whole = rounded(x); return Math.abs(x - whole) <= snapWidth ? whole : x; };
-const clamp = (x, low, high) => x < low ? low : x > high ? high : x;
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-const along = (a, by, c) => [a[0] + c * by[0], a[1] + c * by[1], a[2] + c * by[2]];
-
-/** A lattice in the page's voxels. */
-class Lattice {
-    /** @param planes  per plane 12 numbers: position of vertex (0, 0), then the steps to the next vertex along u, v and w */
-    constructor({shape, closed, box}, planes) {
-        Object.assign(this, {shape, closed, box});
-        this.planes = [];
-        for (let n = 0; n < planes.length; n += 12) {
-            const part = at => Array.from(planes.subarray(n + at, n + at + 3));
-            this.planes.push({origin: part(0), u: part(3), v: part(6), w: part(9)});
-        }
-        this.hand = dot(cross(this.planes[0].u, this.planes[0].v), this.planes[0].w) < 0 ? -1 : 1;
-        // `[plane][u, v][x, y, z]`; in a closed lattice the first plane follows the last.
-        this.steps = Float64Array.from([...this.planes, this.planes[0]].flatMap(plane => [...plane.u, ...plane.v]));
-        this.slabs = box ? 0 : this.planes.length - (closed ? 0 : 1);
-    }
-    plane(k) { return this.planes[k % this.planes.length]; }
-    /** World-to-page position of a vertex or of a point between two planes; straight on beyond the ends. */
-    position(u, v, w) {
-        if (this.box || this.slabs < 1) return along(along(along(this.planes[0].origin, this.planes[0].u, u), this.planes[0].v, v), this.planes[0].w, w);
-        const below = Math.floor(w), k = this.closed ? ((below % this.slabs) + this.slabs) % this.slabs : clamp(below, 0, this.slabs - 1);
-        const a = this.plane(k), b = this.plane(k + 1), c = this.closed ? w - below : w - k;
-        const mix = name => along(a[name], minus(b[name], a[name]), c);
-        return along(along(mix('origin'), mix('u'), u), mix('v'), v);
-    }
-    /** The lattice coordinates of all voxels, three each; NaN outside.
-     * @param first, last  the lowest and highest coordinates along u and v that count as inside */
-    locate(size, first, last) {
-        const out = new Float32Array(3 * size[0] * size[1] * size[2]).fill(NaN);
-        if (this.box) this.locateInBox(size, first, last, out);
-        else this.locateInSlabs(size, first, last, out);
-        return out;
-    }
-    locateInBox(size, first, last, out) {
-        const {origin, u, v, w} = this.planes[0];
-        const volume = dot(u, cross(v, w)), gradients = [cross(v, w), cross(w, u), cross(u, v)].map(g => g.map(x => x / volume));
-        const low = [first[0], first[1], 0], high = [last[0], last[1], this.shape[2] - 1];
-        for (let z = 0, to = 0; z < size[2]; ++z)
-            for (let y = 0; y < size[1]; ++y)
-                for (let x = 0; x < size[0]; ++x, to += 3) {
-                    const from = [x - origin[0], y - origin[1], z - origin[2]];
-                    let inside = true;
-                    for (let n = 0; n < 3; ++n) {
-                        const at = dot(from, gradients[n]);
-                        inside = inside && at >= low[n] - rimSlack && at <= high[n] + rimSlack;
-                        out[to + n] = clamp(snapped(at), low[n], high[n]);
-                    }
-                    if (!inside) out[to] = NaN;
-                }
-    }
-    locateInSlabs(size, first, last, out) {
-        const own = new Uint8Array(size[0] * size[1] * size[2]);  // 1: in cells beyond the lattice's own, 2: in its own
-        for (let k = 0; k < this.slabs; ++k) {
-            const low = this.plane(k), high = this.plane(k + 1), o = low.origin, u = low.u, v = low.v;
-            const chord = minus(high.origin, o), du = minus(high.u, u), dv = minus(high.v, v);
-            const scaled = a => a.map(x => this.hand * x);
-            // The normal U(c) x V(c), by powers of c.
-            const normals = [scaled(cross(u, v)), scaled(cross(u, dv).map((x, n) => x + cross(du, v)[n])), scaled(cross(du, dv))];
-            const from = !this.closed && k === 0 ? -rimSlack : 0, to = !this.closed && k + 1 === this.slabs ? 1 + rimSlack : 1;
-            const normal = c => along(along(normals[0], normals[1], c), normals[2], c * c);
-            const lowSide = [normal(from), along(o, chord, from)], highSide = [normal(to), along(o, chord, to)];
-            const box = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-            for (const c of [from, to])
-                for (const a of [first[0] - rimSlack, last[0] + rimSlack])
-                    for (const b of [first[1] - rimSlack, last[1] + rimSlack]) {
-                        const corner = along(along(along(o, chord, c), along(u, du, c), a), along(v, dv, c), b);
-                        for (let n = 0; n < 3; ++n) {
-                            box[0][n] = Math.min(box[0][n], corner[n]);
-                            box[1][n] = Math.max(box[1][n], corner[n]);
-                        }
-                    }
-            const begin = box[0].map(x => Math.max(0, Math.ceil(x - 1e-6))), end = box[1].map((x, n) => Math.min(size[n] - 1, Math.floor(x + 1e-6)));
-            // Products with the place of a voxel rise evenly along x: with the normal's powers, the sides, and U and V by powers of c.
-            const vectors = [...normals, lowSide[0], highSide[0], u, du, v, dv], ofChord = vectors.map(each => dot(each, chord));
-            const ofSide = [dot(lowSide[0], minus(lowSide[1], o)), dot(highSide[0], minus(highSide[1], o))];
-            const uu = [dot(u, u), 2 * dot(u, du), dot(du, du)], uv = [dot(u, v), dot(u, dv) + dot(v, du), dot(du, dv)];
-            const vv = [dot(v, v), 2 * dot(v, dv), dot(dv, dv)], q = [0, 0, 0, 0], by = vectors.map(each => each[0]);
-            const power = (of, c) => of[0] + c * (of[1] + c * of[2]);
-            for (let z = begin[2]; z <= end[2]; ++z)
-                for (let y = begin[1]; y <= end[1]; ++y) {
-                    const from0 = vectors.map(each => dot(each, minus([0, y, z], o)));
-                    for (let x = begin[0], voxel = x + size[0] * (y + size[1] * z); x <= end[0]; ++x, ++voxel) {
-                        if (from0[3] + x * by[3] < ofSide[0] || from0[4] + x * by[4] >= ofSide[1] || own[voxel] === 2) continue;
-                        q[0] = from0[0] + x * by[0];
-                        q[1] = from0[1] + x * by[1] - ofChord[0];
-                        q[2] = from0[2] + x * by[2] - ofChord[1];
-                        q[3] = -ofChord[2];
-                        const c = cubicRoot(q, from, to);
-                        const ru = from0[5] + x * by[5] + c * (from0[6] + x * by[6] - ofChord[5] - c * ofChord[6]);
-                        const rv = from0[7] + x * by[7] + c * (from0[8] + x * by[8] - ofChord[7] - c * ofChord[8]);
-                        const pp = power(uu, c), pq = power(uv, c), qq = power(vv, c), scale = 1 / (pp * qq - pq * pq);
-                        const a = (ru * qq - rv * pq) * scale, b = (rv * pp - ru * pq) * scale;
-                        if (!(a >= first[0] - rimSlack && a <= last[0] + rimSlack && b >= first[1] - rimSlack && b <= last[1] + rimSlack)) continue;
-                        const alongU = clamp(snapped(a), first[0], last[0]), alongV = clamp(snapped(b), first[1], last[1]);
-                        const inner = alongU >= 0 && alongV >= 0 && alongU <= this.shape[0] - 1 && alongV <= this.shape[1] - 1;
-                        if (!inner && own[voxel] === 1) continue;
-                        own[voxel] = inner ? 2 : 1;
-                        const w = Math.max(0, snapped(k + c));
-                        out[3 * voxel] = alongU;
-                        out[3 * voxel + 1] = alongV;
-                        out[3 * voxel + 2] = w < this.slabs ? w : this.closed ? 0 : this.slabs;
-                    }
-                }
-        }
-    }
-}
-
-/** As cubic_root of nodes/lattice/cubic_root.h. */
-function cubicRoot(q, from, to) {
-    let low = from - 1e-9, high = to + 1e-9, c = q[0] / -(q[1] + q[2] + q[3]);
-    if (!(c >= low && c <= high)) c = (low + high) / 2;
-    for (let n = 0; n < 100; ++n) {
-        const value = ((q[3] * c + q[2]) * c + q[1]) * c + q[0], slope = (3 * q[3] * c + 2 * q[2]) * c + q[1];
-        if (value >= 0) low = c;
-        else high = c;
-        const step = value / slope, next = c - step;
-        if (!(next >= low && next <= high)) {
-            c = (low + high) / 2;
-            if (high - low <= 1e-13) break;
-            continue;
-        }
-        c = next;
-        if (Math.abs((3 * q[3] * c + q[2]) * step * step) <= 1e-13 * Math.abs(slope)) break;
-    }
-    return c;
-}
+// The carve of remap.grids, in the page: seams as displacements (METHOD 4), and their smoothing (METHOD 10). Volumes are `[z][y][x]`, x
+// fastest. Displacements are vertices; an inserted entry has a half.
 
 /** Which seam takes or doubles each entry in one frame: `[k][lateral][entry]`, the number of the seam from 1 on; negative: of the pair's
  * window; 0: none.
@@ -158,12 +22,14 @@ class CarveStep {
         this.axis = set.axis;
         this.inserts = set.kind === 'insert';
         this.closed = set.closed;
+        this.around = set.around;
         this.count = count;
         this.fade = fade;
         this.soft = soft > 0 || soft_time > 0;
         this.paired = set.paired;
         this.before = set.shape[set.axis];
         this.laterals = set.shape[1 - set.axis];
+        this.lastLateral = this.laterals - (set.around ? 0 : 1);  // around a rig column `laterals` is column 0 again
         this.slices = set.shape[2];
         this.firstLateral = origin[1 - set.axis];
         this.origin = origin[set.axis];
@@ -211,7 +77,7 @@ class CarveStep {
     spans(set) {
         const {start, growth} = this, whole = this.origin - start;
         if (!this.paired) {
-            const [first, last] = set.window ?? [0, this.before - 1];
+            const [first, last] = set.window ?? [this.around ? 1 : 0, this.before - 1];
             return [{first: start + first, last: start + last + growth, before: whole, behind: whole - growth}];
         }
         let [a, b] = this.seen;
@@ -247,7 +113,7 @@ class CarveStep {
             }
         }
         if (reach === 0) return now;
-        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, false);
+        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, this.around);
         return smoothAcross(across, weights, entries, this.slices, this.laterals, entries * this.laterals, entries, this.closed);
     }
 
@@ -255,7 +121,7 @@ class CarveStep {
     scale(lateral, w) {
         if (this.fade === 0) return 1;
         const fromRim = (x, size) => size === 1 ? this.fade : Math.min(x, size - 1 - x);
-        return Math.min(1, Math.min(fromRim(lateral, this.laterals), this.closed ? this.fade : fromRim(w, this.slices)) / this.fade);
+        return Math.min(1, Math.min(this.around ? this.fade : fromRim(lateral, this.laterals), this.closed ? this.fade : fromRim(w, this.slices)) / this.fade);
     }
 }
 
@@ -337,17 +203,6 @@ function carveSteps(sets, count, softness, orders) {
     return steps;
 }
 
-/** The lowest and highest coordinates along u and v that any count of the last set reaches. */
-function reachOf(lattice, sets) {
-    const first = [0, 0], last = [lattice.shape[0] - 1, lattice.shape[1] - 1];
-    for (const set of sets) {
-        const grown = set.kind === 'insert' && !set.paired ? set.energies.length : 0;
-        first[set.axis] -= Math.max(0, ...set.shifts.map(shift => -shift));
-        last[set.axis] += grown;
-    }
-    return {first, last};
-}
-
 /** Carves a volume of 8 bits. Reads between voxels linearly; beyond the volume lies `background`.
  * @param places  Lattice.locate()
  * @param box     [[x, y, z], [x, y, z]]: first and last voxel to carve
@@ -378,11 +233,13 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
         return low + (high - low) * c;
     };
 
-    let px = 0, py = 0, pz = 0;                      // the voxel
+    let px = 0, py = 0, pz = 0, pu = 0, pv = 0;      // the voxel, and its place along u and v
     const {steps: shears, box: straight} = lattice;  // the steps to the next vertex along u and v, per plane
     /** The content at displacements from the voxel's own place: both move it straight in the plane at `w`. */
-    const content = (du, dv, w) => {
-        if (du === 0 && dv === 0) return volume[px + row * py + plane * pz];
+    const content = (alongU, alongV, w) => {
+        if (alongU === 0 && alongV === 0) return volume[px + row * py + plane * pz];
+        let du = alongU, dv = alongV;
+        if (lattice.around) [du, dv] = minus2(lattice.across(pu + du, pv + dv), lattice.across(pu, pv));
         const k = straight ? 0 : Math.floor(w), c = straight ? 0 : w - k, n = 6 * k;
         let x = du * shears[n] + dv * shears[n + 3], y = du * shears[n + 1] + dv * shears[n + 4], z = du * shears[n + 2] + dv * shears[n + 5];
         if (c > 0) {
@@ -400,7 +257,7 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
             let e = across ? v : u;
             if (e > step.high && e <= step.high + rimSlack) e = step.high;
             if (e < step.low && e >= step.low - rimSlack) e = step.low;
-            if (e < step.low || e > step.high || lateral < 0 || lateral > step.laterals - 1) continue;
+            if (e < step.low || e > step.high || lateral < 0 || lateral > step.lastLateral) continue;
             const scale = step.fade === 0 ? 1 : step.scale(lateral, w);
             if (e < step.origin + scale * (step.start - step.origin) || e > step.lastBefore + scale * (step.last - step.lastBefore)) {
                 if (step.inserts) continue;
@@ -408,11 +265,11 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
             }
             const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
             // The four columns of the cell, and the next entry in each; those of weight 0 may not exist.
-            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries : 0;
+            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries * (j + 1 < step.laterals ? 1 : 1 - step.laterals) : 0;
             const behind = c > 0 ? entries * step.laterals * (k + 1 < step.slices ? 1 : 1 - step.slices) : 0;
             const n00 = entries * (j + step.laterals * k) + i - step.low, n10 = n00 + aside, n01 = n00 + behind, n11 = n01 + aside;
             let d = table[n00], whole = d === Math.floor(d);
-            if (up + aside + behind !== 0) {
+            if (a + b + c > 0) {
                 const d00 = d + (table[n00 + up] - d) * a, d10 = table[n10] + (table[n10 + up] - table[n10]) * a;
                 const d01 = table[n01] + (table[n01 + up] - table[n01]) * a, d11 = table[n11] + (table[n11 + up] - table[n11]) * a;
                 const low = d00 + (d10 - d00) * b, high = d01 + (d11 - d01) * b, mean = low + (high - low) * c;
@@ -444,7 +301,7 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
 
     // Most volumes are carved by one step, and most of their cells move as one: this is quick, the rest is left to gather().
     const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
-    const {axis, low, high, start, last, origin, lastBefore, firstLateral, laterals, entries, slices, table, soft, inserts} = one ?? {};
+    const {axis, low, high, start, last, origin, lastBefore, firstLateral, lastLateral, laterals, entries, slices, table, soft, inserts} = one ?? {};
     const sheet = entries * laterals;
     for (let z = box[0][2]; z <= box[1][2]; ++z)
         for (let y = box[0][1]; y <= box[1][1]; ++y)
@@ -455,14 +312,15 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
                     continue;
                 }
                 const v = places[3 * n + 1], w = places[3 * n + 2];
-                px = x, py = y, pz = z;
+                px = x, py = y, pz = z, pu = u, pv = v;
                 if (one) {
                     const e = axis === 0 ? u : v, lateral = (axis === 0 ? v : u) - firstLateral;
-                    if (e >= start && e <= last && e >= low && e <= high && lateral >= 0 && lateral <= laterals - 1) {
+                    if (e >= start && e <= last && e >= low && e <= high && lateral >= 0 && lateral <= lastLateral) {
                         const i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
                         let at = entries * j + sheet * k + i - low, d = table[at], known = soft || d === Math.floor(d);
                         if (a + b + c > 0) {
-                            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries : 0, behind = c > 0 ? (k + 1 < slices ? sheet : -sheet * k) : 0;
+                            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries * (j + 1 < laterals ? 1 : 1 - laterals) : 0;
+                            const behind = c > 0 ? (k + 1 < slices ? sheet : -sheet * k) : 0;
                             const d00 = d + (table[at + up] - d) * a;
                             at += aside;
                             const d10 = table[at] + (table[at + up] - table[at]) * a;

@@ -2,10 +2,9 @@
 
 #include "graph/output_file.h"
 #include "graph/text/words.h"
-#include "graph/text/xml_text.h"
 #include "nodes/io/file_sequence.h"
+#include "nodes/page/page_html.h"
 #include "nodes/page/page_scene.h"
-#include "nodes/page/page_texts.h"
 #include "nodes/preview/shown_frames.h"
 #include "nodes/remap/carve_inputs.h"
 #include "nodes/remap/rim.h"
@@ -22,16 +21,6 @@ namespace fluidcarve {
 namespace {
 
 constexpr int default_frames = 8;
-constexpr std::size_t usual_bytes = 2 << 20;  ///< a page for which no number of frames is stated holds fewer frames above this
-constexpr std::size_t most_bytes = 20 << 20;
-
-/// Replaces the first `{{name}}` of a text.
-void fill(std::string& text, std::string_view name, std::string_view by) {
-    const auto mark = fmt::format("{{{{{}}}}}", name);
-    text.replace(text.find(mark), mark.size(), by);
-}
-
-std::string megabytes(std::size_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (1 << 20)); }
 
 struct PreviewPage {
     struct Params {
@@ -96,22 +85,13 @@ struct PreviewPage {
 
     void finish(const Params& params, Ports&, Context& context) {
         if (frames_.empty()) throw Failure("none of the frames to show was computed");
-        auto shown = frames_;
-        auto page = page_html(page_scene(wish_of(params, context), shown));
-        // Fewer frames, in even steps, until the page is small.
-        for (int count = static_cast<int>(frames_.size()) - 1; !params.frames && page.size() > usual_bytes && count > 0; --count) {
-            context.check_cancelled();
-            shown.clear();
-            for (std::size_t n = 0; n < frames_.size(); ++n)
-                if (is_shown(n, frames_.size(), count)) shown.push_back(frames_[n]);
-            page = page_html(page_scene(wish_of(params, context), shown));
-        }
-        if (page.size() > most_bytes)
-            throw Failure(fmt::format("the page would have {}, more than {}; lower `frames` ({}) or `voxels`", megabytes(page.size()), megabytes(most_bytes),
-                                      shown.size()));
-        if (shown.size() < frames_.size())
-            context.warn(fmt::format("the page shows {} of {} frames, to stay small; state `frames` for more", shown.size(), frames_.size()));
-        OutputFile::write(params.path.at(context.frame()), page);
+        const auto wish = wish_of(params, context);
+        const auto scene = page_scene(wish, frames_);
+        const auto page = params.frames ? SmallPage{page_html(wish.title, {scene}), frames_.size()} : small_page(wish.title, {scene});
+        require_page_size(page.html, fmt::format("lower `frames` ({}) or `voxels`", page.frames));
+        if (page.frames < frames_.size())
+            context.warn(fmt::format("the page shows {} of {} frames, to stay small; state `frames` for more", page.frames, frames_.size()));
+        OutputFile::write(params.path.at(context.frame()), page.html);
     }
 
 private:
@@ -148,19 +128,6 @@ private:
 };
 
 }  // namespace
-
-std::string page_html(const nlohmann::ordered_json& scene) {
-    const auto& texts = page_texts();
-    auto data = scene.dump();
-    // Nothing in a text may end the element that holds the data.
-    for (auto at = data.find('<'); at != std::string::npos; at = data.find('<', at)) data.replace(at, 1, "\\u003c");
-    std::string out(texts.at("page.html"));
-    fill(out, "title", xml_text(scene.at("title").get<std::string>()));
-    fill(out, "style", texts.at("page.css"));
-    for (const auto* const script : {"carve", "scene", "volume", "picture", "page"}) fill(out, script, texts.at(std::string(script) + ".js"));
-    fill(out, "data", data);
-    return out;
-}
 
 NodeType preview_page() {
     return Declare<PreviewPage>(

@@ -67,7 +67,7 @@ Json lattice_json(const Lattice& given, const PageGrid& page) {
     }
     std::vector<std::uint8_t> bytes;
     append_numbers(bytes, planes);
-    return {{"shape", lattice.shape}, {"closed", lattice.closed}, {"box", lattice.is_box()}, {"planes", packed(bytes)}};
+    return {{"shape", lattice.shape}, {"closed", lattice.closed}, {"around", lattice.around}, {"box", lattice.is_box()}, {"planes", packed(bytes)}};
 }
 
 Json rig_json(const Rig& rig, const PageGrid& page) {
@@ -106,15 +106,11 @@ Json set_json(const Seams& set) {
     for (const auto& seam : set.seams) energies.push_back(seam.energy);
     for (std::size_t count = 0; count <= set.seams.size(); ++count) shifts.push_back(set.shift_after(count));
     const auto window = [](const std::optional<Window>& each) { return each ? Json{each->first, each->last} : Json(); };
-    return {{"axis", dimension(set.axis)},
-            {"kind", to_text(set.kind)},
-            {"closed", set.closed},
-            {"paired", set.paired()},
-            {"shape", set.shape},
-            {"window", window(set.window)},
-            {"pair_window", window(set.pair_window)},
-            {"anchor", to_text(set.anchor)},
-            {"energies", std::move(energies)},
+    return {{"axis", dimension(set.axis)},   {"kind", to_text(set.kind)},
+            {"closed", set.closed},          {"around", set.around},
+            {"paired", set.paired()},        {"shape", set.shape},
+            {"window", window(set.window)},  {"pair_window", window(set.pair_window)},
+            {"anchor", to_text(set.anchor)}, {"energies", std::move(energies)},
             {"shifts", std::move(shifts)}};
 }
 

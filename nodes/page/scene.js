@@ -22,50 +22,81 @@ function summed16(bytes) {
     return out;
 }
 
+/** The packed texts of a page, and what was made of them: scenes share both. */
+class Packed {
+    constructor(texts) {
+        this.texts = texts;
+        this.made = new Map();
+    }
+    /** What `make` makes of the bytes of text `n`; once for each `purpose`. */
+    get(n, purpose, make) {
+        const key = n + ' ' + purpose;
+        if (!this.made.has(key)) this.made.set(key, unpacked(this.texts[n]).then(make));
+        return this.made.get(key);
+    }
+}
+
 class Scene {
-    constructor(data) {
-        Object.assign(this, data);
+    /** @param packed  Packed */
+    constructor(data, packed) {
+        Object.assign(this, data, {packed});
         this.voxels = this.size[0] * this.size[1] * this.size[2];
         this.most = this.sets.length > 0 ? this.sets[this.sets.length - 1].energies.length : 0;
         /** Lengths of a voxel along x, y and z, world units. */
         this.voxel = [1, 2, 3].map(n => Math.hypot(...minus(this.world[n], this.world[0])));
-        this.kept = {frames: [], lattices: [], seams: []};
+        this.kept = [];
     }
     /** The value that a byte stands for. */
     value(byte) { return this.range[0] + byte / 255 * (this.range[1] - this.range[0]); }
     worldOf(at) {
         return this.world[0].map((x, n) => x + [0, 1, 2].reduce((sum, axis) => sum + at[axis] * (this.world[axis + 1][n] - this.world[0][n]), 0));
     }
+    /** The place of voxel `n` along x, y and z. */
+    placeOf(n) { return [n % this.size[0], Math.floor(n / this.size[0]) % this.size[1], Math.floor(n / (this.size[0] * this.size[1]))]; }
     /** The sign and number of seams, as on the command line. */
     signed(count) {
         const set = this.sets[this.sets.length - 1];
         return count === 0 ? '0' : (set && set.kind === 'insert' ? '' : '-') + count;
     }
+    /** The place in the list of frames of the one nearest to a frame number. */
+    nearest(number) {
+        const far = n => Math.abs(this.frames[n].number - number);
+        return this.frames.reduce((best, _, n) => far(n) < far(best) ? n : best, 0);
+    }
     /** A frame, ready to be carved. @param n  place in the list of frames */
-    frame(n) { return this.kept.frames[n] ??= this.read(this.frames[n]); }
+    frame(n) { return this.kept[n] ??= this.read(this.frames[n]); }
     async read({number, lattice, rig, seams, voxels}) {
-        const bytes = await unpacked(voxels), part = n => summed(bytes.subarray(n * this.voxels, (n + 1) * this.voxels));
+        const parts = await this.packed.get(voxels, 'voxels', bytes => {
+            const out = [];
+            for (let from = 0; from < bytes.length; from += this.voxels) out.push(summed(bytes.subarray(from, from + this.voxels)));
+            return out;
+        });
         let next = 0;
-        const out = {number, rig: rig === null ? null : this.rigs[rig], volume: part(next++)};
-        out.energy = this.energyRange ? part(next++) : null;
-        out.masks = this.masks.map(() => part(next++));
-        Object.assign(out, lattice === null ? {lattice: null} : await (this.kept.lattices[lattice] ??= this.readLattice(this.lattices[lattice])));
-        const orders = await Promise.all(seams.map(each => this.kept.seams[each] ??= this.readSeams(this.seams[each])));
+        const out = {number, rig: rig === null ? null : this.rigs[rig], volume: parts[next++]};
+        out.energy = this.energyRange ? parts[next++] : null;
+        out.masks = this.masks.map(() => parts[next++]);
+        Object.assign(out, lattice === null ? {lattice: null} : await this.readLattice(this.lattices[lattice]));
+        const orders = await Promise.all(seams.map(each => this.readSeams(this.seams[each])));
         out.orders = this.sets.map((set, s) => orders.map(order => order[s]));
         return out;
     }
-    async readLattice(data) {
-        const bytes = await unpacked(data.planes), lattice = new Lattice(data, new Float64Array(bytes.buffer));
-        const {first, last} = reachOf(lattice, this.sets);
-        return {lattice, places: lattice.locate(this.size, first, last)};
+    readLattice(data) {
+        const {first, last} = reachOf(data, this.sets), purpose = JSON.stringify([data.shape, data.closed, data.around, data.box, this.size, first, last]);
+        return this.packed.get(data.planes, purpose, bytes => {
+            const lattice = new Lattice(data, new Float64Array(bytes.buffer));
+            return {lattice, places: lattice.locate(this.size, first, last), folds: foldedCells(lattice)};
+        });
     }
     /** Of each set, seamOrder(). */
-    async readSeams(data) {
-        const entries = summed16(await unpacked(data));
-        let from = 0;
-        return this.sets.map(set => {
-            const size = (set.paired ? 2 : 1) * set.energies.length * set.shape[1 - set.axis] * set.shape[2];
-            return seamOrder(set, entries.subarray(from, from += size));
+    readSeams(n) {
+        const purpose = JSON.stringify(this.sets.map(set => [set.axis, set.paired, set.shape, set.energies.length]));
+        return this.packed.get(n, purpose, bytes => {
+            const entries = summed16(bytes);
+            let from = 0;
+            return this.sets.map(set => {
+                const size = (set.paired ? 2 : 1) * set.energies.length * set.shape[1 - set.axis] * set.shape[2];
+                return seamOrder(set, entries.subarray(from, from += size));
+            });
         });
     }
     /** The number of seams from which on more of them hurt: where the energies lie deepest below the line from the first to the last; 0: none. */
@@ -79,25 +110,4 @@ class Scene {
         });
         return out;
     }
-}
-
-/** The cells of a lattice that fold (METHOD 2), each as its lower plane and its vertex (i, j). */
-function foldedCells(lattice) {
-    const out = [], [nu, nv] = lattice.shape;
-    for (let k = 0; k < lattice.slabs; ++k) {
-        const a = lattice.plane(k), b = lattice.plane(k + 1);
-        const [up, down] = [a, b].map(plane => cross(plane.u, plane.v).map(x => lattice.hand * x));
-        const bad = new Uint8Array(nu * nv);
-        for (let j = 0, n = 0; j < nv; ++j)
-            for (let i = 0; i < nu; ++i, ++n) {
-                const low = along(along(a.origin, a.u, i), a.v, j), high = along(along(b.origin, b.u, i), b.v, j);
-                bad[n] = dot(up, minus(high, a.origin)) > 0 && dot(down, minus(b.origin, low)) > 0 ? 0 : 1;
-            }
-        for (let j = 0; j < Math.max(1, nv - 1); ++j)
-            for (let i = 0; i < Math.max(1, nu - 1); ++i) {
-                const n = i + nu * j, right = i + 1 < nu ? 1 : 0, above = j + 1 < nv ? nu : 0;
-                if (bad[n] + bad[n + right] + bad[n + above] + bad[n + right + above] > 0) out.push({k, i, j});
-            }
-    }
-    return out;
 }

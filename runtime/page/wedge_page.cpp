@@ -60,7 +60,7 @@ std::vector<std::string> wedge_results(const WedgeJson& report) {
     return out;
 }
 
-std::string wedge_page(const std::string& pipeline, const std::string& when, const std::vector<WedgeResult>& results) {
+std::string wedge_page(const std::string& pipeline, const std::string& when, const std::string& view, const std::vector<WedgeResult>& results) {
     auto out = page_begin("wedge of " + pipeline);
     out += element("p class=\"eyebrow\"", fmt::format("fluidcarve {}, {}", FLUIDCARVE_VERSION, when)) + "\n";
     out += element("h1", "Wedge of " + pipeline) + "\n";
@@ -74,6 +74,7 @@ std::string wedge_page(const std::string& pipeline, const std::string& when, con
         rows.back().push_back(fmt::format("{}", fmt::join(each.results, "; ")));
     }
     out += wide_table(heads, rows);
+    if (!view.empty()) out += fmt::format("<p><a href=\"{}\">All of them side by side, to turn, play and carve</a></p>\n", xml_text(view));
     for (const auto& each : results) {
         std::vector<std::string> texts;
         for (const auto& [target, value] : each.differs) texts.push_back(fmt::format("{} = {}", target, value));

@@ -14,6 +14,7 @@ struct WedgeResult {
     std::vector<std::string> results;                          ///< wedge_results() of its report
     bool failed = false;
     std::string picture;  ///< path of its PNG file; empty: none
+    std::string view;     ///< path of its preview.page; empty: none
     std::string report;   ///< path of its own page, from that of the wedge
 };
 
@@ -23,6 +24,7 @@ std::vector<std::string> wedge_results(const nlohmann::ordered_json& report);
 
 /// All runs of a wedge as one page: a table, and the picture of each. Self-contained and without scripts.
 /// @param when  time of the runs, as text
-std::string wedge_page(const std::string& pipeline, const std::string& when, const std::vector<WedgeResult>& results);
+/// @param view  path of the page to choose by, from this one; empty: there is none
+std::string wedge_page(const std::string& pipeline, const std::string& when, const std::string& view, const std::vector<WedgeResult>& results);
 
 }  // namespace fluidcarve

@@ -136,6 +136,20 @@ std::string add_page(Document& document, std::string& name) {
     return {};
 }
 
+void set_page_path(Document& document, const std::string& node, const std::string& path) {
+    auto& page = document.nodes.find(node)->value;
+    std::erase_if(page.fields, [](const Value::Field& each) { return each.name == "path"; });
+    const auto value = scalar(page.mark, path);
+    add(page, "path", &value);
+}
+
+std::string page_path(const Pipeline& pipeline, const std::string& node) {
+    const auto& page = *pipeline.find(node);
+    const auto& params = page.type->params;
+    const auto spec = std::ranges::find(params, "path", &ParamSpec::name);
+    return spec == params.end() ? std::string() : spec->path(page.params.get()).at(pipeline.frames.frames().front());
+}
+
 int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Registry& registry) {
     Problems problems;
     auto document = read_document(arguments.path, arguments.settings, problems);
@@ -143,12 +157,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
     std::string name;
     if (const auto fault = add_page(document, name); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
-    auto& node = document.nodes.find(name)->value;
-    if (!view.path.empty()) {
-        std::erase_if(node.fields, [](const Value::Field& each) { return each.name == "path"; });
-        const auto path = scalar(node.mark, view.path);
-        add(node, "path", &path);
-    }
+    if (!view.path.empty()) set_page_path(document, name, view.path);
     view.run.request.wish.to = name;
     std::optional<RunRequest> request;
     const auto build = [&] {
@@ -164,7 +173,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     if (!build()) return exit_code::usage;
     bool left_out = false;
     if (!view.solve && field(document.nodes.find(name), "seams") && must_solve(pipeline, registry, *request)) {
-        leave_out_seams(node);
+        leave_out_seams(document.nodes.find(name)->value);
         left_out = true;
         if (!build()) return exit_code::usage;
     }
@@ -172,8 +181,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     const int code = run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
     if (code != exit_code::done) return code;
     if (left_out && !request->quiet) complain("the seams are not found yet: the page shows where; --solve finds them\n");
-    for (const auto& spec : pipeline.find(name)->type->params)
-        if (spec.name == "path") print(spec.path(pipeline.find(name)->params.get()).at(pipeline.frames.frames().front()) + "\n");
+    print(page_path(pipeline, name) + "\n");
     return exit_code::done;
 }
 

@@ -10,6 +10,7 @@
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/verbs/combinations.h"
+#include "runtime/verbs/view.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -45,6 +46,8 @@ struct WedgeRun {
     Document document;
     Pipeline pipeline;
     std::string picture;  ///< path of what its first preview draws; empty: none
+    Pipeline viewed;      ///< the same, with a preview.page
+    std::string view;     ///< the node of that type; empty: there is nothing to show
     int code = exit_code::done;
     WedgeResult result;
 };
@@ -136,13 +139,28 @@ void name_over(Problems& problems, const std::vector<Varied>& varied) {
     for (auto& problem : problems) rename(problem.at), rename(problem.also_at);
 }
 
+/// Prepares the page of a run, if the pipeline has something to show.
+void prepare_view(WedgeRun& run, const Registry& registry) {
+    auto document = run.document;
+    std::string name;
+    if (!add_page(document, name).empty()) return;
+    if (!run.document.nodes.find(name)) set_page_path(document, name, (fs::path(run.folder) / "wedge_view.html").string());
+    Problems unfit;
+    auto viewed = build_pipeline(document, registry, unfit);
+    if (!unfit.empty()) return;
+    viewed.plugins = run.pipeline.plugins;
+    state_provenance(viewed, document, registry);
+    run.viewed = std::move(viewed);
+    run.view = name;
+}
+
 /// Checks all runs. @param problems  of all of them
 std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vector<Varied>& varied, const std::string& folder, Registry& registry,
                               Problems& problems) {
     std::vector<WedgeRun> out;
     PluginFiles plugins;
     for (const auto& combination : combinations_of(varied)) {
-        WedgeRun run{combination, (fs::path(folder) / folder_name(combination, out.size() + 1)).string(), {}, {}, {}, exit_code::done, {}};
+        WedgeRun run{combination, (fs::path(folder) / folder_name(combination, out.size() + 1)).string(), {}, {}, {}, {}, {}, exit_code::done, {}};
         auto settings = arguments.settings;
         for (const auto& [target, value] : combination) settings.push_back(target + "=" + value);
         Problems found;
@@ -160,6 +178,7 @@ std::vector<WedgeRun> prepare(const PipelineArguments& arguments, const std::vec
             run.pipeline.plugins = plugins;
             if (const auto drawn = picture_of(run.pipeline); !drawn.empty()) run.picture = drawn;
             state_provenance(run.pipeline, run.document, registry);
+            prepare_view(run, registry);
         }
         problems.insert(problems.end(), found.begin(), found.end());
         out.push_back(std::move(run));
@@ -177,6 +196,16 @@ std::optional<nlohmann::ordered_json> report_in(const std::string& path) {
     }
 }
 
+/// Makes the page of a run that has ended, from what it kept. @return its path; empty: there is none
+std::string draw_view(const WedgeRun& run, RunArguments arguments, const Registry& registry, const Interrupt& interrupt) {
+    if (run.view.empty() || arguments.no_cache || !arguments.only.empty() || !arguments.request.wish.to.empty()) return {};
+    arguments.request.wish.to = run.view;
+    arguments.request.quiet = true;
+    const auto request = arguments.read(run.viewed);
+    if (!request || run_pipeline(run.viewed, registry, *request, [&] { return interrupt.asked(); }) != exit_code::done) return {};
+    return page_path(run.viewed, run.view);
+}
+
 /// Runs one of the pipelines. Nothing of an earlier run is taken for its result. @return false if its options are wrong
 bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry, const Interrupt& interrupt) {
     auto request = arguments.read(run.pipeline);
@@ -192,7 +221,9 @@ bool execute(WedgeRun& run, RunArguments& arguments, const Registry& registry, c
     run.result.failed = run.code != exit_code::done;
     run.result.results = report ? wedge_results(*report) : std::vector<std::string>{"failed: it ended without a report"};
     run.result.report = report ? fs::path(run.folder).filename().string() + "/report.html" : std::string();
-    if (!run.result.failed) run.result.picture = run.picture;
+    if (run.result.failed) return true;
+    run.result.picture = run.picture;
+    run.result.view = draw_view(run, arguments, registry, interrupt);
     return true;
 }
 
@@ -214,9 +245,10 @@ std::string table_of(const std::vector<Varied>& varied, const std::vector<WedgeR
     return out;
 }
 
-/// Writes the sheet and the page of all runs. @throws Failure
+/// Writes the sheet and the pages of all runs. @throws Failure
 void show(const std::string& name, const std::string& folder, const std::vector<Varied>& varied, const std::vector<WedgeRun>& runs, const Registry& registry) {
     std::vector<ContactCell> cells;
+    std::vector<PagePart> pages;
     std::vector<WedgeResult> results;
     std::vector<std::string> targets;
     for (const auto& each : varied) targets.push_back(each.target);
@@ -224,12 +256,20 @@ void show(const std::string& name, const std::string& folder, const std::vector<
         ContactCell cell{{}, run.result.results, run.result.picture};
         for (const auto& [target, value] : run.combination) cell.labels.push_back(fmt::format("{} = {}", target, value));
         cells.push_back(std::move(cell));
+        if (!run.result.view.empty()) pages.push_back({run.result.view, run.combination});
         results.push_back(run.result);
     }
     const auto columns = varied.size() > 1 ? varied.back().values.size() : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(runs.size()))));
-    registry.contact_sheet().write(fmt::format("{}: {}", name, fmt::join(targets, ", ")), cells, columns, folder + "/wedge.png");
-    OutputFile::write(folder + "/wedge.html", wedge_page(name, fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr))), results));
-    print(fmt::format("{}/wedge.png, {}/wedge.html\n", folder, folder));
+    const auto title = fmt::format("{}: {}", name, fmt::join(targets, ", "));
+    registry.contact_sheet().write(title, cells, columns, folder + "/wedge.png");
+    std::string view, fault;
+    try {
+        if (!pages.empty()) registry.page_joiner().write(title, pages, folder + "/view.html"), view = "view.html";
+    } catch (const Failure& failure) {
+        fault = fmt::format("no {}/view.html: {}\n", folder, failure.what());
+    }
+    OutputFile::write(folder + "/wedge.html", wedge_page(name, fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(std::time(nullptr))), view, results));
+    print(fmt::format("{0}/wedge.png, {0}/wedge.html{1}\n{2}", folder, view.empty() ? "" : fmt::format(", {}/{}", folder, view), fault));
 }
 
 }  // namespace
@@ -240,7 +280,9 @@ void WedgeArguments::declare(CLI::App& verb) {
         ->expected(1)
         ->take_all()
         ->required();
-    verb.add_option("-o,--out", out, "The folder of all results: one folder for each run, wedge.png and wedge.html")->capture_default_str()->type_name("DIR");
+    verb.add_option("-o,--out", out, "The folder of all results: one folder for each run, wedge.png, wedge.html and view.html")
+        ->capture_default_str()
+        ->type_name("DIR");
     run.declare(verb);
 }
 

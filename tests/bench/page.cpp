@@ -23,7 +23,7 @@ void bench_page() {
             times[shown] = 1e9;
             for (let n = 0; n < 24; ++n) {
                 byId('count').value = 1 + n % 12;
-                tellCount();
+                takeCount();
                 draw();
                 times[shown] = Math.min(times[shown], scriptTime);
             }

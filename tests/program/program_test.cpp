@@ -1,5 +1,6 @@
 #include "tests/support/program.h"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

@@ -41,7 +41,11 @@ TEST_CASE("a wedge runs all combinations into folders of their own, and shows th
     CHECK(sheet["width"].get<int>() > 2 * 600);
     const auto page = Scratch::read(out + "/wedge.html");
     CHECK(count_of(page, "src=\"data:image/png;base64,") == 4);
-    CHECK_THAT(page, Catch::Contains("count = -2, seams.type = seam.pyramid") && !Catch::Contains("<script"));
+    CHECK_THAT(page, Catch::Contains("count = -2, seams.type = seam.pyramid") && Catch::Contains("<a href=\"view.html\">") && !Catch::Contains("<script"));
+    const auto view = Scratch::read(out + "/view.html");
+    CHECK(count_of(view, "\"differs\":[[\"count\",\"-") == 4);
+    CHECK(count_of(view, "[\"seams.type\",\"seam.greedy\"]") == 2);
+    CHECK(view.size() < 2 << 20);
 }
 
 TEST_CASE("a pipeline without a preview gets one in a wedge") {
@@ -60,6 +64,7 @@ TEST_CASE("a pipeline without a preview gets one in a wedge") {
     REQUIRE(ran.code == 0);
     CHECK(fs::exists(scratch / "w/01_seams.count=-1/wedge_sheet.png"));
     CHECK(fs::exists(scratch / "w/02_seams.count=-3/o.0051.vdb"));
+    CHECK(fs::exists(scratch / "w/view.html"));
 }
 
 TEST_CASE("a wedge tells wrong values before the first run") {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "nodes/lattice/build.h"
-#include "nodes/page/page_node.h"
+#include "nodes/page/page_html.h"
 #include "nodes/page/page_scene.h"
 #include "tests/support/wavy_seams.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <string>
@@ -42,7 +44,7 @@ inline std::string page_of(const PageFrame& frame) {
     wish.setting = "seams.count";
     wish.count = frame.seams.empty() ? 0 : 5;
     wish.softness = {3, 0};
-    return page_html(page_scene(wish, {frame}));
+    return page_html(wish.title, {page_scene(wish, {frame})});
 }
 
 }  // namespace fluidcarve::test

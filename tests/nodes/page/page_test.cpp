@@ -1,5 +1,7 @@
 #include "nodes/lattice/folds.h"
+#include "nodes/page/joined_page.h"
 #include "nodes/page/page_grid.h"
+#include "nodes/page/page_html.h"
 #include "nodes/page/page_node.h"
 #include "nodes/page/page_scene.h"
 #include "tests/support/bent_lattices.h"
@@ -12,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <random>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
@@ -92,21 +95,21 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type") {
     const auto seen = ask_browser(scratch, page_of(frame_of(16, 6)), R"js(
         await showFrame();
         const key = (target, key) => target.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true}));
-        const controls = [...document.querySelectorAll('input, button, #view')].filter(each => each.offsetParent && !each.disabled);
+        const controls = [...document.querySelectorAll('input, button, textarea, .view')].filter(each => each.offsetParent && !each.disabled);
         const out = {
-            unnamed: controls.filter(each => each.id !== 'view' && !each.labels?.length && !each.ariaLabel && !each.textContent).map(each => each.id),
+            unnamed: controls.filter(each => !each.matches('.view') && !each.labels?.length && !each.ariaLabel && !each.textContent).map(each => each.id),
             unreached: controls.filter(each => each.tabIndex < 0).map(each => each.id),
-            loaded: performance.getEntriesByType('resource').length, text: [byId('setting').value], knee: scene.knee(), spoken: byId('count').ariaValueText};
+            loaded: performance.getEntriesByType('resource').length, text: [byId('setting').value], knee: scenes[0].knee(), spoken: byId('count').ariaValueText};
         key(document.body, ']');
         out.text.push(byId('setting').value);
         key(document.body, '[');
         key(document.body, '[');
         out.text.push(byId('setting').value);
         const {yaw, zoom} = turn;
-        key(byId('view'), 'ArrowLeft');
-        key(byId('view'), '+');
+        key(views[0].area, 'ArrowLeft');
+        key(views[0].area, '+');
         out.turned = [turn.yaw !== yaw, turn.zoom > zoom];
-        key(byId('view'), 'Home');
+        key(views[0].area, 'Home');
         out.home = turn.yaw === yaw && turn.zoom === zoom;
         out.views = [...document.querySelectorAll('input[name=kind]')].filter(each => !each.disabled).length;
         return out;)js");
@@ -128,14 +131,14 @@ TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost
     const std::string look = R"js(
         const seen = () => {
             draw();
-            const {gl} = volume, {width, height} = canvases.volume, all = new Uint8Array(4 * width * height);
+            const {gl} = volume, {width, height} = byId('volume'), all = new Uint8Array(4 * width * height);
             gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, all);
             return [all[4 * (5 + width * 5)], all[4 * ((width >> 2) + width * (height >> 1))], all[4 * ((width >> 1) + width * (height >> 1))]];
         };
         await showFrame();)js";
     const auto drawn = ask_browser(scratch, page, look + R"js(
         const first = seen(), lose = volume.gl.getExtension('WEBGL_lose_context');
-        const event = name => new Promise(done => canvases.volume.addEventListener(name, () => setTimeout(done, 50)));
+        const event = name => new Promise(done => byId('volume').addEventListener(name, () => setTimeout(done, 50)));
         const lost = event('webglcontextlost');
         lose.loseContext();
         await lost;
@@ -149,7 +152,7 @@ TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost
     const auto flat = ask_browser(scratch, page, R"js(
         await showFrame();
         draw();
-        const {width, height} = canvases.picture, pixels = picture.context.getImageData(0, 0, width, height).data;
+        const {picture} = views[0], {width, height} = picture.canvas, pixels = picture.context.getImageData(0, 0, width, height).data;
         return {kind: kind(), volume: volume !== null, enabled: document.querySelector('input[value=volume]').disabled,
             middle: pixels[4 * ((width >> 1) - 8 + width * (height >> 1))], notes: byId('notes').textContent};)js",
                                   "--disable-3d-apis");
@@ -167,10 +170,134 @@ TEST_CASE("before there are seams, the page shows the lattice and tells of cells
     frame.lattice = std::make_shared<Lattice>(folded());
     const auto seen = ask_browser(scratch, page_of(frame), R"js(
         await showFrame();
-        return {folds: folds.length, lattice: overlays().has('lattice'), slider: byId('count').offsetParent !== null, notes: byId('notes').textContent};)js");
+        return {folds: views[0].frame.folds.length, lattice: overlays().has('lattice'), slider: byId('count').offsetParent !== null, notes: byId('notes').textContent};)js");
     CHECK(seen["folds"] == static_cast<int>(count_folds(*frame.lattice, 16, 6).cells));
     CHECK(seen["folds"].get<int>() > 0);
     CHECK(seen["lattice"] == true);
     CHECK(seen["slider"] == false);
     CHECK(contains(seen["notes"], "cells of the lattice fold"));
+}
+
+TEST_CASE("pages are joined: what they share is written once, and few frames keep them small") {
+    const Scratch scratch;
+    const auto title = std::string("wedge");
+    auto fewer = frame_of(12, 6);
+    fewer.seams = {std::make_shared<Seams>(*frame_of(12, 3).seams[0])};
+    const auto one = scratch.write("1.html", page_of(frame_of(12, 6))), other = scratch.write("2.html", page_of(fewer));
+    write_joined_page(title, {{one, {{"seams.count", "-6"}}}, {other, {{"seams.count", "-3"}, {"soft", "3"}}}}, scratch / "new/joined.html");
+    const auto page = Scratch::read(scratch / "new/joined.html");
+    const auto scenes = scenes_of_page(page);
+    REQUIRE(scenes.size() == 2);
+    CHECK(scenes[1]["differs"][1] == nlohmann::ordered_json{"soft", "3"});
+    CHECK(scenes[0]["frames"] == scenes[1]["frames"]);
+    auto alone = scenes_of_page(Scratch::read(one)).front();
+    alone["differs"] = scenes[0]["differs"];
+    CHECK(alone == scenes[0]);
+    CHECK(page.size() < page_of(frame_of(12, 6)).size() + 8000);
+
+    const auto text = scratch.write("3.html", "<p>no page</p>");
+    CHECK_THROWS_WITH(write_joined_page(title, {{text, {}}}, scratch / "x.html"), Catch::Contains("3.html: it is no page"));
+    CHECK_THROWS_WITH(write_joined_page(title, {{scratch / "no.html", {}}}, scratch / "x.html"), Catch::Contains("does not exist"));
+}
+
+TEST_CASE("a page that is too large shows fewer frames, with what these need") {
+    auto scene = scenes_of_page(page_of(frame_of(12, 6))).front();
+    const auto frame = scene["frames"][0];
+    std::mt19937 random(1);
+    scene["frames"] = nlohmann::ordered_json::array();
+    scene["seams"] = nlohmann::ordered_json::array();
+    for (int n = 0; n < 5; ++n) {
+        auto each = frame;
+        std::string text(600'000, 'A');
+        for (auto& letter : text) letter = static_cast<char>('A' + random() % 26);
+        each["number"] = n;
+        each["voxels"] = text;
+        each["seams"] = {n};
+        scene["frames"].push_back(each);
+        scene["seams"].push_back("seams of " + std::to_string(n));
+    }
+    const auto page = small_page("t", {scene});
+    CHECK(page.frames == 3);
+    CHECK(page.html.size() < 2 << 20);
+    const auto kept = scenes_of_page(page.html).front();
+    REQUIRE(kept["frames"].size() == 3);
+    CHECK(kept["frames"][1]["number"] == 2);
+    CHECK(kept["seams"][kept["frames"][1]["seams"][0].get<std::size_t>()] == "seams of 2");
+    CHECK(kept["seams"].size() == 3);
+    CHECK_THROWS_WITH(require_page_size(std::string(21 << 20, ' '), "show less"), "the page would have 21.0 MB, more than 20.0 MB; show less");
+}
+
+TEST_CASE("scenes stand side by side: controls are for all, the count for the one chosen or for all") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    const auto one = scratch.write("1.html", page_of(frame_of(16, 6))), other = scratch.write("2.html", page_of(frame_of(16, 3)));
+    write_joined_page("wedge", {{one, {{"seams.count", "-6"}, {"seams.type", "a b"}}}, {other, {{"seams.count", "-3"}, {"seams.type", "c"}}}},
+                      scratch / "j.html");
+    const auto seen = ask_browser(scratch, Scratch::read(scratch / "j.html"), R"js(
+        await showFrame();
+        draw();
+        const counts = () => views.map(view => view.count), slide = count => { byId('count').value = count; takeCount(); };
+        const out = {views: document.querySelectorAll('.view').length, first: byId('setting').value, labels: views.map(view => view.part.innerText.split('\n').pop()),
+            together: byId('together').checked, shared: views[0].frame.volume === views[1].frame.volume};
+        slide(2);
+        out.one = counts();
+        views[1].choice.click();
+        out.most = byId('count').max;
+        slide(1);
+        out.second = byId('setting').value;
+        out.other = counts();
+        byId('together').checked = true;
+        slide(3);
+        out.all = counts();
+        const middle = view => {
+            const {gl} = volume, [left, low, width, height] = view.pixels, pixel = new Uint8Array(4);
+            gl.readPixels(left + (width >> 1), low + (height >> 1), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+            return pixel[0];
+        };
+        draw();
+        out.middles = views.map(middle);
+        return out;)js");
+    CHECK(seen["views"] == 2);
+    CHECK(seen["labels"][0] == "seams.count = -6, seams.type = a b");
+    CHECK(seen["first"] == "--set 'seams.type=a b' --set seams.count=-5");
+    CHECK(seen["together"] == false);
+    CHECK(seen["shared"] == true);
+    CHECK(seen["one"] == nlohmann::json{2, 3});
+    CHECK(seen["most"] == "3");
+    CHECK(seen["second"] == "--set seams.type=c --set seams.count=-1");
+    CHECK(seen["other"] == nlohmann::json{2, 1});
+    CHECK(seen["all"] == nlohmann::json{3, 3});
+    for (const auto& middle : seen["middles"]) CHECK(middle.get<int>() > 110);
+}
+
+TEST_CASE("what lies outside the lattice, and seams at an edge of the window, are told at their places") {
+    if (!browser_is_there()) return;
+    const Scratch scratch;
+    PageFrame outside = frame_of(16, 0);
+    outside.lattice = std::make_shared<Lattice>(make_box({0, 0, 0}, {16, 16, 8}, 1, {0, 1, 2}));
+    const std::string labels = R"js(
+        const said = [], label = Picture.prototype.label;
+        Picture.prototype.label = function(text, at, colours) { said.push([text, ...at]); label.call(this, text, at, colours); };
+        await showFrame();
+        document.querySelector('input[value=y]').checked = true;
+        showKind();
+        draw();
+        const {canvas} = views[0].picture, notes = byId('notes').textContent;)js";
+    const auto half = ask_browser(scratch, page_of(outside), labels + "return {said, notes, above: said[0][2] < canvas.height / 2};");
+    REQUIRE(half["said"].size() == 1);
+    CHECK(half["said"][0][0] == "50 % outside the lattice");
+    CHECK(half["above"] == true);
+    CHECK(contains(half["notes"], "50 % of density lies outside the lattice"));
+
+    auto held = frame_of(16, 0);
+    const auto& box = *held.lattice;
+    auto set = wavy_seams(box, Axis::u, Seams::Kind::remove, 4, 2, 0);
+    set.window = Window{4, 12};
+    held.seams = {std::make_shared<Seams>(set)};
+    const auto edge =
+        ask_browser(scratch, page_of(held),
+                    "document.querySelector('input[value=window]').checked = true; byId('count').value = 2; takeCount();" + labels + "return {said, notes};");
+    REQUIRE(edge["said"].size() == 1);
+    CHECK(edge["said"][0][0] == "2 seams at the window's edge");
+    CHECK(contains(edge["notes"], "2 seams at the window's edge"));
 }
