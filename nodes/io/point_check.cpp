@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -73,9 +74,14 @@ std::vector<std::uint64_t> descriptor(TreeBytes& in) {
         out.push_back(AttributeArray::create(type, 1, 1)->storageTypeSize());
         if (type == openvdb::points::GroupAttributeArray::attributeType()) ++groups;
     }
+    std::set<std::string> names;
+    std::vector<bool> named(count);
     for (std::uint64_t n = 0; n < count; ++n) {
-        in.text();
-        in.require(in.number<std::uint64_t>() < count, "an attribute's name leads to no attribute");
+        const bool fresh = names.emplace(in.text()).second;
+        const auto at = in.number<std::uint64_t>();
+        in.require(at < count, "an attribute's name leads to no attribute");
+        in.require(fresh && !named[at], "two attributes have one name, or two names lead to one attribute");
+        named[at] = true;
     }
     constexpr std::uint64_t groups_in_attribute = 8 * sizeof(openvdb::points::GroupType);
     for (auto left = in.number<std::uint64_t>(); left > 0; --left) {

@@ -207,7 +207,7 @@ private:
         if (any([](const SheetPanel& panel) { return !panel.before.empty(); })) entry(before_line, true, "that of before");
         if (any([](const SheetPanel& panel) { return !panel.lattice.empty(); })) entry(lattice_colour, false, "lattice");
         if (any([](const SheetPanel& panel) { return !panel.rig.empty(); })) entry(rig_colour, false, "rig");
-        if (any([](const SheetPanel& panel) { return !panel.seams.empty(); })) entry(seam_colour, false, "seams");
+        if (any([](const SheetPanel& panel) { return !panel.seams.empty(); })) entry(seam_colour, false, page_.seams);
     }
 
     std::string shortened(std::string text, const Canvas::Type& type, double width) {

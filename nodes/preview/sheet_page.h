@@ -41,6 +41,7 @@ struct SheetPage {
     std::array<SeenDirection, 3> axes{};  ///< the world's x, y and z, drawn at the upper right
     std::vector<std::string> frames;      ///< titles of the columns, at least one
     std::vector<SheetRow> rows;           ///< at least one
+    std::string seams = "seams";          ///< what the legend calls them
 };
 
 /// The range of one scale over all rows.

@@ -191,7 +191,10 @@ SheetPage SheetRows::page(std::size_t total, const std::function<void(double)>& 
     SheetPage out;
     out.title = wish_.grid;
     out.summary = fmt::format("{} of {}", count, counted(total, "frame"));
-    if (frames_.front().data.seams) out.summary += "; " + seams_text(*frames_.front().data.seams);
+    if (const auto& seams = frames_.front().data.seams) {
+        out.summary += "; " + seams_text(*seams);
+        if (seams->warp) out.seams = "warp, by whole vertices";
+    }
     out.axes = axes_;
     for (const auto& frame : frames_) out.frames.push_back(frame.data.name);
     for (std::size_t row = 0; row < kinds_.size(); ++row) {

@@ -123,6 +123,10 @@ void write_corpus(const std::string& folder, const Sources& sources) {
     write("points-passes.vdb", points.with(points.at(Part::point_number), std::uint16_t{7}));
     write("points-attributes_billions.vdb",
           points.with({Part::point_number, points.at(Part::point_text).at - 3 * sizeof(std::uint32_t), 8}, std::uint64_t{1} << 60));
+    // A value's type, its codec and its name are a text each; a name's place follows it.
+    const auto attributes = points.number<std::uint64_t>({Part::point_number, points.at(Part::point_text).at - 3 * sizeof(std::uint32_t), 8});
+    const auto& last_name = points.at(Part::point_text, 3 * attributes - 1);
+    write("points-names_of_one.vdb", points.with({Part::point_number, last_name.at + last_name.size, 8}, std::uint64_t{0}));
     write("points-type.vdb", points.retold(points.at(Part::point_text), "double"));
 
     const Vdb seams(sources.seams.front());

@@ -88,7 +88,7 @@ TEST_CASE("a task of a farm that is killed runs again, and what was done stays d
     CHECK(plume.status("out").at("state") == "done");
 }
 
-TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run again") {
+TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run again", "[long]") {
     const Plume plume;
     const auto stopped = call_shell(plume.command("farm local", "out", "--chunk 1") +
                                     " & farm=$!; until pgrep -P $farm >/dev/null; do sleep 0.01; done; kill -TERM $farm; wait $farm");
@@ -99,7 +99,7 @@ TEST_CASE("a farm that is stopped ends its tasks, and goes on when it is run aga
     CHECK(plume.status("out").at("state") == "done");
 }
 
-TEST_CASE("a step that fails ends what needs it, and both the farm and status say why and how to go on") {
+TEST_CASE("a step that fails ends what needs it, and both the farm and status say why and how to go on", "[long]") {
     const Plume plume;
     // All smoke is protected, so that no seam passes the window: only the solver finds out.
     const auto shot = [&](const char* fields) {

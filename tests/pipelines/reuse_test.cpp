@@ -86,7 +86,7 @@ using Ran = std::map<std::string, int>;
 
 }  // namespace
 
-TEST_CASE("of the vortex, only what changed is computed, and the plan says so before") {
+TEST_CASE("of the vortex, only what changed is computed, and the plan says so before", "[long]") {
     Shot shot;
     CHECK(shot.run().size() == 11);
     const auto whole = results(shot.folder);
@@ -128,7 +128,7 @@ TEST_CASE("of the vortex, only what changed is computed, and the plan says so be
     CHECK(shot.run() == Ran{});
 }
 
-TEST_CASE("a run that is killed again and again ends like one that was not, and repeats nothing that was kept") {
+TEST_CASE("a run that is killed again and again ends like one that was not, and repeats nothing that was kept", "[long]") {
     Shot calm, killed;
     calm.run();
     std::mt19937 random(7);
@@ -153,7 +153,7 @@ TEST_CASE("a run that is killed again and again ends like one that was not, and 
     CHECK(killed.run() == Ran{});
 }
 
-TEST_CASE("the parts of a run, killed at a hundred moments and begun again, give the same files") {
+TEST_CASE("the parts of a run, killed at a hundred moments and begun again, give the same files", "[long]") {
     Shot whole, parts;
     whole.run();
     const std::vector<std::string> steps{"--to seams.energy -f 41-42", "--to seams.energy -f 43-44", "--only seams", "--from seams -f 41-42",
@@ -171,7 +171,7 @@ TEST_CASE("the parts of a run, killed at a hundred moments and begun again, give
     for (const auto& file : files_below(parts.folder)) CHECK(file.filename().string().find(".part") == std::string::npos);
 }
 
-TEST_CASE("parts of a run in processes of their own, and several at once, add up to one run") {
+TEST_CASE("parts of a run in processes of their own, and several at once, add up to one run", "[long]") {
     Shot whole, parts;
     whole.run();
     CHECK(parts.run("--to seams.energy -f 41-42") == Ran{{"edges", 4}, {"energy", 2}, {"rig", 1}, {"ring", 1}, {"seams", 2}, {"sharp", 2}, {"sim", 4}});

@@ -226,7 +226,7 @@ TEST_CASE("a river that is made wider: its bank, its particles and its texture c
     check_bank(carved);
 }
 
-TEST_CASE("a river that is made narrower: its bank, its particles and its texture come along") {
+TEST_CASE("a river that is made narrower: its bank, its particles and its texture come along", "[long]") {
     const Carved carved(-6);
     check_stations(carved, -6);
     check_density(carved);

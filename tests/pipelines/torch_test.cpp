@@ -118,7 +118,7 @@ double widened(const CarvedTorch& carved) {
 
 }  // namespace
 
-TEST_CASE("a torch that is made narrower waves as before, with its foot on the handle") {
+TEST_CASE("a torch that is made narrower waves as before, with its foot on the handle", "[long]") {
     const CarvedTorch carved(-10);
     CHECK(carved.report["lattices"]["waves"]["folded_cells"] == 0);
     check_waving(carved);
@@ -129,7 +129,7 @@ TEST_CASE("a torch that is made narrower waves as before, with its foot on the h
     CHECK(wider > -10);
 }
 
-TEST_CASE("a torch that is made wider waves as before, with its foot on the handle") {
+TEST_CASE("a torch that is made wider waves as before, with its foot on the handle", "[long]") {
     const CarvedTorch carved(10);
     CHECK(carved.report["lattices"]["waves"]["folded_cells"] == 0);
     check_waving(carved);

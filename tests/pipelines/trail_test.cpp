@@ -88,7 +88,7 @@ struct Spread {
 
 }  // namespace
 
-TEST_CASE("the trail gets thinner and thicker in all directions alike, loses nothing on its rig, and does not tear at its ends") {
+TEST_CASE("the trail gets thinner and thicker in all directions alike, loses nothing on its rig, and does not tear at its ends", "[long]") {
     const auto lattice = tube();
     const Mapping mapping(lattice);
     const int whole = lattice.shape[2], part = whole / 4;

@@ -24,7 +24,7 @@ fluidcarve::NodeType node() { return fluidcarve::Declare<Node>("toy.node", "A no
 
 }  // namespace
 
-TEST_CASE("a hook of the wrong signature does not compile, and the compiler says what it must be") {
+TEST_CASE("a hook of the wrong signature does not compile, and the compiler says what it must be", "[long]") {
     CHECK(compiled("void resume(const fluidcarve::Payload&, const nlohmann::ordered_json&) {}") == "");
     CHECK_THAT(compiled("void resume(int) {}"), Catch::Contains("`resume` must be `void resume(const Payload& result, const nlohmann::ordered_json& entry)`"));
     CHECK_THAT(compiled("static bool wants(int) { return true; }"), Catch::Contains("`wants` must be `static bool wants(const Params&, const Context&)`"));

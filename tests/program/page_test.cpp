@@ -135,7 +135,7 @@ TEST_CASE("a profile is a trace that says which node ran when, on which thread, 
     CHECK(seen["load"].count("seams") == 1);
 }
 
-TEST_CASE("a browser shows the page wide and narrow, light and dark, without scrolling sideways") {
+TEST_CASE("a browser shows the page wide and narrow, light and dark, without scrolling sideways", "[browser]") {
     if (call_shell("command -v chromium").code != 0) {
         WARN("chromium is not installed: the page was not looked at");
         return;

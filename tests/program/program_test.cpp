@@ -54,7 +54,7 @@ bool same_but_identifier(const Scratch& one, const Scratch& other, const std::st
 
 }  // namespace
 
-TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs") {
+TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[long]") {
     for (const auto& pipeline : shipped_pipelines()) {
         INFO(pipeline);
         const auto text = Scratch::read(SOURCE_ROOT "/" + pipeline);
@@ -134,7 +134,7 @@ TEST_CASE("check tells where each value of a shot comes from: its own file, the 
     CHECK(nlohmann::json::parse(bad.out)[0]["file"] == "--set");
 }
 
-TEST_CASE("the same files whatever the threads and the frames in flight, in one run or in chunks") {
+TEST_CASE("the same files whatever the threads and the frames in flight, in one run or in chunks", "[long]") {
     const Scratch one;
     const Scratch other;
     REQUIRE(fluidcarve_program("run pipelines/plume.yaml --threads 4 --in-flight 6" + into(one)).code == 0);

@@ -38,7 +38,7 @@ TEST_CASE("view shows where seams are to be found, and the carve once there are 
     CHECK_FALSE(fs::exists(scratch / "plume.0051.vdb"));
 }
 
-TEST_CASE("the pages of shipped pipelines stay below 2 MB") {
+TEST_CASE("the pages of shipped pipelines stay below 2 MB", "[long]") {
     const Scratch scratch;
     for (const std::string name : {"plume", "vortex", "river", "image"}) {
         INFO(name);

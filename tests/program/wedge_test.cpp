@@ -17,7 +17,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("a wedge runs all combinations into folders of their own, and shows them on one sheet and one page") {
+TEST_CASE("a wedge runs all combinations into folders of their own, and shows them on one sheet and one page", "[long]") {
     const Scratch scratch;
     const auto out = scratch / "w";
     const auto ran =

@@ -133,7 +133,7 @@ Lattice ring_lattice() { return ring({1.3, 0.9, 0.2}, {9, 14, 36}, 0.1, {-0.4, 0
 
 }  // namespace
 
-TEST_CASE("the page carves a box as remap.grids does") {
+TEST_CASE("the page carves a box as remap.grids does", "[browser]") {
     if (!browser_is_there()) {
         WARN("chromium is not installed: the page was not looked at");
         return;
@@ -161,7 +161,7 @@ TEST_CASE("the page carves a box as remap.grids does") {
     for (const double soft : {0.0, 2.0}) check({"a chain", size, box, {first, second}, {soft, 0}});
 }
 
-TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does") {
+TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does", "[browser]") {
     if (!browser_is_there()) return;
     const auto round = ring_lattice(), oblique = turned(make_box({0.33, 0.11, 0.05}, {20, 16, 18}, 0.09, {0, 1, 2}), 0.2);
     for (const auto& lattice : {round, oblique})
@@ -181,7 +181,7 @@ TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as 
     check({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
 }
 
-TEST_CASE("the page carves lattices around a rig as remap.grids does") {
+TEST_CASE("the page carves lattices around a rig as remap.grids does", "[browser]") {
     if (!browser_is_there()) return;
     const auto tube = around(through({{0.5, 0.8, 0.3}, {1.1, 1.0, 0.9}, {2.0, 0.85, 1.5}}), 0.75, 0.1);
     std::vector<Vec3d> circle;

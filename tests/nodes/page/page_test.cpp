@@ -89,7 +89,7 @@ TEST_CASE("the page node shows the first grid that can be shown, and writes its 
     CHECK_THROWS_WITH(other.add({{"before", {Payload(std::make_shared<const Volume>(volume))}}}), Catch::Contains("no grid 'smoke'"));
 }
 
-TEST_CASE("the page needs no mouse, asks for no file, and says what to type") {
+TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto seen = ask_browser(scratch, page_of(frame_of(16, 6)), R"js(
@@ -125,7 +125,7 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type") {
     CHECK(seen["views"] == 4);
 }
 
-TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost; without WebGL2 there are slices") {
+TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost; without WebGL2 there are slices", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto page = page_of(frame_of(16, 6));
@@ -164,7 +164,7 @@ TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost
     CHECK(contains(flat["notes"], "no WebGL2"));
 }
 
-TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold") {
+TEST_CASE("before there are seams, the page shows the lattice and tells of cells that fold", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame frame = frame_of(16, 0);
@@ -229,7 +229,7 @@ TEST_CASE("a page that is too large shows fewer frames, with what these need") {
     CHECK_THROWS_WITH(require_page_size(std::string(21 << 20, ' '), "show less"), "the page would have 21.0 MB, more than 20.0 MB; show less");
 }
 
-TEST_CASE("scenes stand side by side: controls are for all, the count for the one chosen or for all") {
+TEST_CASE("scenes stand side by side: controls are for all, the count for the one chosen or for all", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto one = scratch.write("1.html", page_of(frame_of(16, 6))), other = scratch.write("2.html", page_of(frame_of(16, 3)));
@@ -273,7 +273,7 @@ TEST_CASE("scenes stand side by side: controls are for all, the count for the on
     for (const auto& middle : seen["middles"]) CHECK(middle.get<int>() > 110);
 }
 
-TEST_CASE("what lies outside the lattice, and seams at an edge of the window, are told at their places") {
+TEST_CASE("what lies outside the lattice, and seams at an edge of the window, are told at their places", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     PageFrame outside = frame_of(16, 0);

@@ -169,7 +169,7 @@ TEST_CASE("in a ring the derivative scales what lies around by the radius, and w
     CHECK(counted > 30);
 }
 
-TEST_CASE("conserve: mass keeps the mass of what seams pass through, to one percent") {
+TEST_CASE("conserve: mass keeps the mass of what seams pass through, to one percent", "[long]") {
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const int shape = GENERATE(0, 1, 2);
     const double voxel = shape == 1 ? 0.8 : 1;

@@ -152,7 +152,7 @@ TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rig
                               "jump with it: state a larger 'steady' than 0"));
 }
 
-TEST_CASE("a rig.advect that is steadied moves less than a step from frame to frame, and says nothing") {
+TEST_CASE("a rig.advect that is steadied moves less than a step from frame to frame, and says nothing", "[long]") {
     const Moving moving("{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: 20}", swaying(two_dozen), two_dozen);
     CHECK(moving.heard.warnings.empty());
     double most = 0;

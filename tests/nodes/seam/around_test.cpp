@@ -29,7 +29,7 @@ TEST_CASE("greedy seams around a rig close across it, along it and in both, in a
     }
 }
 
-TEST_CASE("a pyramid of a volume too large for an exact cut closes around a rig, and is no dearer than greedy seams") {
+TEST_CASE("a pyramid of a volume too large for an exact cut closes around a rig, and is no dearer than greedy seams", "[long]") {
     for (const auto& size : {std::array{36, 20, 30}, std::array{37, 21, 30}, std::array{4001, 1, 20}}) {
         for (const bool closed : {false, true}) {
             const ColumnGraph graph(size, closed, true);

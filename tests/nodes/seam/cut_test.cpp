@@ -206,7 +206,7 @@ TEST_CASE("energies of very different size, and none at all, are cut") {
     }
 }
 
-TEST_CASE("volumes of many tiles and frames are cut exactly, the same with one thread and with two") {
+TEST_CASE("volumes of many tiles and frames are cut exactly, the same with one thread and with two", "[long]") {
     struct Case {
         std::array<int, 3> size;
         int width;

@@ -344,7 +344,7 @@ TEST_CASE("in small volumes the pyramid is exact with steps and edges") {
     }
 }
 
-TEST_CASE("in large volumes it comes near the least cost, with any number of threads, and never behind the greedy search") {
+TEST_CASE("in large volumes it comes near the least cost, with any number of threads, and never behind the greedy search", "[long]") {
     for (const bool closed : {false, true}) {
         const auto energy = forward_smoke({40, 20, 30}, 12, closed);
         const Window window{0, 39};
