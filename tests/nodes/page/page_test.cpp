@@ -99,7 +99,8 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type") {
         const out = {
             unnamed: controls.filter(each => !each.matches('.view') && !each.labels?.length && !each.ariaLabel && !each.textContent).map(each => each.id),
             unreached: controls.filter(each => each.tabIndex < 0).map(each => each.id),
-            loaded: performance.getEntriesByType('resource').length, text: [byId('setting').value], knee: scenes[0].knee(), spoken: byId('count').ariaValueText};
+            loaded: performance.getEntriesByType('resource').length, text: [byId('setting').value], knee: scenes[0].knee(),
+            spoken: byId('count').ariaValueText};
         key(document.body, ']');
         out.text.push(byId('setting').value);
         key(document.body, '[');
@@ -170,7 +171,8 @@ TEST_CASE("before there are seams, the page shows the lattice and tells of cells
     frame.lattice = std::make_shared<Lattice>(folded());
     const auto seen = ask_browser(scratch, page_of(frame), R"js(
         await showFrame();
-        return {folds: views[0].frame.folds.length, lattice: overlays().has('lattice'), slider: byId('count').offsetParent !== null, notes: byId('notes').textContent};)js");
+        return {folds: views[0].frame.folds.length, lattice: overlays().has('lattice'), slider: byId('count').offsetParent !== null,
+            notes: byId('notes').textContent};)js");
     CHECK(seen["folds"] == static_cast<int>(count_folds(*frame.lattice, 16, 6).cells));
     CHECK(seen["folds"].get<int>() > 0);
     CHECK(seen["lattice"] == true);
@@ -237,7 +239,8 @@ TEST_CASE("scenes stand side by side: controls are for all, the count for the on
         await showFrame();
         draw();
         const counts = () => views.map(view => view.count), slide = count => { byId('count').value = count; takeCount(); };
-        const out = {views: document.querySelectorAll('.view').length, first: byId('setting').value, labels: views.map(view => view.part.innerText.split('\n').pop()),
+        const out = {views: document.querySelectorAll('.view').length, first: byId('setting').value,
+            labels: views.map(view => view.part.innerText.split('\n').pop()),
             together: byId('together').checked, shared: views[0].frame.volume === views[1].frame.volume};
         slide(2);
         out.one = counts();
