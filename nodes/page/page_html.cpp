@@ -50,7 +50,7 @@ Json with_frames(const Json& scene, int count) {
     for (const auto& [name, list] : {std::pair("lattice", "lattices"), {"rig", "rigs"}, {"seams", "seams"}}) {
         std::map<std::size_t, std::size_t> numbers;
         auto used = Json::array();
-        const auto renumber = [&](Json& number) {
+        const auto renumber = [&, list = list](Json& number) {
             const auto [place, fresh] = numbers.emplace(number.get<std::size_t>(), used.size());
             if (fresh) used.push_back(scene.at(list).at(place->first));
             number = place->second;

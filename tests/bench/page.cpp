@@ -28,7 +28,8 @@ void bench_page() {
                 times[shown] = Math.min(times[shown], scriptTime);
             }
         }
-        return times;)js");
+        return times;)js",
+                                   "", Clock::real);
     for (const auto& [name, shown] : {std::pair("volume", "volume"), {"slice", "z"}}) {
         const double ms = times[shown].get<double>();
         line(fmt::format("page, 96 voxels, slider to {}: script / 50 ms", name), ms / 50, fmt::format("{:.1f} ms", ms));
