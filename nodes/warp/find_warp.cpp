@@ -20,7 +20,7 @@ namespace {
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t columns_per_task = 64;
-constexpr double tolerance = 2e-6;  ///< of a displacement, as a share of the amount
+constexpr double tolerance = 1e-5;  ///< of a displacement, as a share of the amount
 constexpr int most_cycles = 40;
 constexpr int most_raises = 16;
 constexpr int cycles_after_raise = 2;

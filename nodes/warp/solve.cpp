@@ -33,6 +33,7 @@ using Json = nlohmann::ordered_json;
 constexpr double amount_step = 1.0 / 65536;
 /// Bytes of a solve for each point: its weight, its value, and what coarser levels hold.
 constexpr std::uint64_t bytes_per_point = 10;
+constexpr std::uint64_t most_points = std::uint64_t{1} << 26;  ///< that a warp is found at, unless its factor is stated
 constexpr auto report_section = "warp";
 
 double in_steps(double amount) { return std::round(amount / amount_step) * amount_step; }
@@ -212,7 +213,7 @@ private:
         return empty_seams(gathering_params(params), task, space);
     }
 
-    /// Vertices from point to point: as few as there is room for in memory beside the energies.
+    /// Vertices from point to point: as few as there is room for in memory beside the energies, and time for.
     static int factor_for(const Params& params, const Seams& set, const EnergyVolume& energy, std::size_t frames, const Context& context) {
         if (params.factor) return *params.factor;
         const auto energies =
@@ -222,7 +223,7 @@ private:
         for (const int factor : {1, 2}) {
             std::uint64_t points = frames;
             for (const int vertices : set.shape) points *= static_cast<std::uint64_t>(Warp::points_along(vertices, factor));
-            if (points * bytes_per_point <= left) return factor;
+            if (points <= most_points && points * bytes_per_point <= left) return factor;
         }
         return 4;
     }
@@ -355,9 +356,8 @@ NodeType warp_solve() {
                "Stiffness against shear between columns, as a share of that against squeezing. More: neighbouring columns are squeezed at the same places.")
         .param("stiffness_time", &Params::stiffness_time, Unit::none, between(0, 1e4), "The same from frame to frame. More is steadier.")
         .param("factor", &Params::factor, Unit::vertices, any_number(),
-               "The warp is found at every vertex (1), every second (2) or every fourth one (4), and is linear between. auto takes the lowest for which "
-               "`--memory` "
-               "has room; the report tells it.")
+               "The warp is found at every vertex (1), every second (2) or every fourth one (4), and is linear between. auto takes the lowest that makes at "
+               "most 64 million points, for which `--memory` has room; the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis"})
         .grows({"amount", [params_of](const void* params) { return WarpSolve::rest(params_of(params)); }, &WarpSolve::extent,

@@ -1,6 +1,6 @@
 #include "nodes/warp/warp_system.h"
 
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/decode.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -17,6 +17,7 @@ namespace {
 using ColumnRange = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t columns_at_once = 64;
+constexpr std::size_t columns_together = 4;  ///< are solved side by side, so that the divisions of one do not wait for each other
 constexpr std::size_t coarsest_columns = 8;  ///< a level of so few columns is solved by sweeps alone
 constexpr int coarsest_sweeps = 16;
 constexpr int coarse_cycles = 2;  ///< of a coarser level in each cycle of the next finer one
@@ -89,9 +90,14 @@ public:
             change = std::max(change, tbb::parallel_reduce(
                                           ColumnRange(0, columns(), columns_at_once), 0.0,
                                           [&](const ColumnRange& range, double most) {
-                                              Lines lines(width_);
-                                              for (auto c = range.begin(); c < range.end(); ++c)
-                                                  if (!fixed_[c] && turn_of(place(c)) == turn) most = std::max(most, solve_column(c, lines));
+                                              std::vector<Lines> lines(columns_together, Lines(width_));
+                                              std::vector<std::size_t> columns;
+                                              for (auto c = range.begin(); c < range.end(); ++c) {
+                                                  if (!fixed_[c] && turn_of(place(c)) == turn) columns.push_back(c);
+                                                  if (columns.size() < columns_together && c + 1 < range.end()) continue;
+                                                  most = std::max(most, solve_columns(columns, lines));
+                                                  columns.clear();
+                                              }
                                               return most;
                                           },
                                           [](double a, double b) { return std::max(a, b); }));
@@ -137,9 +143,9 @@ private:
     /// Lines along the axis that the work on a column needs.
     struct Lines {
         explicit Lines(std::size_t width) : own(width), other(width), diagonal(width), wanted(width), factor(width), result(width) {}
-        std::vector<float> own, other;         ///< weights
-        std::vector<double> diagonal, wanted;  ///< of the couplings to columns beside, and of all else that is known
-        std::vector<double> factor, result;    ///< of the elimination
+        std::vector<float> own, other;        ///< weights
+        std::vector<float> diagonal, wanted;  ///< of the couplings to columns beside, and of all else that is known
+        std::vector<double> factor, result;   ///< of the elimination
     };
 
     double strongest() const {
@@ -207,49 +213,57 @@ private:
             return;
         }
         const auto codes = codes_->entries(c / per_frame()).subspan(c % per_frame() * static_cast<std::size_t>(warp_->points()[0]) + first_, width_);
-        std::ranges::transform(codes, out.begin(), decode_energy);
+        decode_energies(codes, out);
     }
 
     /// Sets up a column's equations: what couples it to its neighbours.
     void couple(std::size_t c, Lines& lines) const {
         load_weights(c, lines.own);
-        std::ranges::fill(lines.diagonal, 0.0);
-        if (warp_) std::ranges::fill(lines.wanted, 0.0);
+        std::ranges::fill(lines.diagonal, 0.0f);
+        if (warp_) std::ranges::fill(lines.wanted, 0.0f);
         else std::ranges::copy(std::span(wanted_).subspan(c * width_, width_), lines.wanted.begin());
         each_neighbour(place(c), [&](std::size_t beside, double coupling) {
             load_weights(beside, lines.other);
-            const float* const there = value(beside);
+            const float half = 0.5f * static_cast<float>(coupling);
+            const float *const there = value(beside), *const own = lines.own.data(), *const other = lines.other.data();
+            float *const diagonal = lines.diagonal.data(), *const wanted = lines.wanted.data();
             for (std::size_t p = 0; p < width_; ++p) {
-                const double link = 0.5 * coupling * (lines.own[p] + lines.other[p]);
-                lines.diagonal[p] += link;
-                lines.wanted[p] += link * there[p];
+                const float link = half * (own[p] + other[p]);
+                diagonal[p] += link;
+                wanted[p] += link * there[p];
             }
         });
     }
     /// What couples a point to the next one along the axis.
     double along(const Lines& lines, std::size_t p) const { return 0.5 * (lines.own[p] + lines.own[p + 1]) * inverse_length_[p]; }
 
-    double solve_column(std::size_t c, Lines& lines) {
-        couple(c, lines);
-        float* const at = value(c);
-        auto& factor = lines.factor;
-        auto& result = lines.result;
-        factor[0] = 0;
-        result[0] = at[0];
-        double below = along(lines, 0);
-        for (std::size_t p = 1; p + 1 < width_; ++p) {
-            const double above = along(lines, p);
-            const double inverse = 1 / (lines.diagonal[p] + above + below * (1 - factor[p - 1]));
-            factor[p] = above * inverse;
-            result[p] = (lines.wanted[p] + below * result[p - 1]) * inverse;
-            below = above;
+    /// Solves columns of one turn for what their neighbours are. @return the greatest change
+    double solve_columns(const std::vector<std::size_t>& columns, std::vector<Lines>& lines) {
+        std::array<float*, columns_together> at{};
+        std::array<double, columns_together> below{}, last{};
+        for (std::size_t n = 0; n < columns.size(); ++n) {
+            couple(columns[n], lines[n]);
+            at[n] = value(columns[n]);
+            lines[n].factor[0] = 0;
+            lines[n].result[0] = at[n][0];
+            below[n] = along(lines[n], 0);
+            last[n] = at[n][width_ - 1];
         }
-        double change = 0, last = at[width_ - 1];
-        for (std::size_t p = width_ - 2; p > 0; --p) {
-            last = result[p] + factor[p] * last;
-            change = std::max(change, std::abs(last - at[p]));
-            at[p] = static_cast<float>(last);
-        }
+        for (std::size_t p = 1; p + 1 < width_; ++p)
+            for (std::size_t n = 0; n < columns.size(); ++n) {
+                auto& line = lines[n];
+                const double above = along(line, p), inverse = 1 / (line.diagonal[p] + above + below[n] * (1 - line.factor[p - 1]));
+                line.factor[p] = above * inverse;
+                line.result[p] = (line.wanted[p] + below[n] * line.result[p - 1]) * inverse;
+                below[n] = above;
+            }
+        double change = 0;
+        for (std::size_t p = width_ - 2; p > 0; --p)
+            for (std::size_t n = 0; n < columns.size(); ++n) {
+                last[n] = lines[n].result[p] + lines[n].factor[p] * last[n];
+                change = std::max(change, std::abs(last[n] - at[n][p]));
+                at[n][p] = static_cast<float>(last[n]);
+            }
         return change;
     }
 

@@ -45,5 +45,5 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
 
 void bench_warp(bool large) {
     bench_size({161, 52, 165}, 20, 1);
-    if (large) bench_size({322, 105, 331}, 84, 2);
+    if (large) bench_size({322, 105, 331}, 84, 4);
 }

@@ -1,5 +1,6 @@
 #include "graph/text/problem.h"
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seams/frame_store.h"
 #include "tests/support/bent_lattices.h"
@@ -45,6 +46,10 @@ TEST_CASE("energy codes keep order and half a thousandth over sixty octaves") {
         REQUIRE(energy > last);
         REQUIRE(encode_energy(energy) == code);
         last = energy;
+        const auto bits = static_cast<std::uint16_t>(code);
+        float together = 0;
+        decode_energies({&bits, 1}, {&together, 1});
+        REQUIRE(together == energy);
     }
     for (int n = 0; n < 100000; ++n) {
         const auto energy = static_cast<float>(std::exp2(exponent(random)));
