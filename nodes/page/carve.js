@@ -93,7 +93,7 @@ class CarveStep {
         const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
         const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
         const now = tables.length === 1 ? tables[0] : overTime(tables, times);
-        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries),
+        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries), along = Int32Array.from({length: 2 * reach + 1}, (_, n) => n),
             [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
         for (let base = 0; base < now.length; base += entries) {
             now.fill(before, base, base + Math.max(0, first - low));
@@ -109,12 +109,12 @@ class CarveStep {
                     line[reach - n] = mirrored(sharp, from, size, -n, span);
                     line[reach + size - 1 + n] = mirrored(sharp, from, size, size - 1 + n, span);
                 }
-                sumRows(weights, line, i => reach + i, size, now, base + from);
+                sumRows(weights, line, along, size, now, base + from, false);
             }
         }
         if (reach === 0) return now;
-        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, this.around);
-        return smoothAcross(across, weights, entries, this.slices, this.laterals, entries * this.laterals, entries, this.closed);
+        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, this.around, false);
+        return smoothAcross(across, weights, entries, this.slices, this.laterals, entries * this.laterals, entries, this.closed, true);
     }
 
     /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral  from the first column on */
@@ -125,12 +125,13 @@ class CarveStep {
     }
 }
 
-/** Weights of a tent at distances 0 to ceil(reach); over both sides their sum is 1. */
+/** Weights of a tent at distances 0 to ceil(reach); over both sides their sum is 1. Zeros follow, for sumRows(). */
 function tent(reach) {
     const out = [];
     for (let x = 0; x <= Math.ceil(reach); ++x) out.push(1 - x / (reach + 1));
-    const sum = 2 * out.reduce((all, each) => all + each, 0) - 1;
-    return out.map(each => each / sum);
+    const sum = 2 * out.reduce((all, each) => all + each, 0) - 1, weights = out.map(each => each / sum);
+    while ((weights.length - 1) % 3 > 0) weights.push(0);
+    return weights;
 }
 
 /** What is within 1e-4 of a whole number is that number. */
@@ -160,31 +161,32 @@ function mirrored(table, from, size, n, span) {
     return add + sign * table[from + n];
 }
 
-/** Writes the weighted sum of rows, rounded where a whole number is near. @param start  distance, both signs, to the start of a row in `from` */
-function sumRows(weights, from, start, size, out, to) {
-    const reach = weights.length - 1, middle = start(0), w0 = weights[0];
+/** Writes the weighted sum of rows.
+ * @param starts  where the rows begin in `from`, by distance, from the most negative one on
+ * @param round   whether a sum near a whole number is that number */
+function sumRows(weights, from, starts, size, out, to, round) {
+    const reach = weights.length - 1, middle = starts[reach], w0 = weights[0];
     // Three distances at a time: mostly these are all.
-    for (let i = 1; i <= reach || i === 1; i += 3) {
-        const near = n => Math.min(n, reach), weight = n => n <= reach ? weights[n] : 0, first = i === 1, done = i + 3 > reach;
-        const w1 = weight(i), w2 = weight(i + 1), w3 = weight(i + 2), a1 = start(-near(i)), b1 = start(near(i));
-        const a2 = start(-near(i + 1)), b2 = start(near(i + 1)), a3 = start(-near(i + 2)), b3 = start(near(i + 2));
-        for (let e = 0; e < size; ++e) {
-            const sum = (first ? w0 * from[middle + e] : out[to + e]) + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) +
+    for (let i = 1; i <= reach; i += 3) {
+        const w1 = weights[i], w2 = weights[i + 1], w3 = weights[i + 2], first = i === 1;
+        const a1 = starts[reach - i], a2 = starts[reach - i - 1], a3 = starts[reach - i - 2];
+        const b1 = starts[reach + i], b2 = starts[reach + i + 1], b3 = starts[reach + i + 2];
+        for (let e = 0; e < size; ++e)
+            out[to + e] = (first ? w0 * from[middle + e] : out[to + e]) + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) +
                 w3 * (from[a3 + e] + from[b3 + e]);
-            out[to + e] = done ? nearWhole(sum) : sum;
-        }
     }
+    for (let e = to; round && e < to + size; ++e) out[e] = nearWhole(out[e]);
 }
 
 /** Smooths whole columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart. */
-function smoothAcross(table, weights, entries, count, lines, stride, between, closed) {
-    if (count === 1) return table;
-    const out = new Float32Array(table.length);
+function smoothAcross(table, weights, entries, count, lines, stride, between, closed, round) {
+    const out = new Float32Array(table.length), reach = weights.length - 1, starts = new Int32Array(2 * reach + 1);
     for (let line = 0; line < lines; ++line)
         for (let at = 0; at < count; ++at) {
-            const base = line * between, to = base + at * stride;
-            const row = near => base + stride * (closed ? ((near % count) + count) % count : clamp(near, 0, count - 1));
-            sumRows(weights, table, i => row(at + i), entries, out, to);
+            const base = line * between;
+            for (let i = -reach; i <= reach; ++i)
+                starts[reach + i] = base + stride * (closed ? (((at + i) % count) + count) % count : clamp(at + i, 0, count - 1));
+            sumRows(weights, table, starts, entries, out, base + at * stride, round);
         }
     return out;
 }
@@ -303,6 +305,16 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
     const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
     const {axis, low, high, start, last, origin, lastBefore, firstLateral, lastLateral, laterals, entries, slices, table, soft, inserts} = one ?? {};
     const sheet = entries * laterals;
+    // In a box along the voxels all content moves along one line of voxels.
+    const shift = one && straight && !lattice.around ? shears.slice(3 * axis, 3 * axis + 3) : [0, 0, 0];
+    const lines = [0, 1, 2].filter(n => shift[n] !== 0), line = lines.length === 1 ? lines[0] : -1;
+    const perVertex = shift[line], stride = [1, row, plane][line], lineEnd = size[line] - 1;
+    const alongLine = (n, from, by) => {
+        const to = from + by * perVertex, i = Math.floor(to + snapWidth), a = to - i;
+        if (i < 0 || i >= lineEnd) return content(axis === 0 ? by : 0, axis === 0 ? 0 : by, 0);
+        const at = n + stride * (i - from), low = volume[at];
+        return a > snapWidth ? low + (volume[at + stride] - low) * a : low;
+    };
     for (let z = box[0][2]; z <= box[1][2]; ++z)
         for (let y = box[0][1]; y <= box[1][1]; ++y)
             for (let x = box[0][0], n = x + row * y + plane * z; x <= box[1][0]; ++x, ++n) {
@@ -333,7 +345,9 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
                         }
                         if (known) {
                             const by = e + d < origin ? origin - e : e + d > lastBefore ? lastBefore - e : d;
-                            out[n] = by === 0 ? volume[n] : (axis === 0 ? content(by, 0, w) : content(0, by, w)) + 0.5;
+                            if (by === 0) out[n] = volume[n];
+                            else if (line >= 0) out[n] = alongLine(n, line === 0 ? x : line === 1 ? y : z, by) + 0.5;
+                            else out[n] = (axis === 0 ? content(by, 0, w) : content(0, by, w)) + 0.5;
                             continue;
                         }
                     }

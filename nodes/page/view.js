@@ -33,6 +33,9 @@ function seamsAtEdge(set, order, count) {
     return seen.filter(each => each > columns / 2).length;
 }
 
+/** Counts whose steps a view keeps: at 96 voxels an axis, 4 MB each. */
+const mostKnown = 16;
+
 class View {
     /** @param number  of the scene
      * @param whole   wholeOf() */
@@ -51,6 +54,8 @@ class View {
         this.picture = new Picture(this.area.querySelector('canvas'), scene, whole);
         this.carved = new Uint8Array(scene.voxels);
         this.frame = null;
+        /** carveSteps() of the frame, by count, the one shown last at the end. */
+        this.known = new Map();
         /** VolumeView of all scenes; null without WebGL2. */
         this.volume = null;
         /** Its part of the volume's canvas: left, low, width and height, pixels. */
@@ -73,6 +78,7 @@ class View {
         read.outside ??= {of: contentOutside(read, this.scene.background)};
         return () => {
             this.frame = read;
+            this.known.clear();
             this.forget();
             this.volume?.setBefore(this.number, read.volume);
         };
@@ -86,14 +92,18 @@ class View {
             carved.set(frame.volume);
             return true;
         }
-        const first = [0, 0, 0], last = scene.size.map(n => n - 1), stepsFor = frame.number + ' ' + count;
+        const first = [0, 0, 0], last = scene.size.map(n => n - 1);
         if (shown !== 'volume') first[axisNumber[shown]] = last[axisNumber[shown]] = at;
-        if (frame.stepsFor !== stepsFor) {
-            frame.stepsFor = stepsFor;
-            frame.steps = carveSteps(scene.sets, count, scene.softness, frame.orders);
-        }
-        carve(frame.volume, scene.size, scene.background, frame.lattice, frame.places, frame.steps, [first, last], carved);
+        carve(frame.volume, scene.size, scene.background, frame.lattice, frame.places, this.steps(count), [first, last], carved);
         return true;
+    }
+    /** The steps of the frame shown for a count. Those of the counts last shown are kept: a slider goes back and forth. */
+    steps(count) {
+        const {scene, frame, known} = this, out = known.get(count) ?? carveSteps(scene.sets, count, scene.softness, frame.orders);
+        known.delete(count);
+        known.set(count, out);
+        if (known.size > mostKnown) known.delete(known.keys().next().value);
+        return out;
     }
     project(at, shown, turn) {
         return shown === 'volume' ? this.volume.project(this.number, at, turn, this.picture.canvas) : this.picture.project(shown, at, turn);

