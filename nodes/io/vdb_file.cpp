@@ -32,6 +32,21 @@
 namespace fluidcarve {
 namespace {
 
+/// Requires that what OpenVDB keeps about a grid in its metadata is of the types that it expects: it fails at the next change otherwise.
+/// @throws std::runtime_error
+void check_own_metadata(const openvdb::GridBase& grid) {
+    using openvdb::GridBase;
+    const auto text = openvdb::StringMetadata::staticTypeName(), flag = openvdb::BoolMetadata::staticTypeName();
+    for (const auto& [name, type] : {std::pair(GridBase::META_GRID_CLASS, text),
+                                     {GridBase::META_GRID_CREATOR, text},
+                                     {GridBase::META_GRID_NAME, text},
+                                     {GridBase::META_VECTOR_TYPE, text},
+                                     {GridBase::META_SAVE_HALF_FLOAT, flag},
+                                     {GridBase::META_IS_LOCAL_SPACE, flag}})
+        if (const auto meta = grid[name]; meta && meta->typeName() != type)
+            throw std::runtime_error(fmt::format("its metadata '{}' has the type {}, but must have the type {}", name, meta->typeName(), type));
+}
+
 using openvdb::io::GridDescriptor;
 
 [[noreturn]] void refuse(const std::string& message) { throw Failure(message, Failure::Kind::input); }
@@ -134,6 +149,7 @@ public:
             readGrid(grid, from, in);
             codecs_seen_ |= openvdb::io::getDataCompression(in);
             check_offsets(*grid);
+            check_own_metadata(*grid);
         } catch (const Failure&) {
             throw;
         } catch (const std::exception& error) {

@@ -270,6 +270,12 @@ TEST_CASE("what is wrong with a file is said in words") {
     stream.close();
     is("stream.vdb", " was written as a stream and does not say where its grids are; write it with openvdb::io::File");
 
+    const auto odd = FloatGrid::create();
+    odd->setName("odd");
+    odd->insertMeta("class", openvdb::Int32Metadata(3));
+    openvdb::io::File(scratch / "class.vdb").write(openvdb::GridCPtrVec{odd});
+    is("class.vdb", ": cannot read grid 'odd': its metadata 'class' has the type int32, but must have the type string; write or copy the file again");
+
     const auto path = std::string(TEST_DATA) + "/plume/plume.0051.vdb";
     CHECK(failure_of([&] { read_vdb_grid(path, "densty"); }) ==
           path + " has no grid 'densty'; it has velocity, density, shadow, temperature, flame; did you mean 'density'?");
