@@ -43,7 +43,7 @@ constexpr rlim_t space = rlim_t{6} << 30;
 
 }  // namespace
 
-Ended call(const std::vector<std::string>& words, const std::string& folder) {
+Ended call(const std::vector<std::string>& words, const std::string& folder, double most) {
     std::vector<char*> arguments;
     for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
@@ -54,7 +54,7 @@ Ended call(const std::vector<std::string>& words, const std::string& folder) {
     Ended out;
     int status = 0;
     while (waitpid(child, &status, WNOHANG) == 0) {
-        if (seconds() > patience && !out.hung) {
+        if (seconds() > most && !out.hung) {
             out.hung = true;
             kill(child, SIGKILL);
         }

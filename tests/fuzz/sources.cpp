@@ -97,8 +97,8 @@ Sources make_sources(const std::string& program, const std::string& folder) {
           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty int id\nend_header\n1 2 3 1\n1 2 3 2\n1 2 3 "
           "3\n");
     write("p.yaml", fmt::format(maker, TEST_DATA));
-    if (const auto made = call({program, "run", "--quiet", "p.yaml"}, folder); made.code != 0)
-        throw std::runtime_error("the sources can't be made: " + made.errors);
+    if (const auto made = call({program, "run", "--quiet", "p.yaml"}, folder, 10 * patience); made.code != 0)
+        throw std::runtime_error(made.hung ? "making the sources takes too long" : "the sources can't be made: " + made.errors);
 
     const auto made = [&](const std::string& name) { return Scratch::read(folder + "/" + name); };
     const auto data = [&](const std::string& name) { return Scratch::read(TEST_DATA "/" + name); };
