@@ -77,7 +77,7 @@ END
 
 }  // namespace
 
-TEST_CASE("the tasks of every engine have each frame once, and job bundles are valid") {
+TEST_CASE("the tasks of every engine have each frame once, and job bundles are valid", "[long]") {
     struct Case {
         std::string frames;
         int first, last, step;
@@ -145,7 +145,7 @@ TEST_CASE("a job bundle says what travels, and what its hosts must have") {
     CHECK(steps.at("seams").find("parameterSpace") == steps.at("seams").end());
 }
 
-TEST_CASE("a job bundle makes what one run makes, also where its scheduler has moved files") {
+TEST_CASE("a job bundle makes what one run makes, also where its scheduler has moved files", "[long]") {
     const Project project;
     REQUIRE(project.call("run", "-q --no-cache").code == 0);
     fs::rename(project.folder() + "/out", project.folder() + "/one");

@@ -52,7 +52,7 @@ Paths paths_of(const std::vector<Json>& all) {
 
 }  // namespace
 
-TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says") {
+TEST_CASE("what plan, farm and status print for programs is what FORMATS.md says", "[long]") {
     const Scratch scratch;
     // All smoke is protected, so that no seam passes the window: only the solver finds out.
     const auto closed = scratch.write(

@@ -58,7 +58,7 @@ TEST_CASE("the pipeline that carve prints makes the same files") {
     CHECK(fluidcarve_program("diff " + (scratch / "a.0051.vdb") + " " + (scratch / "b.0051.vdb")).code == 0);
 }
 
-TEST_CASE("carve takes images") {
+TEST_CASE("carve takes images", "[long]") {
     const Scratch scratch;
     const auto ran = fluidcarve_program("carve tests/data/images/rocket.jpg -5% -o " + (scratch / "r.png"));
     INFO(ran.err);

@@ -137,7 +137,7 @@ TEST_CASE("no file is longer than 500 lines, no folder holds more than 25 units"
     }
 }
 
-TEST_CASE("every citation of the method leads to a section of nodes/METHOD.md, and every title to its paragraph") {
+TEST_CASE("every citation of the method leads to a section of nodes/METHOD.md, and every title to its paragraph", "[long]") {
     const auto method = text_of(SOURCE_ROOT "/nodes/METHOD.md");
     std::set<std::string> sections, titles;
     for (const auto& number : found(method, "\n## ([0-9]+)\\. ")) sections.insert(number);

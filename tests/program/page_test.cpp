@@ -54,7 +54,7 @@ nlohmann::json look(const Scratch& scratch, const std::string& page, int width, 
 
 }  // namespace
 
-TEST_CASE("a run's page has the picture, the graph, the times, the seams and every value, and stands alone") {
+TEST_CASE("a run's page has the picture, the graph, the times, the seams and every value, and stands alone", "[long]") {
     const Scratch scratch;
     const auto page = scratch / "new/folder/page.html";
     const auto ran = fluidcarve_program(ring(scratch) + "-q --html " + page + " --report " + (scratch / "report.json"));

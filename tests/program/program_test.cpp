@@ -204,7 +204,7 @@ TEST_CASE("Ctrl-C stops a run within a second and leaves no half file") {
     for (const auto& file : files) CHECK_THAT(file, !Catch::Contains(".part"));
 }
 
-TEST_CASE("the README's pipeline is good and runs, and its mistake is told as the README says") {
+TEST_CASE("the README's pipeline is good and runs, and its mistake is told as the README says", "[long]") {
     const auto readme = Scratch::read(SOURCE_ROOT "/README.md");
     const std::string fence = "```yaml\n";
     const auto begin = readme.find(fence) + fence.size();
@@ -228,7 +228,7 @@ TEST_CASE("the shot that a page shows is the one that ships") {
     CHECK_THAT(Scratch::read(SOURCE_ROOT "/pipelines/README.md"), Catch::Contains("```yaml\n" + shot.substr(shot.find("fluidcarve: 1")) + "```\n"));
 }
 
-TEST_CASE("pages name verbs, options and node types that there are") {
+TEST_CASE("pages name verbs, options and node types that there are", "[long]") {
     const auto all = [](const std::string& text, const std::string& pattern, auto&& tell) {
         const std::regex expression(pattern);
         for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at) tell(*at);

@@ -131,7 +131,7 @@ TEST_CASE("a frame in which nothing flows has the line of the nearest frame in w
     CHECK(moving_lines(lines, {1, 3, 0}).empty());
 }
 
-TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rigs of one length") {
+TEST_CASE("a rig.advect that moves waves with the flow, from the seed on, in rigs of one length", "[long]") {
     const Moving moving("{seed: [0, 0, 0], radius: 0.3, count: 32, scale: 0.5, animate: true, length: 8, steady: 0}", swaying(two_dozen), two_dozen);
     REQUIRE(moving.rigs.size() == 24);
     for (const auto& rig : moving.rigs) {
