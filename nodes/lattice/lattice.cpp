@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -15,20 +18,19 @@ namespace {
 
 using openvdb::Vec3d;
 
-class Fnv1a {
+class LatticeHash {
 public:
-    void add(std::uint64_t word) {
-        for (int n = 0; n < 64; n += 8) state_ = (state_ ^ ((word >> n) & 0xff)) * 0x100000001b3u;
-    }
+    LatticeHash() { XXH3_64bits_reset(&state_); }
+    void add(std::uint64_t word) { XXH3_64bits_update(&state_, &word, sizeof word); }
     // Adding 0 turns -0 into 0.
     void add(double value) { add(std::bit_cast<std::uint64_t>(value + 0.0)); }
     void add(const Vec3d& value) {
         for (int c = 0; c < 3; ++c) add(value[c]);
     }
-    std::string text() const { return fmt::format("{:016x}", state_); }
+    std::string text() const { return fmt::format("{}{:016x}", lattice_hash_prefix, XXH3_64bits_digest(&state_)); }
 
 private:
-    std::uint64_t state_ = 0xcbf29ce484222325u;
+    XXH3_state_t state_;
 };
 
 bool near(const Vec3d& a, const Vec3d& b, double tolerance) { return (a - b).length() <= tolerance; }
@@ -70,15 +72,14 @@ Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertice
 }
 
 std::string lattice_hash(const Lattice& lattice) {
-    Fnv1a hash;
+    LatticeHash hash;
     for (const int n : lattice.shape) hash.add(static_cast<std::uint64_t>(n));
     hash.add(lattice.spacing);
     hash.add(std::uint64_t{lattice.closed});
     hash.add(std::uint64_t{lattice.closed_form});
+    hash.add(std::uint64_t{lattice.around});
     for (const auto& plane : lattice.planes)
         for (const auto& vector : {plane.origin, plane.u, plane.v, plane.w}) hash.add(vector);
-    // Seam files state the hashes of lattices: those of all others stay as they are.
-    if (lattice.around) hash.add(std::uint64_t{1});
     return hash.text();
 }
 

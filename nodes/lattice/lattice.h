@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace fluidcarve {
@@ -57,7 +58,10 @@ struct Lattice {
 /// @param vertices  number of added vertices along u and v; none around a rig
 Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices);
 
-/// Hash over all fields of a lattice but its description, at full precision: 16 hex digits.
+/// What the hash of a lattice begins with. Seam files of older versions state hashes without it.
+inline constexpr std::string_view lattice_hash_prefix = "xxh3-64:";
+
+/// Hash over all fields of a lattice but its description, at full precision: the prefix and 16 hex digits.
 std::string lattice_hash(const Lattice& lattice);
 
 /// Makes a straight lattice, with description and hash.

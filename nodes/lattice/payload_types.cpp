@@ -40,7 +40,7 @@ Ref<Lattice> read_lattice(std::istream& from) {
 void add_lattice_payloads(Registry& registry) {
     registry.add(payload_type<Lattice>("lattice", "Vertices along a rig: the space that is carved.",
                                        [](const Lattice& lattice) { return lattice.planes.size() * sizeof(Lattice::Plane); },
-                                       {2, &write_lattice, &read_lattice}));
+                                       {3, &write_lattice, &read_lattice}));
     registry.add(active_box_type());
 }
 
