@@ -127,6 +127,14 @@ bool WorkFolder::marked() const {
     return false;
 }
 
+std::string WorkFolder::link_fault() const {
+    std::error_code none;
+    for (const auto* const part : parts)
+        if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, none))
+            return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());
+    return {};
+}
+
 std::string WorkFolder::fault() const {
     std::error_code error;
     if (!fs::exists(path_, error) || (fs::is_directory(path_, error) && fs::is_empty(path_, error))) return {};
@@ -134,10 +142,7 @@ std::string WorkFolder::fault() const {
         return fmt::format(
             "'{}' is not a work folder of fluidcarve: it has no {} written by fluidcarve, so nothing in it may be removed; name another with --work", path_,
             mark_name);
-    for (const auto* const part : parts)
-        if (const auto inside = fs::path(path_) / part; fs::is_symlink(inside, error))
-            return fmt::format("'{}' is a link: what it leads to may belong to others; make it a folder, or name another with --work", inside.string());
-    return {};
+    return link_fault();
 }
 
 std::string WorkFolder::refusal() const {

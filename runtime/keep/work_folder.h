@@ -18,6 +18,8 @@ public:
     bool marked() const;
     /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or there is no folder.
     std::string fault() const;
+    /// Why nothing may be kept in the folder: a part of it is a link. Empty: none is.
+    std::string link_fault() const;
 
     /// Why --confine forbids the folder or a part of it, which may be a link, and the remedy, to follow its path; empty: it does not.
     std::string refusal() const;

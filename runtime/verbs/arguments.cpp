@@ -192,6 +192,7 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
     request.options.cache = !no_cache;
     if (const auto refusal = WorkFolder(request.options.work_folder).refusal(); !refusal.empty())
         return wrong(fmt::format("--work: {} {}", request.options.work_folder, refusal));
+    if (const auto fault = WorkFolder(request.options.work_folder).link_fault(); !no_cache && !fault.empty()) return wrong("--work: " + fault);
     if (!cache_size.empty()) {
         const auto size = parse_size(cache_size);
         if (!size) return wrong(fmt::format("--cache-size must be a size such as 50G, not '{}'", cache_size));

@@ -116,6 +116,22 @@ TEST_CASE("a folder that is no work folder loses nothing, neither to clean nor t
     CHECK(Scratch::read(shot + "/cache/sim/smoke.0001.vdb") == "smoke");
 }
 
+TEST_CASE("nothing is written through a link in a work folder") {
+    const Scratch scratch;
+    namespace fs = std::filesystem;
+    const auto shot = scratch / "shot", other = scratch / "other";
+    fs::create_directories(shot);
+    fs::create_directories(other);
+    fs::create_directory_symlink(other, shot + "/cache");
+    const auto run = "run -q pipelines/plume.yaml --to energy --work " + shot;
+    const auto refused = fluidcarve_program(run);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::StartsWith("--work: '" + shot + "/cache' is a link: what it leads to may belong to others"));
+    CHECK(fs::is_empty(other));
+    CHECK(fluidcarve_program(run + " --no-cache").code == 0);
+    CHECK(fs::is_empty(other));
+}
+
 TEST_CASE("colours are for terminals that want them") {
     const Scratch scratch;
     const auto run = "run " + scratch.write("p.yaml", "fluidcarve: 1\nnodes:\n  sim: {type: vdb.read, path: none.vdb}\n");
