@@ -1,9 +1,10 @@
 // Measures against named rivals, each line a ratio within this run: machines are noisy, ratios less so.
 //
-//   build/bench [--large] [--only PART]... [VORTEX_FOLDER]
+//   build/bench [--large] [--keep] [--only PART]... [VORTEX_FOLDER]
 //
-// --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --only: pipeline, memory, cache, energy,
-// remap, vortex, cut, lqr, greedy, warp or page; the folder: another sequence like tests/data/vortex
+// --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --keep: write the figures to
+// pipelines/gallery/bench.md; --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, warp or page; the folder: another
+// sequence like tests/data/vortex
 
 #include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"
@@ -113,7 +114,8 @@ void bench_remap(const std::string& name, const FloatGrid::ConstPtr& grid, const
         return seconds(9, [&] { carve_grid(grid, lattice, CarveMap(lattice, {seams}, 1, std::nullopt, softness), Interpolation::linear); });
     };
     line(fmt::format("{}: remap of 12 seams / the same softly", name), with_map({}) / with_map({default_soft, default_soft_time}));
-    line(fmt::format("{}: remap of {} seams / of 1", name, std::min(40, lattice.shape[0] / 2)), carve(std::min(40, lattice.shape[0] / 2)) / carve(1));
+    line(fmt::format("{}: remap of {} seams / of 1", name, std::min(40, lattice.shape[0] / 2)), carve(std::min(40, lattice.shape[0] / 2)) / carve(1), "",
+         Better::lower);
     scaling(fmt::format("{}: remap of 12 seams", name), [&] { return carve(12); });
 }
 
@@ -153,7 +155,7 @@ void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
         sum = total;
     });
     const double two = with_threads(2, solve);
-    line(fmt::format("{}: seam.greedy, 16 starts / reading it once", name), two / read, fmt::format("{:.2f} s a seam", two));
+    line(fmt::format("{}: seam.greedy, 16 starts / reading it once", name), two / read, fmt::format("{:.2f} s a seam", two), Better::lower);
     scaling(fmt::format("{}: seam.greedy, 16 starts", name), solve);
     if (shape[0] == 322) line(fmt::format("{}: the paper's 3.7 s on eight cores / seam.greedy", name), 3.7 / two);
 }
@@ -202,7 +204,7 @@ void bench_pipeline() {
     for (const auto& node : report["nodes"]) work += node["wall_s"].get<double>();
     std::string shares;
     for (const auto& [name, node] : report["nodes"].items()) shares += fmt::format(" {} {:.0f} %", name, 100 * node["wall_s"].get<double>() / work);
-    line("plume.yaml, 16 frames, no picture / reading and writing them", run / floor, fmt::format("{:.2f} s:{}", run, shares));
+    line("plume.yaml, 16 frames, no picture / reading and writing them", run / floor, fmt::format("{:.2f} s:{}", run, shares), Better::lower);
 }
 
 /// Peak memory of read -> vorticity -> write, as the program reports it.
@@ -221,18 +223,19 @@ double peak_memory(int frames) {
 
 void bench_memory() {
     const double few = peak_memory(16), many = peak_memory(160);
-    line("read, vorticity, write: peak memory of 160 frames / of 16", many / few, fmt::format("{:.1f} MB, {:.1f} MB", many / 1e6, few / 1e6));
+    line("read, vorticity, write: peak memory of 160 frames / of 16", many / few, fmt::format("{:.1f} MB, {:.1f} MB", many / 1e6, few / 1e6), Better::lower);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     openvdb::initialize();
-    bool large = false;
+    bool large = false, keep = false;
     std::string vortex = SOURCE_ROOT "/tests/data/vortex";
     std::vector<std::string> wanted;
     for (int n = 1; n < argc; ++n)
         if (std::strcmp(argv[n], "--large") == 0) large = true;
+        else if (std::strcmp(argv[n], "--keep") == 0) keep = true;
         else if (std::strcmp(argv[n], "--only") == 0 && n + 1 < argc) wanted.emplace_back(argv[++n]);
         else vortex = argv[n];
     const std::string plume = SOURCE_ROOT "/tests/data/plume/plume.0056.vdb";
@@ -260,8 +263,12 @@ int main(int argc, char** argv) {
         {"warp", [&] { bench_warp(large); }},
         {"page", bench_page},
     };
-    fmt::print("{:<64} {:>8}\n", "", "ratio");
+    fmt::print("{:<80} {:>8}\n", "", "ratio");
     for (const auto& [name, run] : parts)
         if (wanted.empty() || std::ranges::find(wanted, name) != wanted.end()) run();
+    const std::string page = SOURCE_ROOT "/pipelines/gallery/bench.md";
+    const auto kept = read_kept(page);
+    for (const auto& worse : worse_than_kept(kept, figures())) fmt::print("worse by more than a tenth: {}\n", worse);
+    if (keep) write_kept(page, kept, figures());
     return 0;
 }

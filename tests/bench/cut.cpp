@@ -107,10 +107,11 @@ void bench_cut() {
         const double general = seconds(1, [&] { theirs = boykov_kolmogorov(given); });
         if (ours.flow != theirs.flow) throw std::runtime_error(fmt::format("the cut's flow is {}, Boost's {}", ours.flow, theirs.flow));
         const auto nodes = static_cast<double>(given.columns.count()) * (given.width - 1);
-        const auto what = fmt::format("{} {} x {}: Boost's max flow / seam.graph_cut", name, fmt::join(shape, "x"), frames);
+        const auto of = fmt::format("{} {} x {}: ", name, fmt::join(shape, "x"), frames);
+        const auto what = of + "Boost's max flow / seam.graph_cut";
         line(what + ", 1 thread", general / one, fmt::format("{:.2f} s, {:.3f} s", general, one));
         line(what + ", 2 threads", general / two, fmt::format("{:.3f} s", two));
-        line("  memory for a node: Boost's / ours", theirs.bytes / ours.bytes,
+        line(of + "memory for a node: Boost's / ours", theirs.bytes / ours.bytes,
              fmt::format("{:.0f} bytes, {:.1f} bytes with its share of a column", theirs.bytes / nodes, ours.bytes / nodes));
     }
 }

@@ -123,6 +123,6 @@ void bench_lqr() {
         line(what + "liblqr / seam.dynamic, 1 thread", theirs.seconds / one.seconds, fmt::format("{:.2f} s, {:.2f} s", theirs.seconds, one.seconds));
         line(what + "the same, 2 threads", theirs.seconds / two.seconds, fmt::format("{:.2f} s", two.seconds));
         const double sums[] = {energy_of(theirs, *energy), energy_of(two, *energy)};
-        line("  energy removed: liblqr's / seam.dynamic's", sums[0] / sums[1], fmt::format("{:.1f}, {:.1f}", sums[0], sums[1]));
+        line(what + "energy removed: liblqr's / seam.dynamic's", sums[0] / sums[1], fmt::format("{:.1f}, {:.1f}", sums[0], sums[1]));
     }
 }

@@ -1,11 +1,15 @@
 #pragma once
 
+#include "tests/bench/kept.h"
+
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,7 +32,17 @@ inline double with_threads(int threads, const std::function<double()>& measure) 
     return arena.execute(measure);
 }
 
-inline void line(const std::string& what, double figure, const std::string& rest = {}) { fmt::print("{:<64} {:>8.2f}   {}\n", what, figure, rest); }
+/// All lines of this run.
+inline std::vector<Figure>& figures() {
+    static std::vector<Figure> all;
+    return all;
+}
+
+/// Prints a line and remembers it.
+inline void line(const std::string& what, double ratio, const std::string& rest = {}, Better better = Better::higher) {
+    fmt::print("{:<80} {:>8.2f}   {}\n", what, ratio, rest);
+    figures().push_back({what, ratio, better, rest, fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))});
+}
 
 inline void scaling(const std::string& what, const std::function<double()>& measure) {
     const double one = with_threads(1, measure), two = with_threads(2, measure);

@@ -180,7 +180,7 @@ void bench_loop(const std::string& in) {
     const auto loss = [&](const std::string& name) { return loss_of(lattice, seams, input, PathPattern(name + ".####.vdb")); };
     for (const auto* const interpolation : {"linear", "cubic"}) carve_again(scratch, in, seams, interpolation, interpolation);
     const double by_loop = loss(from), linear = loss(scratch / "linear"), cubic = loss(scratch / "cubic");
-    line("  slopes lost where voxels only moved: loop / one carve", by_loop / linear,
+    line("vortex: slopes lost where voxels only moved: loop / one carve", by_loop / linear,
          fmt::format("{:.1f} %, {:.1f} %; cubic {:.1f} %", 100 * by_loop, 100 * linear, 100 * cubic));
 }
 

@@ -38,7 +38,7 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
     const auto name = fmt::format("{}x{}x{} x {}: warp.solve", shape[0], shape[1], shape[2], frames);
     const double two = with_threads(2, warp);
     line(fmt::format("{}, a point every {} / a greedy seam", name, factor == 1 ? "vertex" : fmt::format("{} vertices", factor)), two / seam,
-         fmt::format("{:.2f} s, {} cycles; {:.2f} s", two, cycles, seam));
+         fmt::format("{:.2f} s, {} cycles; {:.2f} s", two, cycles, seam), Better::lower);
     if (factor == 1) scaling(name, warp);
 }
 
