@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -52,6 +53,9 @@ std::vector<FarmPath> paths_of(const Pipeline& pipeline, const std::string& work
     std::vector<FarmPath> out;
     for (std::size_t n = 0; n < pipeline.files.size(); ++n)
         out.push_back({n == 0 ? "pipeline" : fmt::format("pipeline {}", n + 1), absolute(pipeline.files[n]), {}, false, true, false});
+    std::set<std::string> plugins;
+    for (const auto& [type, file] : pipeline.plugins) plugins.insert(absolute(file));
+    for (const auto& file : plugins) out.push_back({"plugin", file, {}, false, true, false});
     for (const auto& place : file_places(pipeline)) {
         // The place of an input that is not where the pipeline lies is the other one.
         const PathPattern pattern(place.writes || place.found || place.tried_at.empty() ? place.path : place.tried_at);
@@ -98,7 +102,6 @@ std::optional<FarmJob> plan_farm(const Pipeline& pipeline, const Registry& regis
     FarmJob out;
     out.pipeline = pipeline.name;
     out.folder = fs::current_path().string();
-    // Machines of a farm may have another environment.
     if (!command.environment.empty()) out.prefix.emplace_back("env");
     for (const auto& [variable, value] : command.environment) out.prefix.push_back(fmt::format("{}={}", variable, value));
     out.prefix.insert(out.prefix.end(), command.prefix.begin(), command.prefix.end());

@@ -35,6 +35,15 @@ std::string executable_of(const FarmArguments& arguments) {
     return error ? "fluidcarve" : own.string();
 }
 
+/// The variables that tasks need, as other machines may have another environment: those that the pipeline takes values from, and the one that
+/// trusts its plugins.
+std::vector<std::pair<std::string, std::string>> environment_of(const Document& document, const Pipeline& pipeline) {
+    auto out = document.environment;
+    const auto* const trusted = std::getenv("FLUIDCARVE_PLUGINS");
+    if (!pipeline.plugins.empty() && trusted) out.emplace_back("FLUIDCARVE_PLUGINS", trusted);
+    return out;
+}
+
 /// The names of the engines that take an option; of all, if it is empty.
 std::vector<std::string> engines_with(const std::string& option) {
     std::vector<std::string> out;
@@ -118,7 +127,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (arguments.chunk > 0) chunking.frames = arguments.chunk;
     else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
     else if (!engine.other_machines) chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
-    FarmCommand shared{document.environment, CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
+    FarmCommand shared{environment_of(document, pipeline), CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
     for (auto& word : pipeline_arguments.words()) shared.pipeline.push_back(std::move(word));
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
     const auto job = plan_farm(pipeline, registry, *request, chunking, shared);

@@ -162,6 +162,25 @@ TEST_CASE("a dry run shows the steps and makes nothing") {
     CHECK_THAT(named.out, Catch::Contains("\n  /opt/f run pipelines/plume.yaml "));
 }
 
+TEST_CASE("tasks load the plugins that the farm was trusted to load") {
+    const Plume plume;
+    const auto pipeline = plume.scratch.write("p.yaml", "fluidcarve: 1\nplugins: [" PLUGINS "/whole.so]\nextends: " SOURCE_ROOT "/pipelines/plume.yaml\n");
+    const auto first_words = [&](const std::string& before, const std::string& more) {
+        const auto called =
+            call_shell(before + FLUIDCARVE_PROGRAM " farm local " + pipeline + " --dry-run --json --work " + (plume.scratch / "work") + more);
+        INFO(called.err);
+        REQUIRE(called.code == 0);
+        const auto job = Json::parse(called.out);
+        return job.at("steps").at(0).at("command").get<std::vector<std::string>>();
+    };
+    const auto by_folder = first_words("FLUIDCARVE_PLUGINS='" PLUGINS "' ", "");
+    CHECK(by_folder.at(0) == "env");
+    CHECK(by_folder.at(1) == "FLUIDCARVE_PLUGINS=" PLUGINS);
+    const auto by_option = first_words("", " --allow-plugins");
+    CHECK(std::find(by_option.begin(), by_option.end(), "--allow-plugins") != by_option.end());
+    CHECK(by_option.at(0) != "env");
+}
+
 TEST_CASE("tasks are as long as is asked for, by earlier runs") {
     const Plume plume;
     const auto tasks = [&](const std::string& minutes, const std::string& warning) {
