@@ -243,11 +243,13 @@ private:
         node("energy", "field.filter", {{"field", "sharp"}, {"width", "2"}});
         masks(field);
         box(field);
-        const auto& seen = both ? flame : field;
         comment(fmt::format(
             "`field` is what is looked at: seams pay for the edges that they leave in it. More of the carve goes through the {} with a higher `empty`.",
-            fire ? "flame" : "smoke"));
-        solver({{"field", seen}});
+            both   ? "fire and its smoke"
+            : fire ? "flame"
+                   : "smoke"));
+        if (both) node("seen", "energy.combine", {{"terms", fmt::format("[{}, {}]", field, flame)}});
+        solver({{"field", both ? "seen" : field}});
         nodes_ += "\n";
         carve("carved", "remap.grids", "sim", {});
         node("out", "vdb.write", {{"source", "carved"}, {"path", "\"${out}\""}});

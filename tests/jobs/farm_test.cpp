@@ -166,8 +166,7 @@ TEST_CASE("tasks load the plugins that the farm was trusted to load") {
     const Plume plume;
     const auto pipeline = plume.scratch.write("p.yaml", "fluidcarve: 1\nplugins: [" PLUGINS "/whole.so]\nextends: " SOURCE_ROOT "/pipelines/plume.yaml\n");
     const auto first_words = [&](const std::string& before, const std::string& more) {
-        const auto called =
-            call_shell(before + FLUIDCARVE_PROGRAM " farm local " + pipeline + " --dry-run --json --work " + (plume.scratch / "work") + more);
+        const auto called = call_shell(before + FLUIDCARVE_PROGRAM " farm local " + pipeline + " --dry-run --json --work " + (plume.scratch / "work") + more);
         INFO(called.err);
         REQUIRE(called.code == 0);
         const auto job = Json::parse(called.out);

@@ -136,7 +136,9 @@ TEST_CASE("init knows fire, particles and images, and a folder with one sequence
         CHECK(out.code == 0);
         return out.out;
     };
-    CHECK_THAT(drafted("tests/data/bonfire"), Catch::Contains("terms: [smoke, flames]") && Catch::Contains("field: sim.flame"));
+    CHECK_THAT(drafted("tests/data/bonfire"), Catch::Contains("terms: [smoke, flames]") &&
+                                                  Catch::Contains("seen: {type: energy.combine, terms: [sim.density, sim.flame]}") &&
+                                                  Catch::Contains("field: seen"));
     CHECK_THAT(drafted("tests/data/river/meander.####.vdb"), Catch::Contains("points.write") && Catch::Contains("jitter: 0"));
     CHECK_THAT(drafted("tests/data/images/rocket.jpg"), Catch::Contains("image.write") && !Catch::Contains("frames:"));
     const auto many = fluidcarve_program("init tests/data/images");
