@@ -42,6 +42,8 @@ class CarveStep {
         this.entries = this.high - this.low + 1;
         // In which entries displacements change, by window; in this frame.
         this.seen = [[Infinity, -Infinity], [Infinity, -Infinity]];
+        // The first and last entry at which they change in any frame.
+        this.changed = [Infinity, -Infinity];
         const tables = orders.map((order, n) => this.displacements(order, 2 * n + 1 === orders.length));
         this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[k][lateral][entry - low]`
     }
@@ -61,10 +63,9 @@ class CarveStep {
                 }
                 const doubles = seam > 0 === inserts;
                 if (doubles) out[base + entry] = origin + i - entry++;
-                if (middle) {
-                    const seen = this.seen[seam > 0 ? 0 : 1];
-                    seen[0] = Math.min(seen[0], entry);
-                    seen[1] = Math.max(seen[1], entry);
+                for (const range of middle ? [this.seen[seam > 0 ? 0 : 1], this.changed] : [this.changed]) {
+                    range[0] = Math.min(range[0], entry);
+                    range[1] = Math.max(range[1], entry);
                 }
                 if (doubles) out[base + entry] = origin + i + 0.5 - entry++;
             }
@@ -93,29 +94,61 @@ class CarveStep {
         const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
         const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
         const now = tables.length === 1 ? tables[0] : overTime(tables, times);
-        const line = new Float32Array(entries + 2 * reach), sharp = new Float32Array(entries), along = Int32Array.from({length: 2 * reach + 1}, (_, n) => n),
-            [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
+        const [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
+        // Beyond these entries all columns are alike, and stay as they are.
+        const begin = Math.max(0, this.changed[0] - 1 - reach - low), end = Math.min(entries, this.changed[1] + 2 + reach - low);
+        const parts = spans.map(span => {
+            const first = span.first - low, size = span.last - span.first + 1, from = Math.max(begin, first), to = Math.min(end, first + size);
+            return {...span, first, size, from, count: to - from, line: new Float32Array(size + 2 * reach),
+                starts: Int32Array.from({length: 2 * reach + 1}, (_, n) => from - first + n)};
+        });
         for (let base = 0; base < now.length; base += entries) {
-            now.fill(before, base, base + Math.max(0, first - low));
-            now.fill(behind, base + last + 1 - low, base + entries);
+            for (let e = 0; e < first - low; ++e) now[base + e] = before;
+            for (let e = last + 1 - low; e < entries; ++e) now[base + e] = behind;
             if (reach === 0) continue;
             // Spans of pairs may overlap: each is smoothed from what was before.
-            sharp.set(now.subarray(base, base + entries));
-            for (const span of spans) {
-                const size = span.last - span.first + 1, from = span.first - low;
-                for (let n = 0; n < size; ++n) line[reach + n] = sharp[from + n];
+            for (const part of parts) {
+                const {line, size} = part, from = base + part.first;
+                for (let n = 0; n < size; ++n) line[reach + n] = now[from + n];
                 // Beyond a span the map goes on as its own mirror image.
                 for (let n = 1; n <= reach; ++n) {
-                    line[reach - n] = mirrored(sharp, from, size, -n, span);
-                    line[reach + size - 1 + n] = mirrored(sharp, from, size, size - 1 + n, span);
+                    line[reach - n] = 2 * part.before - line[reach + n - 1];
+                    line[reach + size - 1 + n] = 2 * part.behind - line[reach + size - n];
                 }
-                sumRows(weights, line, along, size, now, base + from, false);
             }
+            for (const {line, starts, count, from} of parts) sumRows(weights, line, starts, count, now, base + from, false);
         }
         if (reach === 0) return now;
-        const across = smoothAcross(now, weights, entries, this.laterals, this.slices, entries, entries * this.laterals, this.around, false);
-        return smoothAcross(across, weights, entries, this.slices, this.laterals, entries * this.laterals, entries, this.closed, true);
+        const between = new Float32Array(now.length), sheet = entries * this.laterals, size = end - begin;
+        smoothAcross(now, weights, begin, size, this.laterals, this.slices, entries, sheet, this.around, false, between);
+        smoothAcross(between, weights, begin, size, this.slices, this.laterals, sheet, entries, this.closed, true, now);
+        return now;
     }
+
+    /** How far content moves at a place in the table, vertices; NaN where values are blended, not positions.
+     * @param e        from `low` to `high`
+     * @param lateral  from 0 to `lastLateral`: columns, from the first one on */
+    displacement(e, lateral, w) {
+        const {table, entries, laterals, soft} = this, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w);
+        const a = e - i, b = lateral - j, c = w - k;
+        const n = entries * (j + laterals * k) + i - this.low, d = table[n], whole = d === Math.floor(d);
+        if (a + b + c === 0) return soft || whole ? d : NaN;
+        // The four columns of the cell, and the next entry in each; those of weight 0 may not exist.
+        const up = a > 0 ? 1 : 0, aside = b > 0 ? this.aside(j) : 0, behind = c > 0 ? this.behind(k) : 0;
+        const n10 = n + aside, n01 = n + behind, n11 = n10 + behind;
+        const d00 = d + (table[n + up] - d) * a, d10 = table[n10] + (table[n10 + up] - table[n10]) * a;
+        const d01 = table[n01] + (table[n01 + up] - table[n01]) * a, d11 = table[n11] + (table[n11 + up] - table[n11]) * a;
+        if (!soft && !(whole && d00 === d && d10 === d && d01 === d && d11 === d)) return NaN;
+        const near = d00 + (d10 - d00) * b;
+        return near + (d01 + (d11 - d01) * b - near) * c;
+    }
+    /** Whether displacements are known at a place, and the place is within the space after the step. */
+    within(e, lateral) { return e >= this.start && e <= this.last && e >= this.low && e <= this.high && lateral >= 0 && lateral <= this.lastLateral; }
+    /** A displacement that leads to an entry of the space before. */
+    clamped(e, d) { return e + d < this.origin ? this.origin - e : e + d > this.lastBefore ? this.lastBefore - e : d; }
+    /** From a column to the next one in `table`, laterally and along w. */
+    aside(j) { return this.entries * (j + 1 < this.laterals ? 1 : 1 - this.laterals); }
+    behind(k) { return this.entries * this.laterals * (k + 1 < this.slices ? 1 : 1 - this.slices); }
 
     /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral  from the first column on */
     scale(lateral, w) {
@@ -150,17 +183,6 @@ function overTime(tables, weights) {
     return out;
 }
 
-/** A displacement of a column whose span is mirrored half a vertex beyond its ends. @param n  entry, from the span's first */
-function mirrored(table, from, size, n, span) {
-    let add = 0, sign = 1;
-    while (n < 0 || n >= size) {
-        add += sign * 2 * (n < 0 ? span.before : span.behind);
-        sign = -sign;
-        n = n < 0 ? -1 - n : 2 * size - 1 - n;
-    }
-    return add + sign * table[from + n];
-}
-
 /** Writes the weighted sum of rows.
  * @param starts  where the rows begin in `from`, by distance, from the most negative one on
  * @param round   whether a sum near a whole number is that number */
@@ -168,27 +190,35 @@ function sumRows(weights, from, starts, size, out, to, round) {
     const reach = weights.length - 1, middle = starts[reach], w0 = weights[0];
     // Three distances at a time: mostly these are all.
     for (let i = 1; i <= reach; i += 3) {
-        const w1 = weights[i], w2 = weights[i + 1], w3 = weights[i + 2], first = i === 1;
+        const w1 = weights[i], w2 = weights[i + 1], w3 = weights[i + 2], last = round && i + 2 === reach;
         const a1 = starts[reach - i], a2 = starts[reach - i - 1], a3 = starts[reach - i - 2];
         const b1 = starts[reach + i], b2 = starts[reach + i + 1], b3 = starts[reach + i + 2];
-        for (let e = 0; e < size; ++e)
-            out[to + e] = (first ? w0 * from[middle + e] : out[to + e]) + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) +
-                w3 * (from[a3 + e] + from[b3 + e]);
+        if (i === 1)
+            for (let e = 0; e < size; ++e) {
+                const near = w0 * from[middle + e] + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]);
+                const sum = near + w3 * (from[a3 + e] + from[b3 + e]);
+                out[to + e] = last ? nearWhole(sum) : sum;
+            }
+        else
+            for (let e = 0; e < size; ++e) {
+                const sum = out[to + e] + w1 * (from[a1 + e] + from[b1 + e]) + w2 * (from[a2 + e] + from[b2 + e]) + w3 * (from[a3 + e] + from[b3 + e]);
+                out[to + e] = last ? nearWhole(sum) : sum;
+            }
     }
-    for (let e = to; round && e < to + size; ++e) out[e] = nearWhole(out[e]);
 }
 
-/** Smooths whole columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart. */
-function smoothAcross(table, weights, entries, count, lines, stride, between, closed, round) {
-    const out = new Float32Array(table.length), reach = weights.length - 1, starts = new Int32Array(2 * reach + 1);
+/** Smooths columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart.
+ * @param begin, size  the entries of each column
+ * @param round        whether a value near a whole number is that number */
+function smoothAcross(table, weights, begin, size, count, lines, stride, between, closed, round, out) {
+    const reach = weights.length - 1, starts = new Int32Array(2 * reach + 1);
     for (let line = 0; line < lines; ++line)
         for (let at = 0; at < count; ++at) {
-            const base = line * between;
+            const base = begin + line * between;
             for (let i = -reach; i <= reach; ++i)
                 starts[reach + i] = base + stride * (closed ? (((at + i) % count) + count) % count : clamp(at + i, 0, count - 1));
-            sumRows(weights, table, starts, entries, out, base + at * stride, round);
+            sumRows(weights, table, starts, size, out, base + at * stride, round);
         }
-    return out;
 }
 
 /** The steps of a chain of seam sets in one frame: CarveMap. @param count  seams used of the last set; of all others, all
@@ -211,12 +241,12 @@ function carveSteps(sets, count, softness, orders) {
  * @param out     receives the carved voxels of the box */
 function carve(volume, size, background, lattice, places, steps, box, out) {
     const [nx, ny, nz] = size, row = nx, plane = nx * ny;
-    const voxel = (x, y, z) => x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz ? volume[x + row * y + plane * z] : background;
+    const valueAt = (x, y, z) => x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz ? volume[x + row * y + plane * z] : background;
     const readAtRim = (i, j, k, a, b, c) => {
         let sum = 0;
         for (let n = 0; n < 8; ++n) {
             const weight = (n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c);
-            if (weight > 0) sum += weight * voxel(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+            if (weight > 0) sum += weight * valueAt(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
         }
         return sum;
     };
@@ -235,13 +265,16 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
         return low + (high - low) * c;
     };
 
-    let px = 0, py = 0, pz = 0, pu = 0, pv = 0;      // the voxel, and its place along u and v
+    let px = 0, py = 0, pz = 0, voxel = 0;           // the voxel's place, and its number
     const {steps: shears, box: straight} = lattice;  // the steps to the next vertex along u and v, per plane
     /** The content at displacements from the voxel's own place: both move it straight in the plane at `w`. */
     const content = (alongU, alongV, w) => {
-        if (alongU === 0 && alongV === 0) return volume[px + row * py + plane * pz];
+        if (alongU === 0 && alongV === 0) return volume[voxel];
         let du = alongU, dv = alongV;
-        if (lattice.around) [du, dv] = minus2(lattice.across(pu + du, pv + dv), lattice.across(pu, pv));
+        if (lattice.around) {
+            const u = places[3 * voxel], v = places[3 * voxel + 1];
+            [du, dv] = minus2(lattice.across(u + du, v + dv), lattice.across(u, v));
+        }
         const k = straight ? 0 : Math.floor(w), c = straight ? 0 : w - k, n = 6 * k;
         let x = du * shears[n] + dv * shears[n + 3], y = du * shears[n + 1] + dv * shears[n + 4], z = du * shears[n + 2] + dv * shears[n + 5];
         if (c > 0) {
@@ -265,20 +298,8 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
                 if (step.inserts) continue;
                 return background;
             }
-            const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
-            // The four columns of the cell, and the next entry in each; those of weight 0 may not exist.
-            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries * (j + 1 < step.laterals ? 1 : 1 - step.laterals) : 0;
-            const behind = c > 0 ? entries * step.laterals * (k + 1 < step.slices ? 1 : 1 - step.slices) : 0;
-            const n00 = entries * (j + step.laterals * k) + i - step.low, n10 = n00 + aside, n01 = n00 + behind, n11 = n01 + aside;
-            let d = table[n00], whole = d === Math.floor(d);
-            if (a + b + c > 0) {
-                const d00 = d + (table[n00 + up] - d) * a, d10 = table[n10] + (table[n10 + up] - table[n10]) * a;
-                const d01 = table[n01] + (table[n01 + up] - table[n01]) * a, d11 = table[n11] + (table[n11 + up] - table[n11]) * a;
-                const low = d00 + (d10 - d00) * b, high = d01 + (d11 - d01) * b, mean = low + (high - low) * c;
-                whole = whole && d00 === d && d10 === d && d01 === d && d11 === d;
-                d = mean;
-            }
-            if (step.soft || whole) {
+            const d = step.displacement(e, lateral, w);
+            if (d === d) {
                 const to = clamp(e + scale * d, step.origin, step.lastBefore);
                 if (across) dv += to - e, v = to;
                 else du += to - e, u = to;
@@ -291,67 +312,88 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
             };
             // An inserted entry is the mean of its neighbours.
             const from = (entry, by) => Number.isInteger(by) ? goTo(entry + by) : 0.5 * (goTo(entry + by - 0.5) + goTo(entry + by + 0.5));
+            const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
+            const n = entries * (j + step.laterals * k) + i - step.low, up = a > 0 ? 1 : 0;
+            const aside = n + (b > 0 ? step.aside(j) : 0), behind = c > 0 ? step.behind(k) : 0;
             const column = n => table[n] === table[n + up] ? from(e, table[n]) : (1 - a) * from(i, table[n]) + a * from(i + 1, table[n + up]);
-            let sum = (1 - b) * (1 - c) * column(n00);
-            if (b > 0) sum += b * (1 - c) * column(n10);
-            if (c > 0) sum += (1 - b) * c * column(n01);
-            if (b > 0 && c > 0) sum += b * c * column(n11);
+            let sum = (1 - b) * (1 - c) * column(n);
+            if (b > 0) sum += b * (1 - c) * column(aside);
+            if (c > 0) sum += (1 - b) * c * column(n + behind);
+            if (b > 0 && c > 0) sum += b * c * column(aside + behind);
             return sum;
         }
         return content(du, dv, w);
     };
 
-    // Most volumes are carved by one step, and most of their cells move as one: this is quick, the rest is left to gather().
-    const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
-    const {axis, low, high, start, last, origin, lastBefore, firstLateral, lastLateral, laterals, entries, slices, table, soft, inserts} = one ?? {};
-    const sheet = entries * laterals;
-    // In a box along the voxels all content moves along one line of voxels.
-    const shift = one && straight && !lattice.around ? shears.slice(3 * axis, 3 * axis + 3) : [0, 0, 0];
-    const lines = [0, 1, 2].filter(n => shift[n] !== 0), line = lines.length === 1 ? lines[0] : -1;
-    const perVertex = shift[line], stride = [1, row, plane][line], lineEnd = size[line] - 1;
-    const alongLine = (n, from, by) => {
-        const to = from + by * perVertex, i = Math.floor(to + snapWidth), a = to - i;
-        if (i < 0 || i >= lineEnd) return content(axis === 0 ? by : 0, axis === 0 ? 0 : by, 0);
-        const at = n + stride * (i - from), low = volume[at];
-        return a > snapWidth ? low + (volume[at + stride] - low) * a : low;
+    /** The content of voxel `n` at x, y and z of `at`. */
+    const gathered = (at, n) => {
+        px = at[0], py = at[1], pz = at[2], voxel = n;
+        return gather(steps.length, places[3 * n], places[3 * n + 1], places[3 * n + 2], 0, 0);
     };
+    /** The same, if it lies so many vertices further along an axis. */
+    const shifted = (at, n, axis, by) => {
+        px = at[0], py = at[1], pz = at[2], voxel = n;
+        return axis === 0 ? content(by, 0, places[3 * n + 2]) : content(0, by, places[3 * n + 2]);
+    };
+    // Most volumes are carved by one step.
+    const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
+    const lines = one && straight && !lattice.around ? [0, 1, 2].filter(n => shears[3 * one.axis + n] !== 0) : [];
+    if (lines.length === 1) return carveLines(volume, size, places, one, lines[0], shears[3 * one.axis + lines[0]], box, out, gathered, shifted);
+    const at = [0, 0, 0];
     for (let z = box[0][2]; z <= box[1][2]; ++z)
         for (let y = box[0][1]; y <= box[1][1]; ++y)
             for (let x = box[0][0], n = x + row * y + plane * z; x <= box[1][0]; ++x, ++n) {
-                const u = places[3 * n];
-                if (u !== u) {
+                if (places[3 * n] !== places[3 * n]) {
                     out[n] = volume[n];
                     continue;
                 }
-                const v = places[3 * n + 1], w = places[3 * n + 2];
-                px = x, py = y, pz = z, pu = u, pv = v;
-                if (one) {
-                    const e = axis === 0 ? u : v, lateral = (axis === 0 ? v : u) - firstLateral;
-                    if (e >= start && e <= last && e >= low && e <= high && lateral >= 0 && lateral <= lastLateral) {
-                        const i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
-                        let at = entries * j + sheet * k + i - low, d = table[at], known = soft || d === Math.floor(d);
-                        if (a + b + c > 0) {
-                            const up = a > 0 ? 1 : 0, aside = b > 0 ? entries * (j + 1 < laterals ? 1 : 1 - laterals) : 0;
-                            const behind = c > 0 ? (k + 1 < slices ? sheet : -sheet * k) : 0;
-                            const d00 = d + (table[at + up] - d) * a;
-                            at += aside;
-                            const d10 = table[at] + (table[at + up] - table[at]) * a;
-                            at += behind;
-                            const d11 = table[at] + (table[at + up] - table[at]) * a;
-                            at -= aside;
-                            const d01 = table[at] + (table[at + up] - table[at]) * a, near = d00 + (d10 - d00) * b;
-                            known = soft || known && d00 === d && d10 === d && d01 === d && d11 === d;
-                            d = near + (d01 + (d11 - d01) * b - near) * c;
-                        }
-                        if (known) {
-                            const by = e + d < origin ? origin - e : e + d > lastBefore ? lastBefore - e : d;
-                            if (by === 0) out[n] = volume[n];
-                            else if (line >= 0) out[n] = alongLine(n, line === 0 ? x : line === 1 ? y : z, by) + 0.5;
-                            else out[n] = (axis === 0 ? content(by, 0, w) : content(0, by, w)) + 0.5;
-                            continue;
-                        }
-                    }
-                }
-                out[n] = gather(steps.length, u, v, w, 0, 0) + 0.5;
+                at[0] = x, at[1] = y, at[2] = z;
+                // Most cells move as one.
+                const e = one ? places[3 * n + one.axis] : NaN, lateral = one ? places[3 * n + 1 - one.axis] - one.firstLateral : NaN;
+                const d = one && one.within(e, lateral) ? one.displacement(e, lateral, places[3 * n + 2]) : NaN;
+                out[n] = (d === d ? shifted(at, n, one.axis, one.clamped(e, d)) : gathered(at, n)) + 0.5;
             }
+}
+
+/** carve() by one step that moves all content along one line of voxels, as in a box along the voxels. What closures hold is slow, so that the loop
+ * has all that it needs of its own.
+ * @param line       0, 1 or 2: along x, y or z
+ * @param perVertex  voxels from a vertex to the next one, along the line
+ * @param gathered, shifted  those of carve() */
+function carveLines(volume, size, places, step, line, perVertex, box, out, gathered, shifted) {
+    const {axis, low, origin, lastBefore, firstLateral, lastLateral, laterals, entries, table, soft} = step;
+    const least = Math.max(step.start, low), most = Math.min(step.last, step.high);
+    const strides = [1, size[0], size[0] * size[1]], stride = strides[line], end = size[line] - 1 - snapWidth, stop = box[1][line], at = [0, 0, 0];
+    const [p, q] = [0, 1, 2].filter(n => n !== line);
+    for (let i = box[0][q]; i <= box[1][q]; ++i)
+        for (let j = box[0][p]; j <= box[1][p]; ++j) {
+            at[q] = i, at[p] = j;
+            let m = box[0][line], n = strides[q] * i + strides[p] * j + stride * m;
+            for (; m <= stop && places[3 * n] !== places[3 * n]; ++m, n += stride) out[n] = volume[n];
+            if (m > stop) continue;
+            // All voxels of a line lie beside the same columns.
+            const lateral = places[3 * n + 1 - axis] - firstLateral, w = places[3 * n + 2], within = lateral >= 0 && lateral <= lastLateral;
+            const aligned = within && lateral === Math.floor(lateral) && w === Math.floor(w), column = aligned ? entries * (lateral + laterals * w) : 0;
+            for (; m <= stop; ++m, n += stride) {
+                const e = places[3 * n + axis];
+                if (e !== e) {
+                    out[n] = volume[n];
+                    continue;
+                }
+                let d = NaN;
+                if (e >= least && e <= most) {
+                    const entry = e - low | 0, here = table[column + entry];
+                    if (!aligned || e - low !== entry) d = within ? step.displacement(e, lateral, w) : NaN;
+                    else if (soft || here === Math.floor(here)) d = here;
+                }
+                const to = e + d, by = to < origin ? origin - e : to > lastBefore ? lastBefore - e : d, place = m + by * perVertex;
+                if (place >= 0 && place < end) {
+                    const below = place + snapWidth | 0, f = place - below, there = n + stride * (below - m), here = volume[there];
+                    out[n] = (f > snapWidth ? here + (volume[there + stride] - here) * f : here) + 0.5;
+                } else {
+                    at[line] = m;
+                    out[n] = (d === d ? shifted(at, n, axis, by) : gathered(at, n)) + 0.5;
+                }
+            }
+        }
 }

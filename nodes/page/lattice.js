@@ -69,7 +69,7 @@ class Lattice {
                         inside = inside && at >= low[n] - rimSlack && at <= high[n] + rimSlack;
                         out[to + n] = clamp(snapped(at), low[n], high[n]);
                     }
-                    if (!inside) out[to] = NaN;
+                    if (!inside) out.fill(NaN, to, to + 3);
                 }
     }
     locateInSlabs(size, first, last, out) {

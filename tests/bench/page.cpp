@@ -16,21 +16,27 @@ void bench_page() {
     const Scratch scratch;
     const auto times = ask_browser(scratch, page_of(frame_of(96, 12)), R"js(
         await showFrame();
-        const times = {};
+        const [view] = views, times = {};
         for (const shown of ['volume', 'z']) {
             document.querySelector(`input[name=kind][value=${shown}]`).checked = true;
             showKind();
             for (const visit of ['first', 'again']) {
-                const name = `${shown} ${visit}`;
-                times[name] = 1e9;
+                // Of the slowest count, the quickest of a few visits: the others were held up by something else.
+                let slowest = 0;
                 for (let count = 1; count <= 12; ++count) {
-                    byId('count').value = count;
-                    takeCount();
-                    draw();
-                    times[name] = Math.min(times[name], scriptTime);
+                    let quickest = Infinity;
+                    for (let n = 0; n < 5; ++n) {
+                        if (visit === 'first') view.known.clear();
+                        view.forget();
+                        byId('count').value = count;
+                        takeCount();
+                        draw();
+                        quickest = Math.min(quickest, scriptTime);
+                    }
+                    slowest = Math.max(slowest, quickest);
                 }
+                times[`${shown} ${visit}`] = slowest;
             }
-            await showFrame();
         }
         return times;)js",
                                    "", Clock::real);
