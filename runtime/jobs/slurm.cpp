@@ -57,6 +57,8 @@ fi
 starts=$((${SLURM_RESTART_COUNT:-0} + 1))
 if { [ -n "$late" ] && [ $starts -lt 20 ]; } || { [ -z "$stopped" ] && [ $code -ne 2 ] && [ $starts -lt 3 ]; }; then
     echo "start $starts ended with code $code; the next one follows" >&2
+    # The request itself ends this start by a SIGTERM, which must not end the request.
+    trap '' TERM
     scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID" && exit $code
 fi
 echo "ended with code $code; what waits for it is cancelled. Submit the job again to go on" >&2

@@ -22,10 +22,12 @@ bool ready() {
 class Job {
 public:
     Job(const SlurmCluster& cluster, std::string pipeline) : cluster_(cluster), pipeline_(std::move(pipeline)) {
-        // Around the program: fails once for each chunk while there is a file `flaky`, and is slow while there is `slow`.
+        // Around the program: fails once for each chunk while there is a file `flaky`, delivers nothing the first time while there is `stuck`, and is
+        // slow while there is `slow`.
         scratch_.write("wrap", "#!/usr/bin/env bash\n" + fmt::format("cd {}\n", scratch_.path()) +
                                    R"(last=${@: -1}
 if [ -e flaky ] && mkdir "failed$last" 2>/dev/null; then exit 1; fi
+if [ -e stuck ] && [[ $* == *"--only out "* ]] && mkdir "stuck$last" 2>/dev/null; then exec sleep 100; fi
 if [ -e slow ]; then sleep 2; fi
 cd - >/dev/null
 exec "$@"
@@ -47,7 +49,7 @@ exec "$@"
     }
     /// Hands the job to Slurm.
     Called submit(const std::string& more = {}) const {
-        return call("farm slurm", "many", fmt::format("--submit --output '{}/job' --prefix {} {}", folder(), scratch_ / "wrap", more));
+        return call("farm slurm", "many", fmt::format("--submit --output '{}/job' --prefix {} {}", folder(), wrapper(), more));
     }
     Json status() const { return Json::parse(call_shell(fmt::format("{} status --json --work '{}/many work'", FLUIDCARVE_PROGRAM, folder())).out).at(0); }
     void set(const std::string& fault, bool on) const { on ? static_cast<void>(scratch_.write(fault, "")) : static_cast<void>(fs::remove(scratch_ / fault)); }
@@ -82,6 +84,7 @@ exec "$@"
         fs::resize_file(path, fs::file_size(path) - 5000);
     }
     std::string folder() const { return scratch_ / "it is here"; }
+    std::string wrapper() const { return scratch_ / "wrap"; }
 
 private:
     const SlurmCluster& cluster_;
@@ -126,6 +129,22 @@ TEST_CASE("a chunk that fails once and a machine that dies lose nothing") {
     // Slurm notes a task of a lost node as failed with it, or, if it was queued again at once, as pending.
     CHECK_THAT(cluster.ended(), Catch::Contains("JobState=NODE_FAIL") || Catch::Contains("JobState=PENDING"));
     CHECK_THAT(job.log("*"), Catch::Contains("start 1 ended with code 1; the next one follows"));
+    CHECK(job.status().at("state") == "done");
+    CHECK(job.differences().empty());
+}
+
+TEST_CASE("a task that comes near its time limit starts again") {
+    if (!ready()) return;
+    const SlurmCluster cluster;
+    const Job job(cluster, "pipelines/vortex.yaml");
+    job.set("stuck", true);
+    const std::string options = "--set count=-2 --to out ";
+    REQUIRE(job.call("farm slurm", "many", options + fmt::format("--chunk 3 --output '{}/job' --prefix {}", job.folder(), job.wrapper())).code == 0);
+    // Slurm signals a minute before the limit: at once.
+    REQUIRE(cluster.call("'" + job.folder() + "/job/submit' --time=1").code == 0);
+    REQUIRE(job.call("run", "one", options + "-q").code == 0);
+    cluster.wait_until_empty();
+    CHECK_THAT(job.log("out"), Catch::Contains("start 1 ended with code 143; the next one follows") && !Catch::Contains("is cancelled"));
     CHECK(job.status().at("state") == "done");
     CHECK(job.differences().empty());
 }
