@@ -96,8 +96,8 @@ Registry builtin_registry() {
     out.add(PipelineDrafter{&draft_pipeline, &draft_preview});
     out.add(ContactSheetWriter{&write_contact_sheet});
     out.add(PageJoiner{&write_joined_page});
-    out.add(image_inspector());
     out.add(geometry_inspector());
+    out.add(image_inspector());
     out.add(volume_comparer());
     out.add(image_comparer());
     out.add(geometry_comparer());

@@ -137,7 +137,7 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {
-        const auto files = look_at_draft_files(arguments.files, registry);
+        const auto files = look_at_draft_files(arguments.files, registry, Several::refused);
         if (const auto fault = wrong_output(arguments, files); !fault.empty()) return wrong(fault);
         source->name = "carve " + std::filesystem::path(files.sequence.path.text()).filename().string();
         source->text = registry.drafter().text(request_of(arguments, files));

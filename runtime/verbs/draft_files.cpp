@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -18,8 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The one sequence in a folder: of those whose files the first inspector that fits any of them looks at.
-FileSequence only_sequence_in(const std::string& folder, const Registry& registry) {
+std::uintmax_t size_of(const FileSequence& sequence) {
+    std::error_code ignored;
+    return fs::file_size(sequence.path.at(sequence.frames.frames().front()), ignored);
+}
+
+/// The sequences in a folder, of files that the first inspector that fits any of them looks at. Those of most frames stand first, of these
+/// those of large files.
+std::vector<FileSequence> sequences_to_draft(const std::string& folder, const Registry& registry) {
     std::size_t others = 0;
     const auto all = sequences_in(
         folder, [&](const std::string& path) { return registry.inspector(path) != nullptr; }, others);
@@ -27,18 +34,14 @@ FileSequence only_sequence_in(const std::string& folder, const Registry& registr
         std::vector<FileSequence> found;
         for (const auto& each : all)
             if (registry.inspector(each.path.text()) == &inspector) found.push_back(each);
-        if (found.size() == 1) return found.front();
-        if (found.empty()) continue;
-        std::vector<std::string> texts;
-        for (const auto& each : found) texts.push_back(each.path.text());
-        throw Failure(fmt::format("{} holds {} sequences; name one of them: {}", folder, found.size(), fmt::join(texts, ", ")));
+        std::ranges::stable_sort(found, std::greater(), [](const FileSequence& each) { return std::pair(each.frames.frames().size(), size_of(each)); });
+        if (!found.empty()) return found;
     }
     throw Failure(fmt::format("{} holds no volumes, images, particles or meshes", folder), Failure::Kind::input);
 }
 
 FileSequence sequence_of(const std::string& argument, const Registry& registry) {
     std::error_code ignored;
-    if (fs::is_directory(argument, ignored)) return only_sequence_in(argument, registry);
     auto out = named_sequence(argument);
     if (out.frames.frames().empty()) throw Failure(fmt::format("{}: there is no file of any frame", argument), Failure::Kind::input);
     if (!out.per_frame() && !fs::exists(argument, ignored)) throw Failure(fmt::format("{}: there is no such file", argument), Failure::Kind::input);
@@ -46,6 +49,26 @@ FileSequence sequence_of(const std::string& argument, const Registry& registry) 
     std::vector<std::string> endings;
     for (const auto& inspector : registry.inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
     throw Failure(fmt::format("{}: files to carve end in {}", argument, fmt::join(std::set(endings.begin(), endings.end()), ", ")));
+}
+
+/// Looks at some of a sequence's files. @throws Failure
+DraftFiles look_at(const FileSequence& sequence, const Registry& registry) {
+    DraftFiles out{sequence, {}, {}};
+    const auto& inspector = *registry.inspector(out.sequence.path.text());
+    constexpr std::size_t most = 5;
+    const auto& frames = out.sequence.frames.frames();
+    const auto count = std::min(most, frames.size());
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto path = out.sequence.path.at(frames[count == 1 ? 0 : n * (frames.size() - 1) / (count - 1)]);
+        try {
+            out.facts.push_back(inspector.look(path));
+        } catch (const std::exception& error) {
+            const std::string fault = error.what();
+            throw Failure(one_line(fault.find(path) == std::string::npos ? path + ": " + fault : fault), Failure::Kind::input);
+        }
+    }
+    out.notes = inspector.compare(out.facts);
+    return out;
 }
 
 }  // namespace
@@ -70,22 +93,20 @@ DraftRequest DraftFiles::request(const std::string& folder) const {
     return out;
 }
 
-DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry) {
-    DraftFiles out{sequence_of(argument, registry), {}, {}};
-    const auto& inspector = *registry.inspector(out.sequence.path.text());
-    constexpr std::size_t most = 5;
-    const auto& frames = out.sequence.frames.frames();
-    const auto count = std::min(most, frames.size());
-    for (std::size_t n = 0; n < count; ++n) {
-        const auto path = out.sequence.path.at(frames[count == 1 ? 0 : n * (frames.size() - 1) / (count - 1)]);
-        try {
-            out.facts.push_back(inspector.look(path));
-        } catch (const std::exception& error) {
-            const std::string fault = error.what();
-            throw Failure(one_line(fault.find(path) == std::string::npos ? path + ": " + fault : fault), Failure::Kind::input);
-        }
-    }
-    out.notes = inspector.compare(out.facts);
+DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry, Several several) {
+    std::error_code ignored;
+    if (!fs::is_directory(argument, ignored)) return look_at(sequence_of(argument, registry), registry);
+    const auto found = sequences_to_draft(argument, registry);
+    if (found.size() == 1) return look_at(found.front(), registry);
+    std::vector<std::string> texts;
+    for (const auto& each : found) texts.push_back(each.path.text());
+    if (several == Several::refused) throw Failure(fmt::format("{} holds {} sequences; name one of them: {}", argument, texts.size(), fmt::join(texts, ", ")));
+    auto out = look_at(found.front(), registry);
+    for (std::size_t n = 1; n < found.size() && !out.notes.empty(); ++n)
+        if (auto other = look_at(found[n], registry); other.notes.empty()) out = std::move(other);
+    std::erase(texts, out.sequence.path.text());
+    out.notes.push_back(
+        fmt::format("{} holds {} sequences; this is for {}, not for {}", argument, found.size(), out.sequence.path.text(), fmt::join(texts, ", ")));
     return out;
 }
 

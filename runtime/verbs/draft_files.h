@@ -22,9 +22,15 @@ struct DraftFiles {
     DraftRequest request(const std::string& folder) const;
 };
 
+/// What is done of a folder with several sequences.
+enum class Several {
+    chosen,   ///< takes that of most frames, of these that of the largest files; one whose frames do not fit together only if all are so
+    refused,  ///< none
+};
+
 /// Looks at up to five files of a sequence. It trusts them, as `run` does.
-/// @param argument  a file, a path with frame tokens, or a folder that holds one sequence of volumes, images, particles or meshes
+/// @param argument  a file, a path with frame tokens, or a folder: its volumes; if it has none its meshes, points and curves; else its images
 /// @throws Failure (input) if there is no such file, or one that can't be read; Failure if the argument is no such path
-DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry);
+DraftFiles look_at_draft_files(const std::string& argument, const Registry& registry, Several several);
 
 }  // namespace fluidcarve

@@ -16,7 +16,7 @@
 namespace fluidcarve {
 
 void InitArguments::declare(CLI::App& verb) {
-    verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder that holds one sequence")->required()->type_name("FILES");
+    verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder: its longest sequence")->required()->type_name("FILES");
     verb.add_option("-o,--out", out, "The pipeline to write; it must not exist (default: print it)")->type_name("SHOT.yaml");
 }
 
@@ -26,7 +26,7 @@ int init_pipeline(const InitArguments& arguments, const Registry& registry) {
     if (!arguments.out.empty() && fs::exists(arguments.out, ignored))
         return complain(fmt::format("-o: {} exists already; name another file\n", arguments.out)), exit_code::usage;
     try {
-        const auto files = look_at_draft_files(arguments.files, registry);
+        const auto files = look_at_draft_files(arguments.files, registry, Several::chosen);
         auto request = files.request(fs::path(arguments.out).parent_path().string());
         const auto folder = std::string("out/"), ending = fs::path(files.sequence.path.text()).extension().string();
         request.out = folder + fs::path(files.sequence.path.text()).filename().string();

@@ -129,7 +129,7 @@ TEST_CASE("the rig in the comments of init may stand in place of the box") {
     CHECK(checked.code == 0);
 }
 
-TEST_CASE("init knows fire, particles and images, and a folder with one sequence") {
+TEST_CASE("init knows fire, particles and images, and takes a folder's longest sequence") {
     const auto drafted = [](const std::string& files) {
         const auto out = fluidcarve_program("init " + files);
         INFO(out.err);
@@ -142,6 +142,11 @@ TEST_CASE("init knows fire, particles and images, and a folder with one sequence
     CHECK_THAT(drafted("tests/data/river/meander.####.vdb"), Catch::Contains("points.write") && Catch::Contains("jitter: 0"));
     CHECK_THAT(drafted("tests/data/images/rocket.jpg"), Catch::Contains("image.write") && !Catch::Contains("frames:"));
     const auto many = fluidcarve_program("init tests/data/images");
-    CHECK(many.code == 2);
-    CHECK_THAT(many.err, Catch::Contains("name one of them: "));
+    CHECK(many.code == 0);
+    CHECK_THAT(many.out, Catch::Contains("tests/data/images/chelsea.png"));
+    CHECK(many.err == "warning: tests/data/images holds 2 sequences; this is for tests/data/images/chelsea.png, not for tests/data/images/rocket.jpg\n");
+    const Scratch scratch;
+    const auto carved = fluidcarve_program("carve tests/data/images -8 -o " + (scratch / "out.png"));
+    CHECK(carved.code == 2);
+    CHECK_THAT(carved.err, Catch::Contains("name one of them: "));
 }

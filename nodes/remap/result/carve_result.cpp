@@ -53,6 +53,12 @@ bool unchanged(const GridMeasure& a, const GridMeasure& b, double voxel) {
     return std::abs(a.mass - b.mass) <= same_share * a.mass && near(a.box.min(), b.box.min()) && near(a.box.max(), b.box.max()) && near(a.centre, b.centre);
 }
 
+/// Whether a box is one voxel thick: what lies in it is a picture, not something that starts anywhere.
+bool is_picture(const openvdb::BBoxd& box, double voxel) {
+    const auto size = box.extents();
+    return !box.empty() && std::min({size.x(), size.y(), size.z()}) < 1.5 * voxel;
+}
+
 bool nothing_left(double mass_before, double mass_after) { return mass_before > 0 && mass_after <= nothing_share * mass_before; }
 
 /// A grid before or after the carve, over all frames.
@@ -89,7 +95,7 @@ struct GridResult {
     bool same = true;              ///< in all frames
     std::vector<int> lost;         ///< numbers of the frames where nothing is left
     std::size_t full = 0;          ///< number of frames where there was something
-    double moved = 0;              ///< how far the centre moved in the first frame with content, voxels
+    double moved = 0;              ///< how far the centre moved in the first frame with content, voxels; of a picture 0
     std::optional<int> starts_at;  ///< number of that frame
     std::optional<std::pair<GridMeasure, GridMeasure>> last;
 
@@ -108,7 +114,7 @@ struct GridResult {
             if (none) lost.push_back(frame);
             if (!starts_at) {
                 starts_at = frame;
-                if (!none) moved = (now.second.centre - now.first.centre).length() / voxel;
+                if (!none && !is_picture(now.first.box, voxel)) moved = (now.second.centre - now.first.centre).length() / voxel;
             }
         }
         last = now;

@@ -185,13 +185,17 @@ TEST_CASE("a carve that takes a third of the mass is warned of, one that takes l
                 "(`protect` of the solver), or keep the mass of densities (`conserve`)"});
 }
 
-TEST_CASE("content that starts ten voxels from where it was is warned of, at nine it is not") {
+TEST_CASE("content that starts ten voxels from where it was is warned of, at nine, or in a picture, it is not") {
     const Frames frames{{block(20, 29, 0)}, {block(20, 29, 1)}, {block(22, 29, 1)}};
     auto out = removed(frames, std::vector<int>(11, 0));
     CHECK(out.lines == Lines{"density 10 x 4 x 4 -> 10 x 4 x 4, mass +0.0 %, highest 1.00 of before"});
     CHECK(out.warnings ==
           Lines{"density starts 11.0 voxels from where it was, by its centre in frame 2; if its source must stay in place, set `anchor` of the solver"});
     CHECK(removed(frames, std::vector<int>(9, 0)).warnings.empty());
+    const auto picture = FloatGrid::create();
+    picture->setName("R");
+    picture->sparseFill(CoordBBox(Coord(20, 0, 0), Coord(29, 3, 0)), 1.0f);
+    CHECK(removed({{picture}}, std::vector<int>(11, 0)).warnings.empty());
 }
 
 TEST_CASE("without seams nothing is told, and of velocities nothing is measured") {
