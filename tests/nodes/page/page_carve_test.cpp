@@ -45,15 +45,20 @@ struct Case {
     std::vector<int> counts = {1, 2, 3, 5, 6};
 };
 
-/// Checks the middle slice across each axis, as the page draws it, at several counts.
-void check(const Case& what) {
-    INFO(what.name);
-    const Scratch scratch;
-    const auto grid = waves(what.size, 1);
+/// A case as the page gets it.
+struct Shown {
+    Case what;
+    FloatGrid::Ptr grid;
     std::vector<std::shared_ptr<const Seams>> sets;
+    int frame = 0;
+    nlohmann::ordered_json scene;
+};
+
+Shown shown(const Case& what) {
+    Shown out{what, waves(what.size, 1), {}, 0, {}};
     for (auto each : what.sets) {
         each.find_shifts();
-        sets.push_back(std::make_shared<Seams>(std::move(each)));
+        out.sets.push_back(std::make_shared<Seams>(std::move(each)));
     }
     PageWish wish;
     wish.title = wish.grid = "density";
@@ -61,47 +66,31 @@ void check(const Case& what) {
     wish.softness = what.softness;
     wish.fade = what.fade;
     PageFrame frame;
-    frame.number = sets.front()->frames[sets.front()->frames.size() / 2];
-    frame.before = grid;
+    frame.number = out.frame = out.sets.front()->frames[out.sets.front()->frames.size() / 2];
+    frame.before = out.grid;
     frame.lattice = std::make_shared<Lattice>(what.lattice);
-    frame.seams = sets;
-    const auto scene = page_scene(wish, {frame});
-    const auto seen = ask_browser(scratch, page_html(wish.title, {scene}), "const counts = " + nlohmann::json(what.counts).dump() + R"js(, out = [];
-        const [{scene, picture}] = views;
-        await showFrame();
-        byId('wipe').value = 0;
-        for (const count of counts)
-            for (const axis of ['x', 'y', 'z']) {
-                document.querySelector(`input[name=kind][value=${axis}]`).checked = true;
-                showKind();
-                byId('count').value = count;
-                takeCount();
-                draw();
-                const [r, t] = sliceAxes[axis], {width, height} = picture.canvas, slice = [], at = [0, 0, 0];
-                const pixels = picture.context.getImageData(0, 0, width, height).data;
-                at[axisNumber[axis]] = number('at');
-                for (at[t] = 0; at[t] < scene.size[t]; ++at[t])
-                    for (at[r] = 0; at[r] < scene.size[r]; ++at[r]) {
-                        const [x, y] = picture.project(axis, at, turn);
-                        slice.push(pixels[4 * (Math.floor(x) + width * Math.floor(y))]);
-                    }
-                out.push({count, axis: axisNumber[axis], at: number('at'), slice});
-            }
-        return out;)js",
-                                  "--disable-3d-apis");
-    const auto first = scene["first"].get<std::array<int, 3>>();
-    const PageGrid page{grid->transformPtr(), Coord(first[0], first[1], first[2]), 1, scene["size"].get<std::array<int, 3>>()};
-    REQUIRE(scene["step"] == 1);
-    const auto range = scene["range"].get<std::array<float, 2>>();
-    const auto before = page_bytes(page_values(*grid, page), range[0], range[1]);
+    frame.seams = out.sets;
+    out.scene = page_scene(wish, {frame});
+    return out;
+}
+
+/// Checks slices of a case at several counts.
+/// @param seen  of each count and axis: `{count, axis, at, slice}`
+void check(const Shown& shown, const nlohmann::json& seen) {
+    INFO(shown.what.name);
+    const auto first = shown.scene["first"].get<std::array<int, 3>>();
+    const PageGrid page{shown.grid->transformPtr(), Coord(first[0], first[1], first[2]), 1, shown.scene["size"].get<std::array<int, 3>>()};
+    REQUIRE(shown.scene["step"] == 1);
+    const auto range = shown.scene["range"].get<std::array<float, 2>>();
+    const auto before = page_bytes(page_values(*shown.grid, page), range[0], range[1]);
     std::size_t changed = 0;
     std::map<std::size_t, std::vector<std::uint8_t>> carved_by;
     for (const auto& each : seen) {
         const auto count = each["count"].get<std::size_t>();
         if (!carved_by.contains(count)) {
-            CarveMap map(what.lattice, sets, frame.number, count, what.softness);
-            if (what.fade > 0) map.fade(what.fade);
-            carved_by[count] = page_bytes(page_values(*carve_grid(grid, what.lattice, map, Interpolation::linear), page), range[0], range[1]);
+            CarveMap map(shown.what.lattice, shown.sets, shown.frame, count, shown.what.softness);
+            if (shown.what.fade > 0) map.fade(shown.what.fade);
+            carved_by[count] = page_bytes(page_values(*carve_grid(shown.grid, shown.what.lattice, map, Interpolation::linear), page), range[0], range[1]);
         }
         const auto& carved = carved_by[count];
         const auto axis = each["axis"].get<int>();
@@ -126,6 +115,49 @@ void check(const Case& what) {
     CHECK(changed > 500);
 }
 
+/// Checks the middle slice across each axis, as a page with all cases draws it.
+void check(const std::vector<Case>& cases) {
+    const Scratch scratch;
+    std::vector<Shown> all;
+    std::vector<nlohmann::ordered_json> scenes;
+    std::vector<std::vector<int>> counts;
+    for (const auto& each : cases) {
+        all.push_back(shown(each));
+        scenes.push_back(all.back().scene);
+        counts.push_back(each.counts);
+    }
+    const auto seen = ask_browser(scratch, page_html("density", scenes), "const counts = " + nlohmann::json(counts).dump() + R"js(, out = [];
+        await showFrame();
+        byId('wipe').value = 0;
+        byId('together').checked = false;
+        for (const axis of ['x', 'y', 'z']) {
+            document.querySelector(`input[name=kind][value=${axis}]`).checked = true;
+            showKind();
+            views.forEach((view, n) => {
+                const {scene, picture} = view;
+                choose(view);
+                for (const count of counts[n]) {
+                    byId('count').value = count;
+                    takeCount();
+                    draw();
+                    const [r, t] = sliceAxes[axis], {width, height} = picture.canvas, slice = [], at = [0, 0, 0];
+                    const pixels = picture.context.getImageData(0, 0, width, height).data;
+                    at[axisNumber[axis]] = number('at');
+                    for (at[t] = 0; at[t] < scene.size[t]; ++at[t])
+                        for (at[r] = 0; at[r] < scene.size[r]; ++at[r]) {
+                            const [x, y] = picture.project(axis, at, turn);
+                            slice.push(pixels[4 * (Math.floor(x) + width * Math.floor(y))]);
+                        }
+                    (out[n] ??= []).push({count, axis: axisNumber[axis], at: number('at'), slice});
+                }
+            });
+        }
+        return out;)js",
+                                  "--disable-3d-apis --window-size=1600,1600");
+    REQUIRE(seen.size() == all.size());
+    for (std::size_t n = 0; n < all.size(); ++n) check(all[n], seen[n]);
+}
+
 const std::array<int, 3> size{26, 18, 20};
 
 Lattice box_lattice() { return make_box({0, 0, 0}, {26, 18, 20}, 0.1, {0, 1, 2}); }
@@ -139,50 +171,55 @@ TEST_CASE("the page carves a box as remap.grids does", "[browser]") {
         return;
     }
     const auto box = box_lattice();
+    std::vector<Case> cases;
     for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
         for (const double soft : {0.0, 3.0}) {
             const auto name = to_text(kind) + (soft > 0 ? " softly" : "");
-            check({name, size, box, {wavy_seams(box, Axis::u, kind, 9, 6, 2)}, {soft, 0}});
+            cases.push_back({name, size, box, {wavy_seams(box, Axis::u, kind, 9, 6, 2)}, {soft, 0}});
         }
     auto anchored = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 6, 1);
     anchored.anchor.at = Anchor::At::middle;
-    check({"anchored", size, box, {anchored}, {1.5, 0}});
+    cases.push_back({"anchored", size, box, {anchored}, {1.5, 0}});
     anchored.anchor = {Anchor::At::vertex, 12};
-    check({"anchored at a vertex", size, box, {anchored}});
-    check({"faded", size, box, {wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2)}, {2, 0}, 4});
+    cases.push_back({"anchored at a vertex", size, box, {anchored}});
+    cases.push_back({"faded", size, box, {wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2)}, {2, 0}, 4});
     std::mt19937 random(7);
     for (const double soft : {0.0, 2.0}) {
-        check({"pairs", size, box, {random_pairs(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1})}, {soft, 0}});
-        check({"frames", size, box, {random_seams(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1, 2, 3})}, {soft, 1}});
+        cases.push_back({"pairs", size, box, {random_pairs(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1})}, {soft, 0}});
+        cases.push_back({"frames", size, box, {random_seams(random, box, box.shape, Axis::u, Seams::Kind::remove, 6, {1, 2, 3})}, {soft, 1}});
     }
     const auto first = wavy_seams(box, Axis::v, Seams::Kind::insert, 6, 3, 1);
     auto second = wavy_seams(box, Axis::u, Seams::Kind::remove, 9, 6, 2);
     second = random_seams(random, box, first.shape_after(3), Axis::u, Seams::Kind::remove, 6, {1});
-    for (const double soft : {0.0, 2.0}) check({"a chain", size, box, {first, second}, {soft, 0}});
+    for (const double soft : {0.0, 2.0}) cases.push_back({"a chain", size, box, {first, second}, {soft, 0}});
+    check(cases);
 }
 
 TEST_CASE("the page carves lattices that turn, and boxes between the voxels, as remap.grids does", "[browser]") {
     if (!browser_is_there()) return;
+    std::vector<Case> cases;
     const auto round = ring_lattice(), oblique = turned(make_box({0.33, 0.11, 0.05}, {20, 16, 18}, 0.09, {0, 1, 2}), 0.2);
     for (const auto& lattice : {round, oblique})
         for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
             for (const double soft : {0.0, 3.0}) {
                 const auto axis = lattice.closed ? Axis::v : Axis::u;
-                check({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
-                       size,
-                       lattice,
-                       {wavy_seams(lattice, axis, kind, 4, 6, 1)},
-                       {soft, 0}});
+                cases.push_back({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
+                                 size,
+                                 lattice,
+                                 {wavy_seams(lattice, axis, kind, 4, 6, 1)},
+                                 {soft, 0}});
             }
-    check({"outwards", size, round, {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {3, 0}, 0, {1, 2, 3}});
+    cases.push_back({"outwards", size, round, {wavy_seams(round, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {3, 0}, 0, {1, 2, 3}});
     auto bent = helix({10, 8, 30}, 0.08, 1.2, 0.3);
     for (auto& plane : bent.planes) plane.origin += openvdb::Vec3d(0.1, 0.5, 0.8);  // into the grid
     bent.hash = lattice_hash(bent);
-    check({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
+    cases.push_back({"helix", size, bent, {wavy_seams(bent, Axis::u, Seams::Kind::remove, 2, 6, 1)}, {2, 0}});
+    check(cases);
 }
 
 TEST_CASE("the page carves lattices around a rig as remap.grids does", "[browser]") {
     if (!browser_is_there()) return;
+    std::vector<Case> cases;
     const auto tube = around(through({{0.5, 0.8, 0.3}, {1.1, 1.0, 0.9}, {2.0, 0.85, 1.5}}), 0.75, 0.1);
     std::vector<Vec3d> circle;
     for (int n = 0; n < 200; ++n) circle.push_back({1.25 + 0.75 * std::cos(M_PI * n / 100), 0.9 + 0.6 * std::sin(M_PI * n / 100), 0.95});
@@ -190,12 +227,13 @@ TEST_CASE("the page carves lattices around a rig as remap.grids does", "[browser
     for (const auto& lattice : {tube, loop})
         for (const auto kind : {Seams::Kind::remove, Seams::Kind::insert})
             for (const double soft : {0.0, 2.0})
-                check({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
-                       size,
-                       lattice,
-                       {wavy_seams(lattice, Axis::u, kind, 2, 2, 0.5)},
-                       {soft, 0},
-                       0,
-                       {1, 2}});
-    check({"faded", size, tube, {wavy_seams(tube, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {1, 0}, 3, {1, 2, 3}});
+                cases.push_back({lattice.description + " " + to_text(kind) + (soft > 0 ? " softly" : ""),
+                                 size,
+                                 lattice,
+                                 {wavy_seams(lattice, Axis::u, kind, 2, 2, 0.5)},
+                                 {soft, 0},
+                                 0,
+                                 {1, 2}});
+    cases.push_back({"faded", size, tube, {wavy_seams(tube, Axis::u, Seams::Kind::remove, 2, 3, 1)}, {1, 0}, 3, {1, 2, 3}});
+    check(cases);
 }
