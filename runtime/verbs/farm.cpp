@@ -13,10 +13,13 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include <linux/magic.h>
 #include <sys/vfs.h>
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
 
 namespace fluidcarve {
 namespace {
@@ -67,15 +70,17 @@ std::string fault_of(const FarmArguments& arguments, const RunArguments& run) {
     return {};
 }
 
-/// Why other machines can't see a folder; empty: they may.
-std::string not_shared(const std::string& folder) {
-    constexpr long in_memory = 0x01021994;  // TMPFS_MAGIC
+/// The file systems of memory and of disks in a machine (statfs).
+constexpr std::array<long, 2> memories{TMPFS_MAGIC, RAMFS_MAGIC};
+constexpr std::array<long, 5> disks{EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC, BTRFS_SUPER_MAGIC, OVERLAYFS_SUPER_MAGIC, F2FS_SUPER_MAGIC};
+
+/// Whether a folder, which need not exist, lies in one of the file systems.
+bool lies_in(const std::string& folder, std::span<const long> file_systems) {
     auto there = fs::path(folder);
     std::error_code error;
     while (!fs::exists(there, error) && there.has_parent_path() && there != there.parent_path()) there = there.parent_path();
     struct statfs about {};
-    if (statfs(there.c_str(), &about) != 0 || about.f_type != in_memory) return {};
-    return fmt::format("--work: {} is in the memory of this machine, and other machines can't see it; name a shared folder", folder);
+    return statfs(there.c_str(), &about) == 0 && std::ranges::find(file_systems, static_cast<long>(about.f_type)) != file_systems.end();
 }
 
 }  // namespace
@@ -120,8 +125,12 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     auto request = run.read(pipeline);
     if (!request) return exit_code::usage;
     request->options.work_folder = run.request.options.work_folder = fs::absolute(request->options.work_folder).lexically_normal().string();
-    if (const auto fault = engine.other_machines ? not_shared(request->options.work_folder) : std::string(); !fault.empty())
-        return complain(fault + "\n"), exit_code::usage;
+    const auto& work = request->options.work_folder;
+    if (engine.other_machines && lies_in(work, memories))
+        return complain(fmt::format("--work: {} is in the memory of this machine, and other machines can't see it; name a shared folder\n", work)),
+               exit_code::usage;
+    if (engine.other_machines && lies_in(work, disks) && !request->quiet)
+        tell(fmt::format("warning: --work: {} is on a disk of this machine; tasks fail on machines that do not see it at this path", work));
 
     FarmChunking chunking;
     if (arguments.chunk > 0) chunking.frames = arguments.chunk;

@@ -225,6 +225,20 @@ TEST_CASE("arrays of more tasks than Slurm takes are split") {
     CHECK_THAT(submitted.out, Catch::StartsWith("submitted: 1 2 3 4\n"));
 }
 
+TEST_CASE("a work folder on a disk of this machine is warned of, if other machines shall see it") {
+    const Project project;
+    const auto file_system = call_shell("stat -f -c %T \"" + project.folder() + "\"").out;
+    const bool disk = std::set<std::string>{"ext2/ext3\n", "xfs\n", "btrfs\n", "overlayfs\n", "f2fs\n"}.contains(file_system);
+    const auto warned = [&](const std::string& verb) {
+        const auto called = project.call(verb, "--dry-run");
+        CHECK(called.code == 0);
+        return called.err.find("warning: --work: ") != std::string::npos;
+    };
+    CHECK(warned("farm slurm") == disk);
+    CHECK(warned("farm openjd") == disk);
+    CHECK(!warned("farm local"));
+}
+
 TEST_CASE("engines refuse what they can't do, and make nothing") {
     const Project project;
     const auto refused = [&](const std::string& verb, const std::string& more, int code, const std::string& message, const std::string& work = "work") {

@@ -159,7 +159,7 @@ TEST_CASE("a job that is cancelled goes on when it is submitted again") {
     cluster.node_of("out");
     const auto twice = job.submit("--chunk 2 --set count=-2 --to out" + reports);
     CHECK(twice.code == 2);
-    CHECK_THAT(twice.err, Catch::StartsWith("submit: this job is queued already; `scancel "));
+    CHECK_THAT(twice.err, Catch::Contains("submit: this job is queued already; `scancel "));
     cluster.call("scancel $(cat '" + job.folder() + "/job/jobs')");
     cluster.wait_until_empty();
     CHECK(job.status().at("state") != "done");
