@@ -134,7 +134,7 @@ void check(const std::vector<Case>& cases) {
             document.querySelector(`input[name=kind][value=${axis}]`).checked = true;
             showKind();
             views.forEach((view, n) => {
-                const {scene, picture} = view;
+                const {scene, picture} = view, place = whole.place(scene, axisNumber[axis], number('at'));
                 choose(view);
                 for (const count of counts[n]) {
                     byId('count').value = count;
@@ -142,13 +142,13 @@ void check(const std::vector<Case>& cases) {
                     draw();
                     const [r, t] = sliceAxes[axis], {width, height} = picture.canvas, slice = [], at = [0, 0, 0];
                     const pixels = picture.context.getImageData(0, 0, width, height).data;
-                    at[axisNumber[axis]] = number('at');
+                    at[axisNumber[axis]] = place;
                     for (at[t] = 0; at[t] < scene.size[t]; ++at[t])
                         for (at[r] = 0; at[r] < scene.size[r]; ++at[r]) {
                             const [x, y] = picture.project(axis, at, turn);
                             slice.push(pixels[4 * (Math.floor(x) + width * Math.floor(y))]);
                         }
-                    (out[n] ??= []).push({count, axis: axisNumber[axis], at: number('at'), slice});
+                    (out[n] ??= []).push({count, axis: axisNumber[axis], at: place, slice});
                 }
             });
         }
