@@ -25,13 +25,16 @@ public:
 
     explicit operator bool() const { return any_; }
 
+    bool has_field() const { return field_ != nullptr; }
+    /// The field at an entry.
+    float value(std::size_t column, int entry) const { return decode_field(field_[column * stride_ + static_cast<std::size_t>(entry)]); }
+
     /// Cost of a step: the seam is at `entry` + 1 in column `high` and at `entry` in its neighbour `low`.
     float lift(std::size_t high, std::size_t low, int entry, bool in_time) const {
-        const float rigidity = rigidity_[in_time ? 1 : 0];
-        if (!field_) return rigidity;
-        const auto at = [&](std::size_t column, int place) { return decode_field(field_[column * stride_ + static_cast<std::size_t>(place)]); };
-        return rigidity + weight_ * std::abs(at(high, entry) - at(low, entry + 1));
+        return field_ ? lift(in_time, value(high, entry), value(low, entry + 1)) : rigidity_[in_time ? 1 : 0];
     }
+    /// Cost of a step that puts two values of the field beside each other.
+    float lift(bool in_time, float value, float other) const { return rigidity_[in_time ? 1 : 0] + weight_ * std::abs(value - other); }
     /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
     float operator()(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
         if (entry == entry_there) return 0;

@@ -36,12 +36,17 @@ Strip::Strip(const EnergyVolume& energy, const Band& band)
       width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
       energies_(width_ * columns_.count()),
       steps_(energy.steps()),
+      fields_(steps_.has_field() ? (width_ + 2) * columns_.count() : 0),
       protects_(energy.protects()) {
     const auto fill = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
             for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
-                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = costs(cells[band_.columns[c].first + n]);
+                const auto [first, last] = band_.columns[c];
+                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = costs(cells[first + n]);
+                if (fields_.empty()) return;
+                for (int entry = std::max(first - 1, 0); entry <= std::min(last + 1, energy.width() - 1); ++entry)
+                    fields_[field_place(c, entry)] = steps_.value(c, entry);
             });
         });
     };
@@ -106,9 +111,11 @@ double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> s
 
 namespace {
 
+/// What steps cost.
+enum class Stepping { free, rigid, field };
+
 /// One line of columns, in which a seam may move while all others stay.
-/// @tparam stepping  whether steps cost something
-template <bool stepping>
+template <Stepping stepping>
 class ColumnLine {
 public:
     ColumnLine(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
@@ -121,14 +128,14 @@ public:
     /// @param still   index in the line of the column that stays fixed; -1: none
     void improve(std::size_t first, std::size_t step, std::size_t length, std::size_t along, std::ptrdiff_t still) {
         cells_.resize(length);
+        find_beside(first, along);
         // A ring is opened at the fixed column, which then is both ends.
         const bool ring = still >= 0;
         const auto column = [&](std::size_t n) { return first + step * (ring ? (n + static_cast<std::size_t>(still)) % length : n); };
         for (std::size_t n = 0; n < length; ++n) {
             auto& cell = cells_[n];
             const auto c = column(n);
-            const auto around = strip_.columns().around(c, strip_.columns().place(c));
-            find_room(cell, c, around, along);
+            find_room(cell, c);
             if (ring && n == 0) cell.low = cell.high = seam_[c];
             if (ring && n + 1 == length) {
                 const int home = seam_[column(0)];
@@ -136,12 +143,11 @@ public:
                 cell.high = std::min(cell.high, home + 1);
             }
             for (int entry = cell.low; entry <= cell.high; ++entry) {
-                const auto at = static_cast<std::size_t>(entry - cell.low);
-                cell.cost[at] = strip_.energy(c, entry);
-                if constexpr (stepping)
-                    cell.cost[at] +=
-                        to_neighbours(c, entry, around, along) + (ring && n + 1 == length ? strip_.steps()(c, entry, column(0), seam_[column(0)], false) : 0);
-                if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along);
+                auto& cost = cell.cost[static_cast<std::size_t>(entry - cell.low)];
+                cost = strip_.energy(c, entry);
+                if constexpr (stepping != Stepping::free)
+                    cost += to_beside(c, entry) + (ring && n + 1 == length ? step_cost(c, entry, column(0), seam_[column(0)], false) : 0);
+                if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along == 2);
             }
         }
         auto entry = cheapest(cells_.back());
@@ -159,36 +165,56 @@ private:
         std::array<int, 3> from;    ///< the way's entry in the column before
         int stay;
     };
+    /// A neighbour beside the line. It is as far from each column of the line.
+    struct Beside {
+        std::ptrdiff_t step;
+        bool in_time;
+    };
 
-    using Around = std::array<std::size_t, Columns::directions>;
+    void find_beside(std::size_t first, std::size_t along) {
+        const auto around = strip_.columns().around(first, strip_.columns().place(first));
+        count_ = 0;
+        for (std::size_t d = 0; d < around.size(); ++d)
+            if (d / 2 != along && around[d] != Columns::none)
+                beside_[count_++] = {static_cast<std::ptrdiff_t>(around[d]) - static_cast<std::ptrdiff_t>(first), d / 2 == 2};
+    }
+    static std::size_t moved(std::size_t column, std::ptrdiff_t step) { return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(column) + step); }
 
-    void find_room(Cell& cell, std::size_t c, const Around& around, std::size_t along) const {
+    void find_room(Cell& cell, std::size_t c) const {
         const auto band = strip_[c];
         cell.stay = seam_[c];
         cell.low = std::max<int>(cell.stay - 1, band.first);
         cell.high = std::min<int>(cell.stay + 1, band.last);
-        for (std::size_t d = 0; d < around.size(); ++d) {
-            if (d / 2 == along || around[d] == Columns::none) continue;
-            const int beside = seam_[around[d]];
-            cell.low = std::max(cell.low, beside - 1);
-            cell.high = std::min(cell.high, beside + 1);
+        for (std::size_t n = 0; n < count_; ++n) {
+            const int there = seam_[moved(c, beside_[n].step)];
+            cell.low = std::max(cell.low, there - 1);
+            cell.high = std::min(cell.high, there + 1);
         }
     }
+    /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
+    float step_cost(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
+        if (entry == entry_there) return 0;
+        if constexpr (stepping == Stepping::rigid) return strip_.steps().lift(in_time, 0, 0);
+        return entry > entry_there ? strip_.steps().lift(in_time, strip_.field(column, entry_there), strip_.field(other, entry))
+                                   : strip_.steps().lift(in_time, strip_.field(other, entry), strip_.field(column, entry_there));
+    }
     /// Cost of the steps to the columns beside the line.
-    float to_neighbours(std::size_t c, int entry, const Around& around, std::size_t along) const {
+    float to_beside(std::size_t c, int entry) const {
         float out = 0;
-        for (std::size_t d = 0; d < around.size(); ++d)
-            if (d / 2 != along && around[d] != Columns::none) out += strip_.steps()(c, entry, around[d], seam_[around[d]], d / 2 == 2);
+        for (std::size_t n = 0; n < count_; ++n) {
+            const auto other = moved(c, beside_[n].step);
+            out += step_cost(c, entry, other, seam_[other], beside_[n].in_time);
+        }
         return out;
     }
     /// Ties go to the entry that does not move.
     static bool better(float cost, int entry, float than, int other, int stay) { return cost < than || (cost == than && entry == stay && other != stay); }
-    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, std::size_t along) const {
+    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, bool in_time) const {
         auto best = std::numeric_limits<float>::infinity();
         int from = before.stay;
         for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e) {
             auto cost = before.cost[static_cast<std::size_t>(e - before.low)];
-            if constexpr (stepping) cost += strip_.steps()(column, entry, column_before, e, along == 2);
+            if constexpr (stepping != Stepping::free) cost += step_cost(column, entry, column_before, e, in_time);
             if (!better(cost, e, best, from, before.stay)) continue;
             best = cost;
             from = e;
@@ -207,9 +233,11 @@ private:
     const Strip& strip_;
     std::vector<std::uint16_t>& seam_;
     std::vector<Cell> cells_;
+    std::array<Beside, 4> beside_;
+    std::size_t count_ = 0;
 };
 
-template <bool stepping>
+template <Stepping stepping>
 void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
     const auto& columns = strip.columns();
     const std::array<std::size_t, 3> size{columns.laterals(), columns.slices(), columns.frames()};
@@ -238,8 +266,9 @@ void sweep(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
 }  // namespace
 
 void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn) {
-    if (strip.steps()) sweep<true>(strip, seam, turn);
-    else sweep<false>(strip, seam, turn);
+    if (!strip.steps()) sweep<Stepping::free>(strip, seam, turn);
+    else if (!strip.steps().has_field()) sweep<Stepping::rigid>(strip, seam, turn);
+    else sweep<Stepping::field>(strip, seam, turn);
 }
 
 }  // namespace fluidcarve

@@ -27,14 +27,21 @@ public:
     double energy(std::span<const std::uint16_t> seam) const;
     /// The costs of steps; points into the energy that the strip was made from.
     const StepCosts& steps() const { return steps_; }
+    /// The field, if steps have one, from one entry before a column's interval to one behind it.
+    float field(std::size_t column, int entry) const { return fields_[field_place(column, entry)]; }
     bool protects() const { return protects_; }
 
 private:
+    std::size_t field_place(std::size_t column, int entry) const {
+        return column * (width_ + 2) + static_cast<std::size_t>(entry + 1 - band_.columns[column].first);
+    }
+
     Columns columns_;
     Band band_;
     std::size_t width_;
     std::vector<float> energies_;
     StepCosts steps_;
+    std::vector<float> fields_;
     bool protects_;
 };
 
