@@ -5,6 +5,7 @@
 #include "nodes/seam/dynamic.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/search/coarse.h"
+#include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/protection.h"
 
 #include <algorithm>
@@ -43,9 +44,10 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
     const Strip strip(energy, Band::around(seam, 3, window));
     const auto& effort = effort_for(energy, quality_);
     const auto sweep = [&](int times = 1) {
+        LineSweeps sweep_lines(strip);
         for (int turn = 0; turn < 2 * times; ++turn) {
             tick();
-            sweep_lines(strip, seam, turn % 2);
+            sweep_lines(seam, turn % 2);
         }
     };
     const auto cut = [&](int radius, double tolerance) { seam = cut_seam(strip, seam, radius, tolerance, number, tick).at; };

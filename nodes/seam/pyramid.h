@@ -14,7 +14,7 @@ enum class Quality { draft, normal, best };
 
 /// Finds seams from coarse to fine (METHOD 8). Images and small energies are solved exactly. Others are first solved at half, a quarter,
 /// ... of the resolution. The coarsest is cut as a whole (exactly, except with a field). From there each finer one is solved in narrow
-/// bands around the coarser seam, by line sweeps (search/strip.h) and minimum cuts (cut/cut_seam.h). Never worse than seam.greedy: the greedy seam
+/// bands around the coarser seam, by line sweeps (search/line_sweeps.h) and minimum cuts (cut/cut_seam.h). Never worse than seam.greedy: the greedy seam
 /// competes with the coarse one.
 class Pyramid {
 public:

@@ -55,10 +55,4 @@ double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam);
 /// @param cost_bound  lower bound on the cost of any seam
 double energy_bound(const EnergyVolume& energy, std::span<const std::uint16_t> seam, double cost_bound);
 
-/// Improves a seam line by line. In each line of columns along each dimension, dynamic programming finds the best entries while the columns
-/// beside it stay (multi-pass dynamic programming, Furuta et al. 2018). Neighbouring lines take turns.
-/// @param seam  feasible, in the strip, of finite cost; stays so
-/// @param turn  number of the sweep; in a ring of columns it selects the one that stays fixed
-void sweep_lines(const Strip& strip, std::vector<std::uint16_t>& seam, int turn);
-
 }  // namespace fluidcarve

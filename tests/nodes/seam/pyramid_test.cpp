@@ -3,6 +3,7 @@
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/search/coarse.h"
+#include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/searches.h"
@@ -219,8 +220,9 @@ TEST_CASE("sweeps over lines leave seams feasible, in their strip and no dearer,
         double before = energy_of(energy, seam);
         REQUIRE(before == sum_along(seam, energies_of(energy)));
         INFO("case " << n);
+        LineSweeps sweep_lines(strip);
         for (int turn = 0; turn < 4; ++turn) {
-            sweep_lines(strip, seam, turn);
+            sweep_lines(seam, turn);
             REQUIRE(is_seam(graph, strip.band(), seam));
             const double after = energy_of(energy, seam);
             REQUIRE(after <= before);
@@ -245,7 +247,7 @@ TEST_CASE("a sweep moves the one line of an image or a ring as well as can be, b
             near.columns[c] = {static_cast<std::uint16_t>(std::max(seam[c] - 1, 0)), static_cast<std::uint16_t>(std::min(seam[c] + 1, 7))};
         const auto least = [&] { return brute_force(graph, near, energies_of(energy)).cost; };
         const auto given = seam;
-        sweep_lines(strip, seam, turn);
+        LineSweeps(strip)(seam, turn);
         const double found = sum_along(seam, energies_of(energy));
         INFO("case " << n);
         if (!graph.closed || size[1] == 1) {

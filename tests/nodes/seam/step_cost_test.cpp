@@ -6,6 +6,7 @@
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/search/bound.h"
 #include "nodes/seam/search/coarse.h"
+#include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/strip.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/searches.h"
@@ -287,7 +288,7 @@ TEST_CASE("sweeps over lines leave no seam dearer, steps and edges counted") {
         const auto before = random_seam(random, paid.graph, {0, 5});
         const Strip strip(volume, Band::around(before, 2, {0, 5}));
         auto seam = before;
-        sweep_lines(strip, seam, n);
+        LineSweeps(strip)(seam, n);
         INFO("case " << n);
         REQUIRE(is_seam(paid.graph, strip.band(), seam));
         REQUIRE(paid(seam) <= paid(before));
