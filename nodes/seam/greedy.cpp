@@ -252,37 +252,47 @@ private:
                          at.k + 1 == columns_.slices()};
         const Start row{columns_.ring(0) && at.lateral > 0, c - at.lateral, static_cast<int>(columns_.laterals() - at.lateral),
                         at.lateral + 1 == columns_.laterals()};
-        const auto entry_at = [&](std::size_t other, std::size_t s) -> int {
-            return other < first_column ? before[(other + frame_columns - first_column) * seams + s] : now[(other - first_column) * seams + s];
+        const auto entries_of = [&](std::size_t other) {
+            return other < first_column ? before + (other + frame_columns - first_column) * seams : now + (other - first_column) * seams;
         };
-        // Neighbours that are passed already, and whether the step to them is in time.
-        std::array<std::pair<std::size_t, bool>, 5> passed;
+        // Neighbours that are passed already.
+        struct Passed {
+            const Entry* entries;        ///< of all seams
+            const std::uint16_t* field;  ///< of the column
+            bool in_time;
+        };
+        std::array<Passed, 5> passed;
         std::size_t count = 0;
+        const auto pass = [&](std::size_t other, bool in_time) { passed[count++] = {entries_of(other), step_costs_.field(other), in_time}; };
         for (std::size_t d = 0; d < around.size(); d += 2)
-            if (around[d] < c) passed[count++] = {around[d], d == 4};
+            if (around[d] < c) pass(around[d], d == 4);
         const auto before_closing = count;
         for (const auto& start : {home, row})
-            if (start.given && start.closes) passed[count++] = {start.column, false};
+            if (start.given && start.closes) pass(start.column, false);
+        const auto* const field = step_costs_.field(c);
+        std::array<std::pair<const Entry*, int>, 2> reaches;
+        std::size_t starts = 0;
+        for (const auto& start : {home, row})
+            if (start.given) reaches[starts++] = {entries_of(start.column), start.reach};
         for (std::size_t s = 0; s < seams; ++s) {
-            int low = static_cast<int>(first_), high = static_cast<int>(last_), nearest = -1;
+            int low = static_cast<int>(first_), high = static_cast<int>(last_);
+            const int nearest = passed[0].entries[s];
             for (std::size_t n = 0; n < before_closing; ++n) {
-                const int entry = entry_at(passed[n].first, s);
-                if (n == 0) nearest = entry;
+                const int entry = passed[n].entries[s];
                 low = std::max(low, entry - 1);
                 high = std::min(high, entry + 1);
             }
-            for (const auto& start : {home, row}) {
-                if (!start.given) continue;
-                low = std::max(low, entry_at(start.column, s) - start.reach);
-                high = std::min(high, entry_at(start.column, s) + start.reach);
+            for (std::size_t n = 0; n < starts; ++n) {
+                low = std::max(low, reaches[n].first[s] - reaches[n].second);
+                high = std::min(high, reaches[n].first[s] + reaches[n].second);
             }
-            const int from = home.given ? entry_at(home.column, s) : 0;
+            const int from = home.given ? reaches[0].first[s] : 0;
             const auto stay = static_cast<unsigned>(std::clamp(nearest, low, high));
             auto best = ~std::uint64_t{0};
             float least = 0;
             for (int entry = low; entry <= high; ++entry) {
                 float cost = values_.cost(column[entry]);
-                for (std::size_t n = 0; n < count; ++n) cost += step_costs_(c, entry, passed[n].first, entry_at(passed[n].first, s), passed[n].second);
+                for (std::size_t n = 0; n < count; ++n) cost += step_costs_(field, entry, passed[n].field, passed[n].entries[s], passed[n].in_time);
                 const float guided = ring_ == Ring::gaussian && home.given ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
                 const auto key = key_of(values_.rank(guided), static_cast<unsigned>(entry), stay);
                 if (key >= best) continue;

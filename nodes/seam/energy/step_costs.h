@@ -2,6 +2,7 @@
 
 #include "nodes/seam/energy/code.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -37,9 +38,18 @@ public:
     float lift(bool in_time, float value, float other) const { return rigidity_[in_time ? 1 : 0] + weight_ * std::abs(value - other); }
     /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
     float operator()(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
-        if (entry == entry_there) return 0;
-        return entry > entry_there ? lift(column, other, entry_there, in_time) : lift(other, column, entry, in_time);
+        return (*this)(field(column), entry, field(other), entry_there, in_time);
     }
+    /// The same with the columns' field(), for who asks again and again.
+    float operator()(const std::uint16_t* column, int entry, const std::uint16_t* other, int entry_there, bool in_time) const {
+        if (entry == entry_there) return 0;
+        if (!field_) return rigidity_[in_time ? 1 : 0];
+        const auto low = std::min(entry, entry_there);
+        return entry > entry_there ? lift(in_time, decode_field(column[low]), decode_field(other[low + 1]))
+                                   : lift(in_time, decode_field(other[low]), decode_field(column[low + 1]));
+    }
+    /// The field codes of a column; null: no field.
+    const std::uint16_t* field(std::size_t column) const { return field_ ? field_ + column * stride_ : nullptr; }
     /// The same costs, with columns counted from another one.
     StepCosts from(std::size_t column) const { return {rigidity_, field_ ? field_ + column * stride_ : nullptr, stride_, weight_}; }
 
