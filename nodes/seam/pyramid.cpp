@@ -8,6 +8,8 @@
 #include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/protection.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 
 namespace fluidcarve {
@@ -85,18 +87,23 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
-    // Attracted vertices may be far from the last seam, and handed-on energy keeps the next seam away from it.
-    if (Columns(energy).count() <= most_effort.many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() ||
-        energy.spread() > 0) {
-        best = coarse_to_fine(energy, window, number, alive);
-    } else {
-        best = std::move(last_);
-        for (auto& entry : best) entry = static_cast<std::uint16_t>(std::clamp<int>(entry, window.first, window.last));
-        best = past_protected(energy, window, std::move(best));
-        refine(energy, window, number, best, alive);
-    }
+    Seams::Seam greedy;
+    // Small cuts keep one thread busy: meanwhile the others search greedily.
+    tbb::parallel_invoke(
+        [&] {
+            // Attracted vertices may be far from the last seam, and handed-on energy keeps the next seam away from it.
+            if (Columns(energy).count() <= most_effort.many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() ||
+                energy.spread() > 0) {
+                best = coarse_to_fine(energy, window, number, alive);
+                return;
+            }
+            best = std::move(last_);
+            for (auto& entry : best) entry = static_cast<std::uint16_t>(std::clamp<int>(entry, window.first, window.last));
+            best = past_protected(energy, window, std::move(best));
+            refine(energy, window, number, best, alive);
+        },
+        [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
-    auto greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); });
     const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
     if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());

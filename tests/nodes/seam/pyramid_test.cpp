@@ -14,6 +14,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <atomic>
+
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 
@@ -132,7 +134,7 @@ TEST_CASE("static seams come from coarse to fine too") {
 
 TEST_CASE("a pyramid stops when it is told to") {
     const auto energy = SyntheticEnergy(Synthetic::noise, 1)({60, 13, 21}, 18);
-    int calls = 0;
+    std::atomic<int> calls = 0;
     const auto stop = [&](double) {
         if (++calls == 4) throw Cancelled{};
     };
