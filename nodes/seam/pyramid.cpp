@@ -27,8 +27,8 @@ constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
 /// With a field, each cut takes several times as long, and seams of less energy look no better.
 constexpr Effort effort_with_field{std::size_t{1} << 15, 0.02, std::size_t{1} << 14, 2};
 
-/// If there are many columns, most seams start from the last one, since seams bunch. One in this many is found from coarse to fine.
-constexpr int seams_from_last = 4;
+/// Coarse energies of more columns than this are cut block by block if the finest has too many to be cut: they take most of the time there.
+constexpr std::size_t few_columns = std::size_t{1} << 14;
 
 const Effort& effort_for(const EnergyVolume& energy, Quality quality) {
     return energy.has_field() && quality != Quality::best ? effort_with_field : most_effort;
@@ -41,7 +41,8 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 
 }  // namespace
 
-void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+void Pyramid::refine(const EnergyVolume& energy, Window window, int number, bool large, std::vector<std::uint16_t>& seam,
+                     const std::function<void()>& tick) const {
     // The strip is as wide as all steps below together may move the seam.
     const Strip strip(energy, Band::around(seam, 3, window));
     const auto& effort = effort_for(energy, quality_);
@@ -57,6 +58,10 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
         case Quality::draft: return sweep();
         case Quality::normal:
             if (strip.columns().count() > effort.many_columns) return sweep(effort.sweeps);
+            if (large && strip.columns().count() > few_columns && !strip.steps()) {
+                for (const bool shifted : {false, true}) cut_blocks(strip, seam, shifted, 2e-3, number, tick);
+                return;
+            }
             cut(1, 2e-3);
             sweep();
             return cut(1, 2e-3);
@@ -67,7 +72,7 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, std:
     }
 }
 
-std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const {
+std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, bool large, const std::function<void()>& tick) const {
     const Columns columns(energy);
     const auto& effort = effort_for(energy, quality_);
     if (small(energy, window, effort)) return cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at;
@@ -75,47 +80,36 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
     {
         const auto coarse = restrict_energy(energy, window);
         tick();
-        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, tick);
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, large, tick);
         seam = past_protected(energy, window, prolong_seam(Columns(coarse), found, columns, window));
     }
-    refine(energy, window, number, seam, tick);
+    refine(energy, window, number, large, seam, tick);
     return seam;
 }
 
-Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
+    const bool large = Columns(energy).count() > most_effort.many_columns;
     std::vector<std::uint16_t> best;
     Seams::Seam greedy;
     // Small cuts keep one thread busy: meanwhile the others search greedily.
-    tbb::parallel_invoke(
-        [&] {
-            // Attracted vertices may be far from the last seam, and handed-on energy keeps the next seam away from it.
-            if (Columns(energy).count() <= most_effort.many_columns || number % seams_from_last == 0 || quality_ == Quality::best || energy.attracts() ||
-                energy.spread() > 0) {
-                best = coarse_to_fine(energy, window, number, alive);
-                return;
-            }
-            best = std::move(last_);
-            for (auto& entry : best) entry = static_cast<std::uint16_t>(std::clamp<int>(entry, window.first, window.last));
-            best = past_protected(energy, window, std::move(best));
-            refine(energy, window, number, best, alive);
-        },
-        [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
+    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, large, alive); },
+                         [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
     const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
     if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());
-        refine(energy, window, number, best, alive);
+        refine(energy, window, number, large, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy.at.begin(), greedy.at.end());
             least = cost;
         }
     }
-    last_ = best;
-    return {std::move(best), energy.attracts() ? energy_of(energy, last_) : least};
+    const auto sum = energy.attracts() ? energy_of(energy, best) : least;
+    return {std::move(best), sum};
 }
 
 template <>
@@ -130,10 +124,7 @@ struct PyramidNode : SeamNode {
         Quality quality = Quality::normal;
         int starts = 16;
     };
-    void finish(const Params& params, Ports& io, Context& context) {
-        Pyramid pyramid(params.quality, params.starts);
-        solve(params, io, context, std::ref(pyramid), [&](std::span<const std::uint16_t> last) { pyramid.start_from(last); });
-    }
+    void finish(const Params& params, Ports& io, Context& context) { solve(params, io, context, Pyramid(params.quality, params.starts)); }
 };
 
 }  // namespace
@@ -147,9 +138,10 @@ NodeType seam_pyramid() {
         .param("quality", &PyramidNode::Params::quality,
                "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and then improves the seam line by line: about 1 % "
                "above the least energy in real smoke and fire, nearly as fast as `seam.greedy`. `normal` cuts finer energies too, up to a million columns "
-               "(vertices across the axis, times frames); beyond, it improves the finest energies line by line, and starts most seams from the last one. "
+               "(vertices across the axis, times frames); beyond, it cuts coarser ones block by block, and improves the finest line by line. "
                "`best` cuts all of them.")
-        .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.");
+        .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
+        .version(2);
 }
 
 }  // namespace fluidcarve

@@ -4,7 +4,6 @@
 #include "nodes/seam/search/find_seams.h"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace fluidcarve {
@@ -21,19 +20,18 @@ public:
     /// @param starts  number of greedy searches
     Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
 
-    /// A FindSeam. Call it for the seams of a set in order: a seam may start from the one before.
-    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick);
-    /// Sets the last seam, if seams were found before (Continued).
-    void start_from(std::span<const std::uint16_t> last) { last_.assign(last.begin(), last.end()); }
+    /// A FindSeam.
+    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const;
 
 private:
-    std::vector<std::uint16_t> coarse_to_fine(const EnergyVolume& energy, Window window, int number, const std::function<void()>& tick) const;
+    /// @param large  whether the finest energy has more columns than are cut
+    std::vector<std::uint16_t> coarse_to_fine(const EnergyVolume& energy, Window window, int number, bool large, const std::function<void()>& tick) const;
     /// Improves a seam within narrow bands around it.
-    void refine(const EnergyVolume& energy, Window window, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
+    /// @param large  as for coarse_to_fine()
+    void refine(const EnergyVolume& energy, Window window, int number, bool large, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
 
     Quality quality_;
     int starts_;
-    std::vector<std::uint16_t> last_;  ///< the seam found before; empty if there is none
 };
 
 /// `seam.pyramid`: the node of Pyramid.

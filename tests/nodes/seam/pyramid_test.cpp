@@ -249,7 +249,7 @@ TEST_CASE("a sweep moves the one line of an image or a ring as well as can be, b
             near.columns[c] = {static_cast<std::uint16_t>(std::max(seam[c] - 1, 0)), static_cast<std::uint16_t>(std::min(seam[c] + 1, 7))};
         const auto least = [&] { return brute_force(graph, near, energies_of(energy)).cost; };
         const auto given = seam;
-        LineSweeps(strip)(seam, turn);
+        LineSweeps{strip}(seam, turn);
         const double found = sum_along(seam, energies_of(energy));
         INFO("case " << n);
         if (!graph.closed || size[1] == 1) {
@@ -266,5 +266,55 @@ TEST_CASE("a sweep moves the one line of an image or a ring as well as can be, b
             if (found == with_this) best = with_this;
         }
         REQUIRE(found == best);
+    }
+}
+
+TEST_CASE("cuts block by block leave seams feasible, in their strip and cheaper, past protected vertices, in rings of any length") {
+    std::mt19937 random(12);
+    constexpr int width = 12;
+    const Window window{1, 10};
+    for (const auto& graph : {ColumnGraph({33, 47, 3}), ColumnGraph({9, 31, 40}, true), ColumnGraph({49, 8, 26}, false, true),
+                              ColumnGraph({26, 25, 24}, true, true), ColumnGraph({1, 5, 70}, true)}) {
+        auto energy = random_volume(random, graph, width);
+        const auto given = random_seam(random, graph, window);
+        for (std::size_t c = 0; c < given.size(); ++c)
+            for (int entry = 0; entry < width; ++entry)
+                if (entry != given[c] && random() % 8 == 0) energy.codes(0)[c * width + static_cast<std::size_t>(entry)] = protected_code;
+        energy.find_marks();
+        const Strip strip(energy, Band::around(given, 3, window));
+        const auto cut = [&] {
+            auto seam = given;
+            double before = strip.energy(seam);
+            for (const bool shifted : {false, true}) {
+                cut_blocks(strip, seam, shifted, 0, 0, quiet);
+                REQUIRE(is_seam(graph, strip.band(), seam));
+                const double after = strip.energy(seam);
+                REQUIRE(after < before);
+                before = after;
+            }
+            return seam;
+        };
+        INFO(graph.size[0] << " x " << graph.size[1] << " x " << graph.size[2]);
+        CHECK(with_threads(1, cut) == with_threads(2, cut));
+    }
+}
+
+TEST_CASE("a block that holds all columns is cut as a whole; with more blocks, the cut is not far from that") {
+    std::mt19937 random(13);
+    for (const auto& [graph, worse] : {std::pair(ColumnGraph({5, 9, 7}), 0.0), std::pair(ColumnGraph({12, 10, 3}, true), 0.0),
+                                       std::pair(ColumnGraph({7, 6, 8}, true, true), 0.0), std::pair(ColumnGraph({40, 30, 34}, true), 0.02)}) {
+        const auto energy = random_volume(random, graph, 8);
+        const auto given = random_seam(random, graph, {0, 7});
+        const Strip strip(energy, Band::around(given, 3, {0, 7}));
+        const auto whole = cut_seam(strip, given, 1, 0, 0, quiet).at;
+        auto seam = given;
+        for (const bool shifted : {false, true}) {
+            // With several blocks, the second cut moves the seam by another entry: it may be cheaper than the whole cut.
+            if (worse == 0 && shifted) break;
+            cut_blocks(strip, seam, shifted, 0, 0, quiet);
+        }
+        INFO(graph.size[0] << " x " << graph.size[1] << " x " << graph.size[2]);
+        if (worse == 0) CHECK(seam == whole);
+        CHECK(strip.energy(seam) <= (1 + worse) * strip.energy(whole));
     }
 }

@@ -288,7 +288,7 @@ TEST_CASE("sweeps over lines leave no seam dearer, steps and edges counted") {
         const auto before = random_seam(random, paid.graph, {0, 5});
         const Strip strip(volume, Band::around(before, 2, {0, 5}));
         auto seam = before;
-        LineSweeps(strip)(seam, n);
+        LineSweeps{strip}(seam, n);
         INFO("case " << n);
         REQUIRE(is_seam(paid.graph, strip.band(), seam));
         REQUIRE(paid(seam) <= paid(before));
