@@ -175,7 +175,7 @@ std::vector<std::size_t> block_ends(std::size_t size, bool ring, bool shifted) {
     auto count = std::max<std::size_t>(1, (size + block_side / 2) / block_side);
     if (ring && count > 1) count -= count % 2;
     std::vector<std::size_t> out{0};
-    // In a ring, the blocks at both ends stay apart.
+    // A ring keeps its number of blocks, so that the last one and the first take turns.
     const bool halves = shifted && count > 1;
     for (std::size_t n = 1; n < count; ++n) out.push_back(size * (2 * n - (halves ? 1 : 0)) / (2 * count));
     if (halves && !ring) out.push_back(size * (2 * count - 1) / (2 * count));
@@ -209,7 +209,7 @@ void cut_block(const Strip& strip, const std::array<std::size_t, 3>& low, const 
         }
         band.columns.push_back({static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last)});
     }
-    // An entry that no neighbour's interval lets be part of a seam is no use.
+    // An entry that is more than 1 outside a neighbour's interval is part of no seam.
     for (bool again = true; again;) {
         again = false;
         for (std::size_t c = 0; c < of.size(); ++c)
