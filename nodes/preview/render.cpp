@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <openvdb/tools/Filter.h>
+#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/RayTracer.h>
 #include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tree/LeafManager.h>
@@ -203,6 +204,18 @@ openvdb::CoordBBox Scene::box() const {
     return out;
 }
 
+namespace {
+
+/// What is rendered of a grid: of a level set all that is inside, of others their values.
+FloatGrid::ConstPtr seen(const FloatGrid::ConstPtr& grid) {
+    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) return grid;
+    const auto out = grid->deepCopy();
+    openvdb::tools::sdfToFogVolume(*out, static_cast<float>(grid->voxelSize().x()));
+    return out;
+}
+
+}  // namespace
+
 bool glows(const std::string& name) { return name == "flame" || name == "temperature" || name == "heat"; }
 
 Scene scene_of(const Volume& volume, const std::string& input, const openvdb::GridBase::ConstPtr& shown) {
@@ -212,7 +225,7 @@ Scene scene_of(const Volume& volume, const std::string& input, const openvdb::Gr
                                   shown->getName(), input, shown->valueType()));
     const bool burns = glows(shown->getName());
     const auto other = openvdb::gridConstPtrCast<FloatGrid>(volume.find(burns ? "density" : "flame"));
-    Scene out{grid, nullptr, {}};
+    Scene out{seen(grid), nullptr, {}};
     if (other && other->transform() == grid->transform()) out.fire = other;
     else if (other) out.left_out = other->getName();
     if (burns) std::swap(out.smoke, out.fire);

@@ -21,6 +21,7 @@ struct Scene {
 bool glows(const std::string& name);
 
 /// The shown grid and its counterpart, if the volume has it as a float grid: `flame` for smoke, `density` for fire.
+/// A level set is rendered as all that is inside, evenly thick.
 /// @param input  the input's name, for messages
 /// @param shown  a grid of the volume
 /// @throws Failure if the shown grid holds no floats

@@ -7,6 +7,7 @@
 
 #include <tbb/global_control.h>
 
+#include <openvdb/tools/LevelSetSphere.h>
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -299,6 +300,15 @@ TEST_CASE("preview render: flame comes with the smoke, density with the fire") {
     const auto left = scene_of({{density, coarse}, {}, {}}, "before", density);
     CHECK(left.fire == nullptr);
     CHECK(left.left_out == "flame");
+}
+
+TEST_CASE("preview render: of a level set all that is inside is shown, evenly thick, and nothing else") {
+    const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(9, openvdb::Vec3f(0), 1);
+    const auto scene = scene_of({{ball}, {}, {}}, "before", ball);
+    for (const int x : {0, 3, 7}) CHECK(scene.smoke->tree().getValue({x, 0, 0}) == 1);
+    CHECK(scene.smoke->tree().getValue({10, 0, 0}) == 0);
+    CHECK(scene.box().max().x() <= 9);
+    CHECK(ball->tree().getValue({10, 0, 0}) == 1);
 }
 
 TEST_CASE("preview render: before and after share one window and the exposure of before") {
