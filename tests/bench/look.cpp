@@ -169,7 +169,8 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     };
     if (loop) add("the paper's", samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
     if (scene.pipeline == "image") add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
-    add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
+    // A warp does not know lattices around their rig.
+    if (!shipped.lattices.front()->around) add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
     const auto even = add("shipped", samples_after(scene, shipped, grown));
     out.samples.insert(out.samples.begin() + 1, even);
     out.names.insert(out.names.begin() + 1, "scaled evenly");
