@@ -28,7 +28,7 @@ constexpr float longest_wave = 4;
 /// Wavelength of the smallest swirls, voxels.
 constexpr float shortest_wave = 4;
 /// How far a swirl displaces, in its wavelengths; and by how much it thickens, as an exponent of e.
-constexpr float displaced = 0.1f, thickened = 0.35f;
+constexpr float displaced = 0.1f, thickened = 0.25f;
 
 /// Frames of the simulation in which swirls come, are carried along, and go.
 constexpr double lifetime = 8;

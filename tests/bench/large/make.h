@@ -29,7 +29,7 @@ struct Made {
 
 /// Makes a sequence of any size from a simulation: enlarged smoothly in space, between its frames moved along its flow. Detail is added down to
 /// four voxels: swirls that displace it and make it thicker and thinner, carried along by the flow. Frames are made one by one; the same
-/// request makes the same bytes. Grids, in half floats: density, flame if there is one, velocity (collocated, in the
+/// request makes the same grids. Grids, in half floats: density, flame if there is one, velocity (collocated, in the
 /// simulation's units).
 /// @param tick  called after each frame, with its number from 1
 /// @throws std::runtime_error, Failure if a file can't be read or written, or the request makes no sense

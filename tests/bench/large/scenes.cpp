@@ -27,7 +27,7 @@ nodes:
   course:  {type: rig.curve, path: "${course}"}
   rig:     {type: rig.transform, rig: course, extend: 1}
   channel: {type: lattice.build, rig: rig, spacing: 1, extent_u: [-0.5, 1.125], extent_v: [-0.8, 0.8], smooth: directions}
-  seams:   {type: seam.pyramid, energy: energy, lattice: channel, count: -13, window: [2, 14], pair_window: [18, 25], spread: 0, rigidity_time: 0.5}
+  seams:   {type: seam.pyramid, energy: energy, lattice: channel, count: -13, 2, window: [2, 14], pair_window: [18, 25], spread: 0, rigidity_time: 0.5}
   carved:  {type: remap.grids, source: sim, lattice: channel, seams: seams, soft: 0}
   out:     {type: vdb.write, source: carved, path: "${out}"}
 )";
@@ -61,9 +61,12 @@ std::string stretched(const std::string& path, const Vec3d& by, const std::strin
 
 const std::vector<TableScene>& table_scenes() {
     static const std::vector<TableScene> all{
-        {"vortex", {"vortex"}, {322, 331, 105}, 84, false, -18, 3.7, 462.6},   {"river", {"meander", "river"}, {903, 390, 79}, 159, false, -13, 5.2, 509.8},
-        {"bonfire", {"bonfire"}, {221, 233, 175}, 120, true, -16, 9.3, 233.1}, {"torch", {"torch"}, {222, 95, 360}, 72, true, -10, 2.2, 82.9},
-        {"trail", {"trail"}, {317, 409, 493}, 72, false, -10, 6.4, 137.6},     {"plume", {"plume"}, {300, 220, 595}, 216, false, -30, 71.9, 0},
+        {"vortex", {"vortex"}, {322, 331, 105}, 84, false, -18, 6, 3.7, 462.6},
+        {"river", {"meander", "river"}, {903, 390, 79}, 159, false, -13, 2, 5.2, 509.8},
+        {"bonfire", {"bonfire"}, {221, 233, 175}, 120, true, -16, 6, 9.3, 233.1},
+        {"torch", {"torch"}, {222, 95, 360}, 72, true, -10, 6, 2.2, 82.9},
+        {"trail", {"trail"}, {317, 409, 493}, 72, false, -10, 6, 6.4, 137.6},
+        {"plume", {"plume"}, {300, 220, 595}, 216, false, -30, 2, 71.9, 0},
     };
     return all;
 }

@@ -13,6 +13,7 @@ struct TableScene {
     int frames;
     bool velocity;        ///< whether its pipeline takes it
     int count;            ///< seams
+    int bytes;            ///< of a vertex in a frame, while the solver runs: 6 with a field, 2 without
     double paper_greedy;  ///< seconds a seam
     double paper_remap;   ///< seconds; 0: not stated
 };

@@ -96,7 +96,7 @@ const Simulation::Moment& Simulation::frame(int number) {
         const Vec3f high(velocity.getValue(at.offsetBy(1, 0, 0)).x(), velocity.getValue(at.offsetBy(0, 1, 0)).y(), velocity.getValue(at.offsetBy(0, 0, 1)).z());
         out.velocity.values[n] = 0.5f * cells_per_unit * (velocity.getValue(at) + high);
     }
-    if (kept_.size() == 2) kept_.erase(kept_.begin());
+    std::erase_if(kept_, [&](const auto& known) { return std::abs(known.first - number) > 1; });
     return kept_.emplace(number, std::move(out)).first->second;
 }
 

@@ -91,7 +91,8 @@ public:
         const int tried = std::min(tried_frames, wanted);
         make(tried);
         auto first = measure(tried);
-        const double free = static_cast<double>(fs::space(folder_).available), a_frame = first.disk / tried;
+        const double free = static_cast<double>(fs::space(folder_).available);
+        const double a_frame = first.disk / tried + scene_.bytes * static_cast<double>(first.shape[0]) * first.shape[1] * first.shape[2];
         const int most = std::min(wanted, static_cast<int>(disk_share * free / a_frame));
         if (most <= tried) {
             if (tried == scene_.frames) return {first};
@@ -155,7 +156,7 @@ private:
                      0,
                      0};
         for (const auto* const cost : {&energies, &pyramid, &greedy, &rest}) out.memory = std::max(out.memory, cost->memory);
-        out.disk = bytes_in(folder_);
+        out.disk = static_cast<double>(made_.bytes) * frames / made_.frames + bytes_in(path("work")) + bytes_in(path("out"));
         return out;
     }
 
@@ -179,6 +180,7 @@ constexpr auto about =
     "remap alone, and one is needed for each seam.\n"
     "- whole: seconds of the pipeline with the greedy solver, and those of all processors together.\n"
     "- memory: the most that a run held, mapped files included; `--memory {}` was asked for. Disk: input, output and work folder.\n\n"
+    "`seam.pyramid` cuts finer energies up to a million columns, vertices across u times frames. So its seconds grow faster up to there than beyond.\n\n"
     "{} threads. A row with fewer frames than the paper's has three lengths, and in the last line what a straight line through them gives for all frames.\n\n"
     "| scene | voxels | lattice | frames | greedy | paper | pyramid | / greedy | energies | remap | paper | whole | processors | memory GB | disk GB |\n"
     "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
