@@ -1,6 +1,7 @@
 #include "nodes/lattice/around_node.h"
 #include "nodes/lattice/block_places.h"
 #include "nodes/lattice/overlap.h"
+#include "nodes/lattice/polar.h"
 #include "nodes/lattice/write.h"
 #include "nodes/rig/circle.h"
 #include "tests/support/bent_lattices.h"
@@ -59,6 +60,27 @@ TEST_CASE("around a straight rig, u is the distance from it and v the angle arou
     CHECK(mapping.locate({1, 2, 5}) == Vec3d(0, 0, 10));
     for (const double v : {0.0, 12.3, 49.9}) CHECK((lattice.position({0, v, 10}) - Vec3d(1, 2, 5)).length() < 1e-12);
     CHECK((lattice.position({3, -1, 7.5}) - lattice.position({3, 49, 7.5})).length() < 1e-12);
+}
+
+TEST_CASE("folded cells around a rig are those with a corner on the wrong side of the neighbouring plane") {
+    std::size_t folded = 0;
+    for (const auto& whole : lattices_around())
+        for (const int further : {0, 6, 40}) {
+            const int extent = whole.shape[0] + further;
+            const auto good = [&](int i, int j, int k) {
+                const auto &low = whole.planes[static_cast<std::size_t>(k)], &high = whole.planes[static_cast<std::size_t>((k + 1) % whole.shape[2])];
+                const auto across = i * Polar(whole.shape[1]).direction(j) * whole.spacing;
+                const auto on = [&](const auto& plane) { return plane.origin + across.x() * plane.u + across.y() * plane.v; };
+                return low.w.dot(on(high) - low.origin) > 0 && high.w.dot(high.origin - on(low)) > 0;
+            };
+            std::size_t expected = 0;
+            for (int k = 0; k + 1 < whole.shape[2] + (whole.closed ? 1 : 0); ++k)
+                for (int j = 0; j < whole.shape[1]; ++j)
+                    for (int i = 0; i + 1 < extent; ++i) expected += !(good(i, j, k) && good(i + 1, j, k) && good(i, j + 1, k) && good(i + 1, j + 1, k));
+            CHECK(count_folds(whole, extent, whole.shape[1]).cells == expected);
+            folded += expected;
+        }
+    CHECK(folded > 1000);
 }
 
 TEST_CASE("a position around a rig comes back from its lattice coordinates, also beside the rig") {
