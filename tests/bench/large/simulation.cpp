@@ -5,9 +5,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <tuple>
+#include <vector>
 
 using openvdb::Coord;
 using openvdb::Vec3f;

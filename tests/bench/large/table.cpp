@@ -7,10 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 #include <thread>
 
