@@ -124,7 +124,7 @@ std::string arguments_for(const TableScene& scene, const Made& made, const std::
         set("place", text(by * Vec3d(-1.2759615, -1.2759615, 0.0240385)));
         set("voxel", voxel);
         set("path", stretched(folder + "/trail/path.csv", by, scratch));
-        set("tube.radius", fmt::format("{:.9g}", 0.75 * wide));
+        set("tube.radius", fmt::format("{:.9g}", 0.75 * narrow));  // wider, planes would cross in the bends
     } else {
         out = "pipelines/plume_large.yaml" + out;
     }
