@@ -85,8 +85,13 @@ std::vector<std::vector<std::size_t>> readers_of(const Pipeline& pipeline) {
     return out;
 }
 
-/// Describes the differences between two states of a node. @param unless  a parameter that is left out; empty: none
-std::vector<std::string> differences(const json& was, const json& now, const std::string& unless) {
+/// The number under which the files of a node stand that are the same for all frames.
+constexpr auto all_frames = "0";
+
+/// Describes the differences between two states of a node.
+/// @param unless  a parameter that is left out; empty: none
+/// @param shared  names of the files that the node reads for all frames; none: it reads files per frame
+std::vector<std::string> differences(const json& was, const json& now, const std::string& unless, const std::vector<std::string>& shared) {
     std::vector<std::string> out;
     if (was["type"] != now["type"]) return {fmt::format("type changed from {} to {}", was["type"].get<std::string>(), now["type"].get<std::string>())};
     if (was["version"] != now["version"]) out.push_back(fmt::format("node version changed from {} to {}", was["version"].dump(), now["version"].dump()));
@@ -110,10 +115,20 @@ std::vector<std::string> differences(const json& was, const json& now, const std
     std::sort(changed.begin(), changed.end());
     std::sort(fresh.begin(), fresh.end());
     const auto tell = [&](const std::vector<int>& frames, const char* what) {
-        if (!frames.empty()) out.push_back(fmt::format("input frame{} {} {}", frames.size() == 1 ? "" : "s", FrameSet(frames).text(), what));
+        if (frames.empty()) return;
+        if (!shared.empty()) out.push_back(fmt::format("input {} {}", listed(shared, shared.size()), what));
+        else out.push_back(fmt::format("input frame{} {} {}", frames.size() == 1 ? "" : "s", FrameSet(frames).text(), what));
     };
     tell(changed, "changed");
     tell(fresh, fresh.size() == 1 ? "is new" : "are new");
+    return out;
+}
+
+/// Names of the files that a node reads for all frames; none: it reads files per frame, or none.
+std::vector<std::string> shared_files(const Node& node, std::size_t n, const Dependencies& dependencies) {
+    std::vector<std::string> out;
+    if (node.rate == Rate::frame || dependencies.frames().empty()) return out;
+    for (const auto& path : dependencies.files(n, 0)) out.push_back(std::filesystem::path(path).filename().string());
     return out;
 }
 
@@ -198,8 +213,9 @@ json History::made_of(const Pipeline& pipeline, std::size_t n, const Dependencie
     for (std::size_t place = 0; place < frames.size(); ++place) {
         if (dependencies.files(n, place).empty()) break;
         if (!reads[place]) continue;
-        out["files"][std::to_string(frames[place])] = dependencies.contents(n, place).text();
-        if (pipeline.nodes[n].rate != Rate::frame) break;
+        const bool per_frame = pipeline.nodes[n].rate == Rate::frame;
+        out["files"][per_frame ? std::to_string(frames[place]) : all_frames] = dependencies.contents(n, place).text();
+        if (!per_frame) break;
     }
     return out;
 }
@@ -267,8 +283,9 @@ std::vector<std::string> reasons(const Pipeline& pipeline, const std::vector<Sha
         bool changed = fresh[n];
         if (!fresh[n]) {
             const auto is = History::made_of(pipeline, n, dependencies, reads);
-            own[n] = differences(was, is, idle_count(node, grown, was, is));
-            changed = !differences(was, is, "").empty();
+            const auto shared = shared_files(node, n, dependencies);
+            own[n] = differences(was, is, idle_count(node, grown, was, is), shared);
+            changed = !differences(was, is, "", shared).empty();
         }
         upstream.add(n, changed);
     }

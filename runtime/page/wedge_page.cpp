@@ -41,6 +41,13 @@ std::string grid_result(const std::string& node, const std::string& name, const 
     return out;
 }
 
+/// By how much a warp makes the lattice longer: "-7.25 vertices", "-12 to 0 vertices", or the text of a curve.
+std::string amount_text(const WedgeJson& warp) {
+    if (warp.contains("amounts")) return fmt::format("{:g} to {:g} vertices", warp["amounts"][0].get<double>(), warp["amounts"][1].get<double>());
+    const auto amount = warp.value("amount", WedgeJson(0.0));
+    return amount.is_number() ? fmt::format("{:g} vertices", amount.get<double>()) : amount.get<std::string>();
+}
+
 }  // namespace
 
 std::vector<std::string> wedge_results(const WedgeJson& report) {
@@ -54,6 +61,8 @@ std::vector<std::string> wedge_results(const WedgeJson& report) {
         out.push_back(fmt::format("{}: {} {}, energy {:.4g}", name, counted(energy.size(), "seam"), inserted ? "inserted" : "removed",
                                   std::accumulate(energy.begin(), energy.end(), 0.0)));
     }
+    if (report.contains("warp"))
+        for (const auto& [name, entry] : report["warp"].items()) out.push_back(fmt::format("{}: a warp by {}", name, amount_text(entry)));
     if (report.contains("grids"))
         for (const auto& [node, grids] : report["grids"].items())
             if (!grids.empty()) out.push_back(grid_result(node, grids.begin().key(), *grids.begin()));

@@ -18,8 +18,8 @@ struct WedgeResult {
     std::string report;   ///< path of its own page, from that of the wedge
 };
 
-/// What a run did, in lines: its failures; of each solver its seams and their energy; of each carved volume how much smaller or larger its
-/// first grid became, and its mass. @param report  as Report::to_json returns it
+/// What a run did, in lines: its failures; of each solver its seams and their energy, or the amount of its warp; of each carved volume how
+/// much smaller or larger its first grid became, and its mass. @param report  as Report::to_json returns it
 std::vector<std::string> wedge_results(const nlohmann::ordered_json& report);
 
 /// All runs of a wedge as one page: a table, and the picture of each. Self-contained and without scripts.

@@ -181,7 +181,7 @@ void warn_of_nothing_changed(const GridResults& grids, const Context& context) {
     if (!names.empty())
         context.warn(fmt::format(
             "the carve changed nothing in {}; if the lattice lies beside it, move or widen the lattice (`fit` of lattice.box; `rig`, `extent_u` and "
-            "`extent_v` of lattice.build); if the seams only pass beside it, connect it as `field` of the solver, or raise the solver's `empty`",
+            "`extent_v` of lattice.build); if only the space beside it is carved, connect it as `field` of the solver, or raise the solver's `empty`",
             fmt::join(names, ", ")));
 }
 
@@ -192,7 +192,8 @@ void warn_of_nothing_left(const GridResults& grids, const Context& context) {
             names[grid.lost.size() == grid.full ? "" : (grid.lost.size() == 1 ? " in frame " : " in frames ") + FrameSet(grid.lost).text()].push_back(name);
     for (const auto& [where, lost] : names)
         context.warn(
-            fmt::format("nothing is left of {}{}; carve fewer seams (`count`), or keep them off it (`protect` of the solver)", fmt::join(lost, ", "), where));
+            fmt::format("nothing is left of {}{}; carve less (`count` of seams, `amount` of a warp), or keep the carve off it (`protect` of the solver)",
+                        fmt::join(lost, ", "), where));
 }
 
 void warn_of_mass(const GridResults& grids, const Context& context) {
@@ -200,10 +201,11 @@ void warn_of_mass(const GridResults& grids, const Context& context) {
     for (const auto& [name, grid] : grids)
         if (!grid.empty() && !grid.gone() && std::abs(grid.change()) >= much_mass) changes.push_back(fmt::format("{} {}", name, signed_percent(grid.change())));
     if (!changes.empty())
-        context.warn(fmt::format(
-            "the carve changed the mass by a third or more: {}; carve fewer seams (`count`), keep them off the content (`protect` of the solver), or "
-            "keep the mass of densities (`conserve`)",
-            fmt::join(changes, ", ")));
+        context.warn(
+            fmt::format("the carve changed the mass by a third or more: {}; carve less (`count` of seams, `amount` of a warp), keep the carve off the content "
+                        "(`protect` of the solver), or "
+                        "keep the mass of densities (`conserve`)",
+                        fmt::join(changes, ", ")));
 }
 
 void warn_of_moved_start(const GridResults& grids, const Context& context) {

@@ -162,27 +162,29 @@ TEST_CASE("a carve that changes nothing in a grid is warned of") {
     CHECK(
         out.warnings ==
         Lines{"the carve changed nothing in density, flame; if the lattice lies beside it, move or widen the lattice (`fit` of lattice.box; `rig`, `extent_u` "
-              "and `extent_v` of lattice.build); if the seams only pass beside it, connect it as `field` of the solver, or raise the solver's `empty`"});
+              "and `extent_v` of lattice.build); if only the space beside it is carved, connect it as `field` of the solver, or raise the solver's `empty`"});
 }
 
 TEST_CASE("a carve that leaves nothing, in some frames or in all, is warned of") {
     auto out = removed({{block(3, 4, 1)}}, {3, 3});
     CHECK(out.lines == Lines{"density 2 x 4 x 4 -> nothing"});
-    CHECK(out.warnings == Lines{"nothing is left of density; carve fewer seams (`count`), or keep them off it (`protect` of the solver)"});
+    CHECK(out.warnings ==
+          Lines{"nothing is left of density; carve less (`count` of seams, `amount` of a warp), or keep the carve off it (`protect` of the solver)"});
     CHECK(out.section("grids")["density"]["after"] == Json{{"mass", 0.0}, {"highest", 0.0}});
 
     out = removed({{block(3, 4, 1)}, {block(3, 6, 1)}}, {3, 3});
     CHECK(out.warnings ==
-          Lines{"nothing is left of density in frame 1; carve fewer seams (`count`), or keep them off it (`protect` of the solver)",
-                "the carve changed the mass by a third or more: density -66.7 %; carve fewer seams (`count`), keep them off the content (`protect` "
+          Lines{"nothing is left of density in frame 1; carve less (`count` of seams, `amount` of a warp), or keep the carve off it (`protect` of the solver)",
+                "the carve changed the mass by a third or more: density -66.7 %; carve less (`count` of seams, `amount` of a warp), keep the carve off the "
+                "content (`protect` "
                 "of the solver), or keep the mass of densities (`conserve`)"});
 }
 
 TEST_CASE("a carve that takes a third of the mass is warned of, one that takes less is not") {
     const auto out = removed({{block(0, 5, 1), block(0, 4, 1, "fuel"), block(0, 7, 1, "heat")}}, {1, 1});
-    CHECK(out.warnings ==
-          Lines{"the carve changed the mass by a third or more: density -33.3 %, fuel -40.0 %; carve fewer seams (`count`), keep them off the content "
-                "(`protect` of the solver), or keep the mass of densities (`conserve`)"});
+    CHECK(out.warnings == Lines{"the carve changed the mass by a third or more: density -33.3 %, fuel -40.0 %; carve less (`count` of seams, `amount` of a "
+                                "warp), keep the carve off the content "
+                                "(`protect` of the solver), or keep the mass of densities (`conserve`)"});
 }
 
 TEST_CASE("content that starts ten voxels from where it was is warned of, at nine, or in a picture, it is not") {
