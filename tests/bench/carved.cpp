@@ -203,6 +203,21 @@ void move_windows(Value& seams, int grown) {
     shift("pair_window", 0);
 }
 
+/// Runs a shot's pipeline with another solver.
+/// @param change  changes the node
+template <class Change>
+Carved carve_otherwise(const Shot& shot, const Change& change) {
+    const Scratch scratch;
+    auto document = document_of(shot, shot.files, "0", "");
+    const auto registry = registry_of_looks();
+    auto& seams = node_of(document, "seams");
+    change(seams);
+    keep_what_is_of(*registry.node(text_of(seams, "type")), seams);
+    auto out = record(document, registry, shot.scene.input, scratch);
+    out.windows = windows_of(document);
+    return out;
+}
+
 /// Puts the lattices that the first carves left in place of the document's own.
 /// @param grown  vertices along u, unless seams come in pairs
 void give_what_is_left(Document& document, const std::vector<Ref<Lattice>>& lattices, int grown) {
@@ -324,16 +339,48 @@ Carved carve_as_paper(const Shot& shot, int count, const std::vector<Ref<Lattice
 }
 
 Carved carve_by_warp(const Shot& shot, const std::string& count) {
+    return carve_otherwise(shot, [&](Value& seams) {
+        set(seams, "type", "warp.solve");
+        set(seams, "amount", count);
+    });
+}
+
+std::optional<Carved> carve_by_both(const Shot& shot, const std::string& count) {
     const Scratch scratch;
     auto document = document_of(shot, shot.files, count, "");
+    if (windows_of(document)) return std::nullopt;
     const auto registry = registry_of_looks();
-    auto& seams = node_of(document, "seams");
-    set(seams, "type", "warp.solve");
-    set(seams, "amount", count);
-    keep_what_is_of(*registry.node("warp.solve"), seams);
-    auto out = record(document, registry, shot.scene.input, scratch);
-    out.windows = windows_of(document);
-    return out;
+    auto rest = node_of(document, "seams");
+    const auto* const field = rest.find("field");
+    if (!field) return std::nullopt;
+    Value chosen;
+    chosen.mark = document.mark;
+    set(chosen, "type", "seams.choose");
+    set(chosen, "seams", "seams");
+    set(chosen, "field", field->value.text);
+    set(chosen, "lattice", text_of(rest, "lattice"));
+    set(rest, "type", "warp.solve");
+    set(rest, "amount", count);
+    set(rest, "rest", "true");
+    set(rest, "after", list_value({"look_chosen"}, document.mark));
+    // A window would count what the seams leave.
+    std::erase_if(rest.fields, [](const Value::Field& each) { return each.name == "window"; });
+    keep_what_is_of(*registry.node("warp.solve"), rest);
+    set(node_of(document, "carved"), "seams", list_value({"look_chosen", "look_rest"}, document.mark));
+    set(document.nodes, "look_chosen", std::move(chosen));
+    set(document.nodes, "look_rest", std::move(rest));
+    return record(std::move(document), registry, shot.scene.input, scratch);
+}
+
+Carved scale_evenly(const Shot& shot, double amount) {
+    return carve_otherwise(shot, [&](Value& seams) {
+        std::erase_if(seams.fields, [](const Value::Field& field) { return field.name != "energy" && field.name != "lattice" && field.name != "anchor"; });
+        set(seams, "type", "warp.solve");
+        set(seams, "amount", fmt::format("{:.6f}", amount));
+        // So even that neither energies nor edges count.
+        set(seams, "evenness", "1e4");
+        set(seams, "empty", "1");
+    });
 }
 
 Samples samples_before(const Scene& scene, const Carved& carved) { return sampled(scene, carved.before, carved.lattices, 0, carved.lattices.at(0)->shape[0]); }

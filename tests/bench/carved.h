@@ -45,6 +45,15 @@ Carved carve_as_shipped(const Shot& shot, const std::string& count);
 /// @param count  as a pipeline states it
 Carved carve_by_warp(const Shot& shot, const std::string& count);
 
+/// The shipped pipeline, with as many of its seams as look best, and a warp for the rest.
+/// @param count  as a pipeline states it
+/// @return nothing if there is no choice: the seams come in pairs, or have no field
+std::optional<Carved> carve_by_both(const Shot& shot, const std::string& count);
+
+/// The shipped pipeline, with a warp of even weights in place of its seams: even scaling, sampled as often as any carve.
+/// @param amount  vertices by which the lattice grows along u; need not be whole
+Carved scale_evenly(const Shot& shot, double amount);
+
 /// The paper's way: multi-greedy seams of backward energy, whole vertices move. To narrow, each seam is carved before the next
 /// is looked for, in the lattice that is left of the first. To widen, all are found at once: one after the other, the same
 /// seam would be doubled again and again.

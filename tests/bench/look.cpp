@@ -39,9 +39,11 @@ constexpr auto about =
     "seams pay backward costs, whole vertices move. To narrow, each seam is carved "
     "from the files that the one before left; to widen, all are found at once, since a loop would double the same seam again and again.\n"
     "- warp: the shipped pipeline with warp.solve in place of its solver.\n"
+    "- both: as many of the shipped seams as seams.choose keeps, and a warp for the rest.\n"
     "- liblqr's: images carved by liblqr as it comes.\n"
     "\n"
-    "Each figure is a share: below 1 is better than even scaling to the same visible width. Samples stand at the lattice's vertices.\n"
+    "Each figure is a share: below 1 is better than even scaling to the same visible width. Even scaling is done by the shipped pipeline, too, with a warp of "
+    "even weights. Samples stand at the lattice's vertices.\n"
     "\n"
     "- coherence: what is in the result comes from the input. Root mean square distance from each patch of the result to the nearest patch of the input; "
     "patches of 5, 9 and 15 vertices.\n"
@@ -139,10 +141,11 @@ int count_of(const std::string& stated, int width) { return fluidcarve::Count{st
 
 /// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second
 /// to what is left for it.
-Samples even_for(const Samples& result, const Samples& source, const Carved& carved, int count) {
+Samples even_for(const Shot& shot, const Samples& result, const Samples& source, const Carved& carved, int count) {
     if (!carved.windows) {
         const float visible = visible_from(source);
-        return scaled(source, visible_width(result, visible) / visible_width(source, visible));
+        const double share = visible_width(result, visible) / visible_width(source, visible), amount = (share - 1) * static_cast<double>(source.shape[0] - 1);
+        return samples_after(shot.scene, scale_evenly(shot, amount), static_cast<int>(std::ceil(amount)));
     }
     const auto [first, last, pair_first, pair_last] = *carved.windows;
     return stretched(source, source.shape[0], [=](double i) {
@@ -161,7 +164,7 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     const int count = count_of(stated, static_cast<int>(source.shape[0])), grown = shipped.windows ? 0 : count;
     LookRow out{fmt::format("{}, {:+}", shot.name, count), {middle_frame(source)}, {"before"}};
     const auto add = [&](const std::string& contender, const Samples& result) {
-        const auto even = even_for(result, source, shipped, count);
+        const auto even = even_for(shot, result, source, shipped, count);
         table.add(shot.name, count, contender, looks_of(result, source, even, std::abs(count)));
         out.samples.push_back(middle_frame(result));
         out.names.push_back(contender);
@@ -169,8 +172,8 @@ LookRow measure(const Shot& shot, const std::string& stated, bool loop, Table& t
     };
     if (loop) add("the paper's", samples_after(scene, carve_as_paper(shot, count, shipped.lattices), grown));
     if (scene.pipeline == "image") add("liblqr's", carve_by_lqr(source, source.shape[0] + static_cast<std::size_t>(grown)));
-    // A warp does not know lattices around their rig.
-    if (!shipped.lattices.front()->around) add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
+    add("warp", samples_after(scene, carve_by_warp(shot, stated), grown));
+    if (const auto both = carve_by_both(shot, stated)) add("both", samples_after(scene, *both, grown));
     const auto even = add("shipped", samples_after(scene, shipped, grown));
     out.samples.insert(out.samples.begin() + 1, even);
     out.names.insert(out.names.begin() + 1, "scaled evenly");

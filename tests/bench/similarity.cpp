@@ -189,11 +189,6 @@ Samples stretched(const Samples& source, std::size_t width, const std::function<
     return out;
 }
 
-Samples scaled(const Samples& source, double share) {
-    const double width = static_cast<double>(source.shape[0]), wanted = std::max(2.0, std::round(share * width));
-    return stretched(source, static_cast<std::size_t>(wanted), [&](double i) { return i * (width - 1) / (wanted - 1); });
-}
-
 Looks looks_of(const Samples& result, const Samples& source, const Samples& even, int moved) {
     const float visible = visible_from(source);
     const auto ours = similarity(result, source, visible, moved), theirs = similarity(even, source, visible, moved);

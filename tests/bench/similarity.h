@@ -52,9 +52,6 @@ double visible_width(const Samples& samples, float visible);
 /// @param from   the place in the input of a vertex of the result, in vertices
 Samples stretched(const Samples& source, std::size_t width, const std::function<double(double)>& from);
 
-/// The input scaled evenly to a visible width of `share` of its own: its first and last vertex stay first and last.
-Samples scaled(const Samples& source, double share);
-
 /// @param even    the input scaled evenly until it is visibly as wide as the result
 /// @param result  carved
 /// @param moved   by how many vertices content may have moved; beyond 4 more, no nearest patch is looked for

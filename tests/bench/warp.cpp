@@ -27,7 +27,7 @@ void bench_size(const std::array<int, 3>& shape, std::size_t frames, int factor)
     int cycles = 0;
     const auto warp = [&] {
         return seconds(runs, [&] {
-            Warp found(shape, false, factor, frames, in_memory, "");
+            Warp found(shape, {}, factor, frames, in_memory, "");
             FrameStore weights(frames, found.values(0).size(), in_memory, "");
             find_weights(energy, typical, {}, found, weights);
             const WarpTask task{{0, shape[0] - 1}, {}, std::vector<float>(static_cast<std::size_t>(found.points()[2]) * frames, 1.0f), -0.1 * shape[0], {}};
