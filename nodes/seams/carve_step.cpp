@@ -76,8 +76,8 @@ void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
 CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
     const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
     const double lateral = at[1 - axis_] - first_lateral_;
-    const int j = cell(lateral, laterals_ - 2), k = cell(at.z(), slices_ - (closed_ ? 1 : 2));
-    const int next_j = std::min(j + 1, laterals_ - 1), next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
+    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)), k = cell(at.z(), slices_ - (closed_ ? 1 : 2));
+    const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1), next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
     const auto of = [&](int column, int slice) -> const Ends& {
         return column_ends_[static_cast<std::size_t>(column) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
     };

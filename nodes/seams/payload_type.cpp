@@ -37,11 +37,10 @@ Warp read_warp(BinaryReader& in, const Seams& seams) {
     in.require(frames >= 1 && (frames == 1 || frames == seams.frames.size()));
     auto values = in.list<float>();
     std::uint64_t points = 1;
-    for (const auto n :
-         {Warp::points_along(seams.carved(), factor), Warp::points_along(seams.lateral(), factor), Warp::points_along(seams.shape[2], factor, seams.closed)})
+    for (const auto n : Warp::points_of(seams.warp_vertices(), seams.warp_rings(), factor))
         in.require(!__builtin_mul_overflow(points, static_cast<std::uint64_t>(n), &points));
     in.require(values.size() == points);
-    Warp out({seams.carved(), seams.lateral(), seams.shape[2]}, seams.closed, factor, frames, std::numeric_limits<std::uint64_t>::max(), {});
+    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, frames, std::numeric_limits<std::uint64_t>::max(), {});
     for (std::size_t t = 0; t < frames; ++t) {
         if (t > 0) values = in.list<float>();
         in.require(values.size() == points);

@@ -43,7 +43,7 @@ struct Seams {
     /// The second seam of each pair (paper 3.6), or empty. They are of the opposite kind, and all lie on the positive side of all `seams`.
     /// Their entries do not count the seams of the other window.
     std::vector<Seam> pairs;
-    /// Its vertices are carved(), lateral() and shape[2], its bounds are found, and the anchor holds it. `kind` says nothing of it.
+    /// Its vertices are warp_vertices(), its rings warp_rings(); its bounds are found, and the anchor holds it. `kind` says nothing of it.
     std::optional<Warp> warp;
 
     /// Number of seams; 1 for a warp.
@@ -52,6 +52,8 @@ struct Seams {
     int lateral() const { return shape[lateral_dimension(axis)]; }
     /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig itself, where all columns meet.
     Window whole_window() const { return {around ? 1 : 0, carved() - 1}; }
+    std::array<int, 3> warp_vertices() const { return {carved(), lateral(), shape[2]}; }
+    Warp::Rings warp_rings() const { return {around, closed}; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     bool paired() const { return !pairs.empty(); }
     /// The lattice hash of a frame.

@@ -21,9 +21,9 @@ struct Between {
     float weight;  ///< of the high one
 };
 
-Between between(int vertex, int vertices, int points, int factor, bool closed) {
-    const int low = std::min(vertex / factor, points - 1), high = low + 1 < points ? low + 1 : closed ? 0 : low;
-    const int from = std::min(low * factor, vertices - 1), to = closed && high == 0 ? vertices : std::min(high * factor, vertices - 1);
+Between between(int vertex, int vertices, int points, int factor, bool ring) {
+    const int low = std::min(vertex / factor, points - 1), high = low + 1 < points ? low + 1 : ring ? 0 : low;
+    const int from = std::min(low * factor, vertices - 1), to = ring && high == 0 ? vertices : std::min(high * factor, vertices - 1);
     const auto weight = to > from ? static_cast<float>(vertex - from) / static_cast<float>(to - from) : 0;
     return {static_cast<std::size_t>(low), static_cast<std::size_t>(high), weight};
 }
@@ -34,12 +34,17 @@ Warp::Range around(const Warp::Range& a, const Warp::Range& b) { return {std::mi
 
 }  // namespace
 
-Warp::Warp(const std::array<int, 3>& vertices, bool closed, int factor, std::size_t frames, std::uint64_t memory_budget, const std::string& folder)
+Warp::Warp(const std::array<int, 3>& vertices, const Rings& rings, int factor, std::size_t frames, std::uint64_t memory_budget, const std::string& folder)
     : vertices_(vertices),
-      points_{points_along(vertices[0], factor), points_along(vertices[1], factor), points_along(vertices[2], factor, closed)},
-      closed_(closed),
+      points_(points_of(vertices, rings, factor)),
+      rings_(rings),
       factor_(factor),
       values_(std::make_shared<FloatFrameStore>(frames, product(points_), memory_budget, folder)) {}
+
+std::array<int, 3> Warp::points_of(const std::array<int, 3>& vertices, const Rings& rings, int factor) {
+    const auto along = [factor](int size, bool ring) { return ring ? (size + factor - 1) / factor : (size + factor - 2) / factor + 1; };
+    return {along(vertices[0], false), along(vertices[1], rings.lateral), along(vertices[2], rings.w)};
+}
 
 std::span<float> Warp::values(std::size_t t) { return values_->entries(std::min(t, frames() - 1)); }
 
@@ -49,7 +54,7 @@ template <class Use>
 void Warp::with_column(std::size_t t, int lateral, int k, const Use& use) const {
     const auto all = values(t);
     const auto row = static_cast<std::size_t>(points_[0]);
-    const auto a = between(lateral, vertices_[1], points_[1], factor_, false), b = between(k, vertices_[2], points_[2], factor_, closed_);
+    const auto a = between(lateral, vertices_[1], points_[1], factor_, rings_.lateral), b = between(k, vertices_[2], points_[2], factor_, rings_.w);
     const auto from = [&](std::size_t j, std::size_t n) { return all.data() + (n * static_cast<std::size_t>(points_[1]) + j) * row; };
     const std::array rows{from(a.low, b.low), from(a.high, b.low), from(a.low, b.high), from(a.high, b.high)};
     const auto scale = static_cast<float>(scale_);

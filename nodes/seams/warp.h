@@ -15,28 +15,32 @@ namespace fluidcarve {
 
 /// A displacement of content along a lattice's axis, found as a whole (METHOD 4 "Warps"). The content of vertex `(u, lateral, k)` in frame `t` goes
 /// to `u + scale() * value`, vertices. Values stand at points. Point `p` of a dimension of `n` vertices stands at vertex
-/// `min(p * factor(), n - 1)`; in a closed lattice the point behind the last along w is the first, at plane `n`. Between points the
-/// displacement is trilinear.
+/// `min(p * factor(), n - 1)`. In a ring the point behind the last one is the first, at vertex `n`. Between points the displacement is
+/// trilinear.
 /// Copies share their values, but not their scale.
 class Warp {
 public:
+    /// Dimensions whose last vertex is followed by their first.
+    struct Rings {
+        bool lateral = false;  ///< in a lattice around its rig
+        bool w = false;        ///< in a closed lattice
+        bool operator==(const Rings&) const = default;
+    };
+
     /// All values are 0 at first.
     /// @param vertices       number of vertices along the axis, along the lateral axis and along w
-    /// @param closed         plane vertices[2] is plane 0 again
     /// @param factor         vertices from point to point: 1, 2 or 4
     /// @param frames         number of frames; 1 if the warp is the same in all frames
     /// @param memory_budget  bytes that may be held in memory; a larger warp is held in a file that disappears with the process
     /// @param folder         for the file
     /// @throws Failure if neither memory nor disk can hold the values
-    Warp(const std::array<int, 3>& vertices, bool closed, int factor, std::size_t frames, std::uint64_t memory_budget, const std::string& folder);
+    Warp(const std::array<int, 3>& vertices, const Rings& rings, int factor, std::size_t frames, std::uint64_t memory_budget, const std::string& folder);
 
-    /// Number of points along a dimension.
-    static int points_along(int vertices, int factor, bool closed = false) {
-        return closed ? (vertices + factor - 1) / factor : (vertices + factor - 2) / factor + 1;
-    }
+    /// Number of points along the axis, laterally and along w.
+    static std::array<int, 3> points_of(const std::array<int, 3>& vertices, const Rings& rings, int factor);
     const std::array<int, 3>& vertices() const { return vertices_; }  ///< along the axis, laterally, along w
     const std::array<int, 3>& points() const { return points_; }      ///< along the axis, laterally, along w
-    bool closed() const { return closed_; }
+    const Rings& rings() const { return rings_; }
     int factor() const { return factor_; }
     std::size_t frames() const { return values_->count(); }
     /// The vertex at which a point stands.
@@ -87,7 +91,7 @@ private:
     void with_column(std::size_t t, int lateral, int k, const Use& use) const;
 
     std::array<int, 3> vertices_, points_;
-    bool closed_;
+    Rings rings_;
     int factor_;
     double scale_ = 1;
     bool linear_ = true;

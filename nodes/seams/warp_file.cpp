@@ -123,16 +123,17 @@ std::vector<openvdb::GridBase::ConstPtr> grids_of_warp(const Warp& warp) {
 
 Warp warp_of_grids(const Volume& volume, const Seams& seams, int factor) {
     const auto grids = ordered(volume, seams.frames.size());
-    const std::array vertices{seams.carved(), seams.lateral(), seams.shape[2]};
-    require_points(grids,
-                   {Warp::points_along(vertices[0], factor), Warp::points_along(vertices[1], factor), Warp::points_along(vertices[2], factor, seams.closed)});
-    Warp out(vertices, seams.closed, factor, grids.size(), std::numeric_limits<std::uint64_t>::max(), {});
+    require_points(grids, Warp::points_of(seams.warp_vertices(), seams.warp_rings(), factor));
+    Warp out(seams.warp_vertices(), seams.warp_rings(), factor, grids.size(), std::numeric_limits<std::uint64_t>::max(), {});
     for (std::size_t t = 0; t < grids.size(); ++t) {
         read_values(*grids[t], out.points(), out.values(t));
         require_rising(out, t);
     }
     out.find_bounds();
     require_bounded(out);
+    if (const auto& [least, most] = out.bounds().first; seams.around && (least != 0 || most != 0))
+        throw wrong_seams(
+            fmt::format("the warp moves the rig, which the lattice goes around, by {} to {} vertices; its values at u = 0 must be 0", least, most));
     return out;
 }
 

@@ -32,7 +32,7 @@ class WarpSystem::Level {
 public:
     Level(Warp& warp, const FrameStore& weights, Window window, const WarpStiffness& stiffness)
         : size_{warp.points()[1], warp.points()[2], static_cast<int>(warp.frames())},
-          closed_(warp.closed()),
+          rings_{warp.rings().lateral, warp.rings().w, false},
           width_(static_cast<std::size_t>(window.size())),
           coupling_{stiffness.space, stiffness.space, stiffness.time * warp.factor() * warp.factor()},
           warp_(&warp),
@@ -46,7 +46,7 @@ public:
 
     /// The next coarser level. @param finer  must stay
     explicit Level(const Level& finer)
-        : size_(finer.size_), closed_(finer.closed_), width_(finer.width_), coupling_(finer.coupling_), inverse_length_(finer.inverse_length_) {
+        : size_(finer.size_), rings_(finer.rings_), width_(finer.width_), coupling_(finer.coupling_), inverse_length_(finer.inverse_length_) {
         const double strongest = finer.strongest();
         for (std::size_t d = 0; d < 3; ++d) {
             if (size_[d] == 1 || coupling_[d] < weak_coupling * strongest) continue;
@@ -165,11 +165,19 @@ private:
     }
     std::size_t per_frame() const { return static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]); }
 
-    /// In a ring of an odd number of slices the first and the last are neighbours in one turn: the last one waits.
-    bool last_waits() const { return closed_ && size_[1] % 2 == 1 && size_[1] > 1; }
-    int turns() const { return last_waits() ? 4 : 2; }
+    /// In a ring of an odd number of columns the first and the last are neighbours in one turn: the last one waits.
+    bool last_waits(std::size_t d) const { return rings_[d] && size_[d] % 2 == 1 && size_[d] > 1; }
+    int turns() const { return 2 * (last_waits(0) ? 2 : 1) * (last_waits(1) ? 2 : 1); }
     /// When a column is solved: never together with a neighbour.
-    int turn_of(const Place& at) const { return (at[0] + at[1] + at[2]) % 2 + (last_waits() && at[1] == size_[1] - 1 ? 2 : 0); }
+    int turn_of(const Place& at) const {
+        int out = (at[0] + at[1] + at[2]) % 2, later = 2;
+        for (std::size_t d = 0; d < 2; ++d) {
+            if (!last_waits(d)) continue;
+            if (at[d] == size_[d] - 1) out += later;
+            later *= 2;
+        }
+        return out;
+    }
 
     /// Calls `visit(column, coupling)` for the neighbours of a place.
     template <class Visit>
@@ -179,8 +187,8 @@ private:
                 auto beside = at;
                 beside[d] += step;
                 if (beside[d] < 0 || beside[d] >= size_[d]) {
-                    // Two slices in a ring are neighbours on both sides.
-                    if (d != 1 || !closed_ || size_[1] < 2) continue;
+                    // Two columns in a ring are neighbours on both sides.
+                    if (!rings_[d] || size_[d] < 2) continue;
                     beside[d] = (beside[d] + size_[d]) % size_[d];
                 }
                 visit(column(beside), coupling_[d]);
@@ -290,8 +298,7 @@ private:
             parts[d] = {{finer[d], finer[d]}, {1, 0}};
             if (!halved_[d]) continue;
             const int near = finer[d] / 2, beside = near + (finer[d] % 2 == 1 ? 1 : -1);
-            const bool round = d == 1 && closed_;
-            parts[d] = {{near, round ? (beside + size_[d]) % size_[d] : std::clamp(beside, 0, size_[d] - 1)}, {0.75f, 0.25f}};
+            parts[d] = {{near, rings_[d] ? (beside + size_[d]) % size_[d] : std::clamp(beside, 0, size_[d] - 1)}, {0.75f, 0.25f}};
         }
         for (int corner = 0; corner < 8; ++corner) {
             Place at{};
@@ -307,8 +314,8 @@ private:
         }
     }
 
-    std::array<int, 3> size_;  ///< columns laterally, along w and in time
-    bool closed_;
+    std::array<int, 3> size_;                       ///< columns laterally, along w and in time
+    std::array<bool, 3> rings_;                     ///< dimensions whose last column is followed by their first
     std::size_t width_;                             ///< points of a column
     std::array<double, 3> coupling_;                ///< stiffness laterally, along w and in time
     std::array<bool, 3> halved_{};                  ///< which dimensions have half of the finer level's columns

@@ -18,7 +18,7 @@ namespace {
 /// The vertices of a dimension that are nearest to a point: first and last. Of two points as near, the lower one has the vertex.
 std::pair<int, int> vertices_near(int point, int vertices, int points, int factor) {
     const int at = point * factor, first = point == 0 ? 0 : at - (factor - 1) / 2;
-    // The last point of a lattice that is not closed stands at the last vertex, perhaps nearer to the one before it.
+    // The last point of a dimension that is no ring stands at the last vertex, perhaps nearer to the one before it.
     return {std::min(first, vertices - 1), point + 1 == points ? vertices - 1 : std::min(at + factor / 2, vertices - 2)};
 }
 

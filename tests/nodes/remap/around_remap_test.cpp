@@ -6,9 +6,11 @@
 #include "nodes/seam/greedy.h"
 #include "nodes/seams/carve_inverse.h"
 #include "nodes/seams/step_columns.h"
+#include "nodes/warp/solve.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/sampled.h"
 #include "tests/support/solver_bench.h"
+#include "tests/support/warped.h"
 #include "tests/support/wavy_seams.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -57,10 +59,18 @@ FloatGrid::Ptr field_in(const Lattice& lattice, double voxel, const std::functio
     return out;
 }
 
+/// A warp of a lattice around its rig, which differs from column to column and closes: by so much at the end, by up to half more elsewhere.
+Shift uneven(const Lattice& lattice, double by) {
+    return [by, &lattice](int entry, int lateral, int k, int) {
+        const double turn = 2 * M_PI * (2 * lateral / static_cast<double>(lattice.shape[1]) + 3 * k / static_cast<double>(lattice.shape[2]));
+        return by * entry / (lattice.shape[0] - 1.0) * (1.25 + 0.25 * std::sin(turn));
+    };
+}
+
 /// Where a point of the carved space comes from, straight from METHOD 4; nothing if it is freed.
 std::optional<Vec3d> source_of(const CarveMap& map, Vec3d at) {
     const auto& step = map.steps().front();
-    if (at.x() > step.last()) return std::nullopt;
+    if (!step.carves(at, 1)) return std::nullopt;
     const StepColumns columns(step, at.y(), at.z());
     const int low = static_cast<int>(at.x());
     const double part = at.x() - low, below = columns.displacement(low), above = part > 0 ? columns.displacement(low + 1) : below;
@@ -102,13 +112,15 @@ TEST_CASE("a round trail gets thinner or thicker from all sides alike, and what 
     CHECK(changed == 0);
 }
 
-TEST_CASE("every voxel around a rig comes from where the map says, soft or whole, across the closing of v and on the rig") {
+TEST_CASE("every voxel around a rig comes from where the map of seams or of a warp says, across the closing of v and on the rig") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
+    const bool by_warp = GENERATE(false, true);
     for (const auto& lattice : {helix_lattice(), ring_lattice()}) {
         const Vec3d slope(1, -0.5, 0.25);
         const auto linear = [&](const Vec3d& at) { return static_cast<float>(20 + slope.dot(at)); };
         const FloatGrid::ConstPtr grid = field_in(lattice, 0.09, linear);
-        const auto map = soft_map_of(lattice, wandering(lattice, kind, 2, 1), 3);
+        const auto seams = by_warp ? warped(lattice, uneven(lattice, kind == Kind::remove ? -2.2 : 1.7)) : wandering(lattice, kind, 2, 1);
+        const auto map = soft_map_of(lattice, seams, 3);
         const auto carved = openvdb::GridBase::grid<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
         const Mapping mapping(lattice, map.reach());
         auto values = carved->getConstAccessor();
@@ -223,8 +235,9 @@ TEST_CASE("seams are found along the cells around a rig, also where v closes") {
     CHECK(along == lattice.shape[1]);
 }
 
-TEST_CASE("a density around a rig keeps its mass, and particles keep their number, when it gets thinner or thicker") {
+TEST_CASE("a density around a rig keeps its mass, and particles keep their density, when it gets thinner or thicker, by seams or by a warp") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
+    const bool by_warp = GENERATE(false, true);
     const auto lattice = helix_lattice();
     const Mapping mapping(lattice);
     const auto cloud = [&](const Vec3d& p) {
@@ -233,7 +246,9 @@ TEST_CASE("a density around a rig keeps its mass, and particles keep their numbe
     };
     Volume source;
     source.grids.push_back(field_in(lattice, 0.08, cloud));
-    const auto map = soft_map_of(lattice, wandering(lattice, kind, 2, 1), 3);
+    const double by = kind == Kind::remove ? -2 : 2;
+    const auto even = [&](int entry, int, int, int) { return by * entry / (lattice.shape[0] - 1.0); };
+    const auto map = soft_map_of(lattice, by_warp ? warped(lattice, even) : wandering(lattice, kind, 2, 1), 3);
     const auto carved = finished(source, carve_volume(source, lattice, map, Interpolation::linear), lattice, map, {std::nullopt, {"density"}, false});
     const auto sum = [](const Volume& volume) {
         double out = 0;
@@ -256,7 +271,7 @@ TEST_CASE("a density around a rig keeps its mass, and particles keep their numbe
     }
     const auto moved = carve_points(points, identities, lattice, map, default_jitter);
     // The even density stays: as many as fit into the volume that is left or made.
-    const double after = radius + (kind == Kind::remove ? -2 : 2), share = after * after / (radius * radius);
+    const double after = by_warp ? radius * (1 + by / (lattice.shape[0] - 1)) : radius + by, share = after * after / (radius * radius);
     CHECK(static_cast<double>(moved.images.size()) == Approx(share * 40000).epsilon(0.05));
 }
 
@@ -281,4 +296,35 @@ TEST_CASE("a solver leaves out the rig, closes its seams around it, and refuses 
                       "in place");
     CHECK_THROWS_WITH(with("{count: -3, window: [0, 4]}"),
                       "window [0, 4] holds the rig, vertex 0, where the lattice's columns meet, so that nothing can be taken or added; begin at 1");
+}
+
+TEST_CASE("a warp around a rig holds the rig, knows no first column, and refuses what would move the rig") {
+    const auto lattice = around(through({{8, 8, 0}, {8, 8, 12}}, false, {0, 1, 0}), 6, 1);
+    const int half = lattice.shape[1] / 2;
+    REQUIRE(2 * half == lattice.shape[1]);
+    // The same after half a turn.
+    const auto noise = [](int x, int y, int z) { return static_cast<unsigned>(x * 73 + y * 19 + z * 7) * 2654435761u % 64; };
+    const auto energy = energy_grid(CoordBBox(Coord(0), Coord(16, 16, 12)), [&](const Coord& at) {
+        return static_cast<float>(noise(at.x(), at.y(), at.z()) + noise(16 - at.x(), 16 - at.y(), at.z()));
+    });
+    const auto with = [&](const std::string& yaml) { return solve(warp_solve(), yaml, {energy}, {lattice}, {}, 1); };
+    const auto found = with("{amount: -2.5}").seams;
+    REQUIRE(found->warp);
+    CHECK(found->around);
+    double differ = 0;
+    for (int k = 0; k < lattice.shape[2]; ++k)
+        for (int j = 0; j < half; ++j) {
+            std::vector<float> here(7), there(7), next(7);
+            found->warp->column(0, j, k, here);
+            found->warp->column(0, j + half, k, there);
+            found->warp->column(0, j + 1, k, next);
+            REQUIRE((here.front() == 0 && here.back() == -2.5f));
+            for (std::size_t u = 0; u < 7; ++u) {
+                REQUIRE(here[u] == Approx(there[u]).margin(1e-3));
+                differ = std::max(differ, static_cast<double>(std::abs(here[u] - next[u])));
+            }
+        }
+    CHECK(differ > 0.05);
+    CHECK_THROWS_WITH(with("{amount: -3, axis: v}"), Catch::Contains("the lattice goes around its rig, so that v closes and has no end to take from"));
+    CHECK_THROWS_WITH(with("{amount: -3, anchor: middle}"), Catch::Contains("anchor middle would move the rig"));
 }

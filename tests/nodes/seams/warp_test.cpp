@@ -49,7 +49,7 @@ double source(const CarveStep& step, const Vec3d& at) {
 
 }  // namespace
 
-TEST_CASE("between its points a warp is trilinear, up to the last vertices and across the closing of a ring") {
+TEST_CASE("between its points a warp is trilinear, up to the last vertices and across the closing of rings") {
     const int factor = GENERATE(1, 2, 4);
     const bool closed = GENERATE(false, true);
     auto lattice = box({19, 10, 11});
@@ -67,6 +67,12 @@ TEST_CASE("between its points a warp is trilinear, up to the last vertices and a
         lattice, [](int, int, int k, int) { return k; }, Axis::u, {1}, factor);
     const int last = rising.warp->vertex_of(2, rising.warp->points()[2] - 1);
     for (int k = last; k < 11; ++k) CHECK(column(*rising.warp, 3, k)[5] == Approx(last * (11.0 - k) / (11 - last)));
+    // Around a rig, behind the last point along v.
+    lattice.around = true;
+    const auto turning = warped(
+        lattice, [](int, int lateral, int, int) { return lateral; }, Axis::u, {1}, factor);
+    const int end = turning.warp->vertex_of(1, turning.warp->points()[1] - 1);
+    for (int lateral = end; lateral < 10; ++lateral) CHECK(column(*turning.warp, lateral, 3)[5] == Approx(end * (10.0 - lateral) / (10 - end)));
 }
 
 TEST_CASE("a warp is linear in its scale, and copies of it share their values") {
@@ -230,7 +236,7 @@ TEST_CASE("an energy is carried into the space that a warp leaves, with its mark
 TEST_CASE("a warp beyond the budget is held in a file, and is the same") {
     const Scratch scratch;
     const std::array vertices{7, 5, 3};
-    Warp in_file(vertices, false, 1, 4, 100, scratch / "work"), in_memory(vertices, false, 1, 4, ~std::uint64_t{0}, {});
+    Warp in_file(vertices, {}, 1, 4, 100, scratch / "work"), in_memory(vertices, {}, 1, 4, ~std::uint64_t{0}, {});
     for (auto* const warp : {&in_file, &in_memory}) {
         for (std::size_t t = 0; t < 4; ++t)
             for (std::size_t n = 0; n < warp->values(t).size(); ++n)

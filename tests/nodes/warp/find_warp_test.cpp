@@ -24,9 +24,9 @@ const std::function<void(double)> nobody = [](double) {};
 /// A lattice with weights, and the warp that is found in it.
 struct Found {
     /// @param weight  of (u, lateral, k, t)
-    Found(const std::array<int, 4>& size, const std::function<double(int, int, int, int)>& weight, bool closed = false)
+    Found(const std::array<int, 4>& size, const std::function<double(int, int, int, int)>& weight, const Warp::Rings& rings = {})
         : size(size),
-          warp({size[0], size[1], size[2]}, closed, 1, static_cast<std::size_t>(size[3]), no_limit, ""),
+          warp({size[0], size[1], size[2]}, rings, 1, static_cast<std::size_t>(size[3]), no_limit, ""),
           weights(warp.frames(), warp.values(0).size(), no_limit, "") {
         task.window = {0, size[0] - 1};
         task.shares.assign(static_cast<std::size_t>(size[2] * size[3]), 1.0f);
@@ -64,7 +64,7 @@ struct Found {
 };
 
 /// The solution of the same equations by Gaussian elimination, `[t][k][lateral][u]`, for an amount of 1 everywhere.
-std::vector<double> dense(const Found& found, bool closed) {
+std::vector<double> dense(const Found& found) {
     const auto& size = found.size;
     const auto count = static_cast<std::size_t>(size[0] * size[1] * size[2] * size[3]);
     const auto index = [&](std::array<int, 4> at) { return static_cast<std::size_t>(at[0] + size[0] * (at[1] + size[1] * (at[2] + size[2] * at[3]))); };
@@ -82,7 +82,7 @@ std::vector<double> dense(const Found& found, bool closed) {
             for (const int step : {-1, 1}) {
                 auto beside = at;
                 beside[d] += step;
-                if (d == 2 && closed) beside[d] = (beside[d] + size[d]) % size[d];
+                if ((d == 1 && found.warp.rings().lateral) || (d == 2 && found.warp.rings().w)) beside[d] = (beside[d] + size[d]) % size[d];
                 if (beside[d] < 0 || beside[d] >= size[d]) continue;
                 const double link = 0.5 * stiffness[d] * (found.weight(u, lateral, k, t) + found.weight(beside[0], beside[1], beside[2], beside[3]));
                 row[index(at)] += link;
@@ -108,14 +108,14 @@ std::function<double(int, int, int, int)> noise(unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a warp solves its equations, in open and closed lattices of any number of slices") {
-    for (const bool closed : {false, true})
-        for (const int slices : {1, 3, 4, 5}) {
-            if (closed && slices < 3) continue;
-            Found found({7, 3, slices, 3}, noise(static_cast<unsigned>(slices)), closed);
+TEST_CASE("a warp solves its equations, in open and closed lattices, and around rigs, of any number of columns") {
+    for (const auto& rings : {Warp::Rings{}, {false, true}, {true, false}, {true, true}})
+        for (const auto& [laterals, slices] : {std::pair(3, 1), {3, 3}, {4, 3}, {3, 4}, {5, 5}}) {
+            if (rings.w && slices < 3) continue;
+            Found found({7, laterals, slices, 3}, noise(static_cast<unsigned>(slices)), rings);
             found.task.stiffness = {0.4, 1.5};
             found.find(-0.25);
-            const auto want = dense(found, closed);
+            const auto want = dense(found);
             double error = 0;
             std::size_t n = 0;
             found.each([&](int u, int lateral, int k, int t) { error = std::max(error, std::abs(found.at(u, lateral, k, t) + 0.25 * want[n++])); });
@@ -244,7 +244,7 @@ TEST_CASE("an amount for which a column has no room is refused, with what is pos
 TEST_CASE("a warp has the same bytes for any number of threads") {
     const auto found = [](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        auto out = std::make_unique<Found>(std::array{40, 17, 13, 5}, noise(11), true);
+        auto out = std::make_unique<Found>(std::array{40, 17, 13, 5}, noise(11), Warp::Rings{false, true});
         out->find(-20);
         return out;
     };
