@@ -72,6 +72,7 @@
 #include "nodes/seam/graph_cut.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
+#include "nodes/seams/choose.h"
 #include "nodes/seams/curves.h"
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
@@ -156,6 +157,7 @@ Registry builtin_registry() {
     out.add(seams_write());
     out.add(seams_curves());
     out.add(seams_read());
+    out.add(seams_choose());
     out.add(remap_grids());
     out.add(remap_mesh());
     out.add(remap_points());

@@ -50,6 +50,11 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("amount",
                     "warp.solve needs an 'amount', such as -7.25, -10% or {along: w, at: [[0, 0], [1, -12]]}, or a CSV file with one in 'amount_file'");
     if (params.amount && from_file) check.fault("amount_file", "'amount_file' states the amount, and 'amount' does so, too; leave one of the two out");
+    if (params.rest && check.connections("after") == 0)
+        check.fault("rest", "'rest' needs `after`: the seams that are carved before, so that the warp makes the rest of 'amount'");
+    if (params.rest && (from_file || (params.amount && params.amount->varies())))
+        check.fault("rest", "'rest' is of a single 'amount', not of a curve, since seams are alike in all planes and frames; leave one of the two out");
+    if (params.rest && params.pair_window) check.fault("rest", "with a 'pair_window' the size stays, so that there is no rest; leave one of the two out");
     if (params.amount_file.per_frame())
         check.fault("amount_file", "parameter 'amount_file' can't have a frame token: one file holds the amounts of all frames, in a column 'time'");
     if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))

@@ -15,6 +15,7 @@ struct WarpParams {
     Axis axis = Axis::u;
     Auto<WarpAmount> amount;  ///< nothing: that of `amount_file`
     InputPath amount_file;
+    bool rest = false;
     Auto<Interval> window, pair_window;
     bool static_ = false;
     Anchor anchor;
@@ -29,7 +30,7 @@ struct WarpParams {
 /// Finds parameters that do not go together.
 void check_params(const WarpParams& params, NodeCheck& check);
 
-/// The amount that is stated, or that of the file.
+/// The amount that is stated, or that of the file; with `rest` as if nothing were carved before.
 /// @throws Failure (input) as read_amounts(), or if a static warp is to change over time
 WarpAmount amount_of(const WarpParams& params);
 

@@ -75,7 +75,16 @@ std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount)
 }
 
 /// Whether it is known without a look into a file that nothing is to be done.
-bool states_nothing(const WarpParams& params) { return params.amount && params.amount->nothing(); }
+bool states_nothing(const WarpParams& params) { return params.amount && params.amount->nothing() && !params.rest; }
+
+/// What is left of an amount in a space that others have carved; with `rest` they count towards it.
+WarpAmount amount_left(const WarpParams& params, WarpAmount amount, const CarvedSpace& space) {
+    if (!params.rest) return amount;
+    const auto axis = dimension(params.axis);
+    const int before = space.lattices().front()->shape[axis], now = space.shape()[axis];
+    amount.whole = {amount.whole.of(before) - (now - before), false};
+    return amount;
+}
 
 /// What a finished warp is reported by.
 /// @param amount  what it was found for; null: no amount at all
@@ -125,8 +134,7 @@ struct WarpSolve {
         // The first frame tells, before all others are read. What is left after other seams is known only later.
         if (context.place() == 0 && io.after.empty() && !states_nothing(params))
             require_fits(params, amount_of(params), io.lattice->shape, io.lattice->closed, context.frames(), "");
-        if (io.lattice->around && !states_nothing(params))
-            throw Failure("the lattice goes around its rig, so that its first column lies beside its last, which a warp does not know; carve it with seams");
+        if (context.place() == 0 && !states_nothing(params)) require_rig_stays(gathering_params(params), *io.lattice);
         const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
         const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
         require_frame_fits(grids, *io.lattice, context.memory_budget());
@@ -143,7 +151,7 @@ struct WarpSolve {
 
     void finish(const Params& params, Ports& io, Context& context) {
         const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
-        const auto amount = amount_of(params);
+        const auto amount = amount_left(params, amount_of(params), space);
         const bool nothing = amount.nothing();
         const auto shape = space.shape();
         if (!nothing) {
@@ -170,6 +178,7 @@ struct WarpSolve {
     /// A linear warp answers every amount up to where it is too tight.
     static std::string rest(const Params& params) {
         if (!params.amount) return "of a file";
+        if (params.rest) return "rest of " + ParamTraits<WarpAmount>::text(*params.amount);
         if (params.amount->varies()) return ParamTraits<WarpAmount>::text(*params.amount);
         return params.pair_window ? params.amount->whole.value < 0 ? "squeezes" : "draws out" : "";
     }
@@ -184,7 +193,7 @@ struct WarpSolve {
     }
     static std::size_t wanted(const Params& params, std::size_t vertices) {
         if (states_nothing(params)) return Reach::nothing;
-        return !params.amount || params.amount->varies()
+        return !params.amount || params.amount->varies() || params.rest
                    ? Reach::one_amount
                    : Reach::of(in_steps(params.amount->whole.of(static_cast<int>(vertices))), params.pair_window.has_value());
     }
@@ -222,7 +231,7 @@ private:
         const auto budget = context.memory_budget(), left = energies < budget ? budget - energies : budget;
         for (const int factor : {1, 2}) {
             std::uint64_t points = frames;
-            for (const int vertices : set.shape) points *= static_cast<std::uint64_t>(Warp::points_along(vertices, factor));
+            for (const int along : Warp::points_of(set.warp_vertices(), set.warp_rings(), factor)) points *= static_cast<std::uint64_t>(along);
             if (points <= most_points && points * bytes_per_point <= left) return factor;
         }
         return 4;
@@ -269,8 +278,7 @@ private:
         auto taken = gathered_.take_unpriced(gathering_params(params), space, context);
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
         const int factor = factor_for(params, set, taken.energy, frames, context);
-        const std::array vertices{set.carved(), set.lateral(), set.shape[2]};
-        auto& warp = set.warp.emplace(vertices, set.closed, factor, frames, context.memory_budget(), context.work_folder());
+        auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames, context.memory_budget(), context.work_folder());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(), context.work_folder());
         find_weights(taken.energy, taken.typical, {params.field_weight, params.evenness, params.empty}, warp, weights);
         const auto task = task_of(params, amount, set, warp);
@@ -279,8 +287,8 @@ private:
             context.check_cancelled();
             context.progress(done);
         });
-        // A curve holds for itself alone.
-        if (amount.varies()) warp.set_linear(false);
+        // A curve holds for itself alone, and so does what others leave of an amount.
+        if (amount.varies() || params.rest) warp.set_linear(false);
         if (!set.pair_window) warp.hold(params.anchor);
         warp.find_bounds();
         auto report = report_of(set, params, &amount);
@@ -335,6 +343,9 @@ NodeType warp_solve() {
             "A .csv file with such a curve, in place of `amount`. Its first line names the columns: `amount` and `w` or `time`; each further line is a point. "
             "With both `w` and `time`, each frame named has a curve of its own along the lattice, and frames between them what lies between; the lines of "
             "a frame stand together.")
+        .param("rest", &Params::rest,
+               "Whether the sets of `after` count towards `amount`: the warp then makes what they leave of it, such as a fraction, or all that seams do worse "
+               "(`seams.choose`).")
         .param("window", &Params::window, Unit::vertices, at_least(0),
                "First and last vertex along the axis between which space is squeezed or drawn out; auto is all vertices.")
         .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),

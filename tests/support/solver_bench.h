@@ -62,7 +62,7 @@ inline Solved solve(NodeType type, const std::string& yaml, const std::vector<Fl
     std::vector<int> frames;
     for (std::size_t t = 0; t < frame_count; ++t) frames.push_back(5 + static_cast<int>(t));
     Solved out;
-    NodeBench bench(std::move(type), yaml, {{"field", grids.count("field")}});
+    NodeBench bench(std::move(type), yaml, {{"field", grids.count("field")}, {"after", after.size()}});
     REQUIRE(bench.faults() == "");
     NodeBench::Inputs still;
     for (const auto& seams : after) still["after"].push_back(Payload(seams));

@@ -111,10 +111,10 @@ struct Code {
     float least, most;
 };
 
-const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; seams need energies from {:g} to {:.3g}", 0,
+const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; energies must be from {:g} to {:.3g}", 0,
                        decode_energy(highest_energy_code)};
-const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; forward costs need values from {:g} to {:g}; scale the field down",
-                      -highest_field, highest_field};
+const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; a solver takes values from {:g} to {:g}; scale the field down", -highest_field,
+                      highest_field};
 
 template <class MakeReader>
 void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> codes, MakeReader&& make_reader) {

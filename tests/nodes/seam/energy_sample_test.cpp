@@ -119,9 +119,8 @@ TEST_CASE("an energy that is none is named with its place") {
     const auto grid = energy_on(CoordBBox(Coord(0), Coord(3)), 0.5, [](const Coord& at) {
         return at == Coord(1, 2, 3) ? NAN : at == Coord(2, 2, 3) ? -1.0 : 1.0;
     });
-    CHECK(failure_of([&] { sampled(*grid, lattice); }) == "the energy is nan at (0.5, 1, 1.5), vertex (1, 2, 3); seams need energies from 0 to 4.29e+09");
-    CHECK(failure_of([&] { sampled(*grid, lattice, Axis::v); }) ==
-          "the energy is nan at (0.5, 1, 1.5), vertex (1, 2, 3); seams need energies from 0 to 4.29e+09");
+    CHECK(failure_of([&] { sampled(*grid, lattice); }) == "the energy is nan at (0.5, 1, 1.5), vertex (1, 2, 3); energies must be from 0 to 4.29e+09");
+    CHECK(failure_of([&] { sampled(*grid, lattice, Axis::v); }) == "the energy is nan at (0.5, 1, 1.5), vertex (1, 2, 3); energies must be from 0 to 4.29e+09");
 }
 
 TEST_CASE("frames over the memory budget go to a file that leaves no trace") {

@@ -2,6 +2,7 @@
 
 #include "nodes/warp/find_warp.h"
 #include "tests/support/scratch.h"
+#include "tests/support/seams_through.h"
 #include "tests/support/solver_bench.h"
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 using namespace fluidcarve;
@@ -79,7 +81,7 @@ const Growth& growth() {
     return *type.growth;
 }
 
-std::size_t wanted(const std::string& yaml) { return growth().wanted(NodeBench(warp_solve(), yaml).params(), shape[0]); }
+std::size_t wanted(const std::string& yaml) { return growth().wanted(NodeBench(warp_solve(), yaml, {{"after", 1}}).params(), shape[0]); }
 
 }  // namespace
 
@@ -246,6 +248,25 @@ TEST_CASE("a warp is found in the space that seams before it leave") {
     CHECK(at(*solved.seams, solved.seams->carved() - 1, 2, 2, 0) == -2);
 }
 
+TEST_CASE("a warp may make the rest of an amount, towards which the seams before it count") {
+    auto seams = std::make_shared<Seams>(straight_seams(box(shape), Axis::u, Seams::Kind::remove, {8, 9, 10}, {5, 6, 7}));
+    for (const auto& [amount, left] : {std::pair("-4.5", -1.5), {"-25%", -3.0}, {"2", 5.0}, {"0", 3.0}}) {
+        const auto solved = warp(fmt::format("{{amount: {}, rest: true}}", amount), {}, {}, {seams});
+        REQUIRE(solved.seams->warp);
+        CHECK(solved.seams->carved() == 21);
+        CHECK(at(*solved.seams, 20, 2, 2, 0) == left);
+        CHECK(solved.listener.entry["amount"] == left);
+        // It answers no other amount, since that of others is of another space.
+        CHECK(growth().extent(Payload(solved.seams)).count == wanted("{amount: -4.5, rest: true}"));
+    }
+    CHECK_FALSE(warp("{amount: -3, rest: true}", {}, {}, {seams}).seams->warp);
+    CHECK(growth().rest(NodeBench(warp_solve(), "{amount: -3, rest: true}", {{"after", 1}}).params()) !=
+          growth().rest(NodeBench(warp_solve(), "{amount: -4, rest: true}", {{"after", 1}}).params()));
+    CHECK_THAT(faults("{amount: -3, rest: true}"), Catch::Contains("'rest' needs `after`"));
+    CHECK_THAT(faults("{amount: {along: w, at: [[0, 0]]}, rest: true}"), Catch::Contains("'rest' is of a single 'amount', not of a curve"));
+    CHECK_THAT(faults("{amount: -3, rest: true, window: [1, 5], pair_window: [6, 9]}"), Catch::Contains("there is no rest"));
+}
+
 TEST_CASE("what warp.solve can't do is told with its place, its fault and a remedy") {
     using Catch::Contains;
     const auto fails = [](const std::string& yaml, const Grids& grids = {}) -> std::string {
@@ -260,6 +281,10 @@ TEST_CASE("what warp.solve can't do is told with its place, its fault and a reme
     CHECK_THAT(fails("{amount: {along: w, at: [[0, 0], [1, -22]]}}"), Contains("at plane 5 in frame 5"));
     CHECK_THAT(fails("{amount: -3, window: [20, 30]}"), Contains("window [20, 30] leaves the lattice, which has 24 vertices along u: 0 to 23"));
     CHECK_THAT(fails("{amount: -3, anchor: 24}"), Contains("anchor 24 lies beyond the lattice"));
+    auto undefined = energies();
+    undefined[1]->tree().setValue(Coord(3, 2, 1), std::numeric_limits<float>::quiet_NaN());
+    CHECK_THROWS_WITH(solve(warp_solve(), "{amount: -3}", undefined, {box(shape)}, {}, frames),
+                      Contains("the energy is nan at (3, 2, 1), vertex (3, 2, 1)") && Contains("from 0 to"));
     CHECK_THAT(fails("{amount: 70000}"), Contains("more than 65534 vertices"));
     CHECK_THAT(fails("{amount: -3}", {{"protect", {mask_grid(voxels(Coord(0), Coord(23, 4, 5)))}}}),
                Contains("no amount is possible: in frame 5 column (0 to 23, 0, 0)") && Contains("has 0 of 23 intervals that are not protected") &&
@@ -270,6 +295,8 @@ TEST_CASE("a bad amount is refused before the run") {
     using Catch::Contains;
     CHECK_THAT(faults("{amount: wide}"), Contains("must be a number, not 'wide'"));
     CHECK_THAT(faults("{amount: .nan}"), Contains("must be a number"));
+    for (const std::string weight : {"field_weight", "evenness", "empty", "stiffness", "stiffness_time"})
+        CHECK_THAT(faults("{amount: -3, " + weight + ": .nan}"), Contains("'" + weight + "' must be a number"));
     CHECK_THAT(faults("{amount: [1, 2]}"), Contains("must be a number of vertices, a percentage such as -10%, or {along"));
     CHECK_THAT(faults("{amount: {along: w, at: []}}"), Contains("has no points in 'at'"));
     CHECK_THAT(faults("{amount: {along: w}}"), Contains("lacks 'at'"));
