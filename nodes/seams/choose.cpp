@@ -78,6 +78,7 @@ struct Choose {
         const auto taken = counts_.at(best);
         const auto out = std::make_shared<Seams>(*io.seams);
         out->seams.erase(out->seams.begin() + static_cast<std::ptrdiff_t>(taken), out->seams.end());
+        if (taken == 0) out->kind = Seams::Kind::remove;
         context.report("choice", {{"seams", taken}, {"of", io.seams->size()}, {"counts", counts_}, {"distance", shares}});
         io.chosen = out;
     }
