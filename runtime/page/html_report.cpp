@@ -271,21 +271,28 @@ private:
         const auto energy = numbers(entry, "energy");
         const auto gap = numbers(entry, "gap");
         double widest = -1;
+        std::size_t bounded = 0;
         for (const auto value : gap)
-            if (std::isfinite(value)) widest = std::max(widest, value);
+            if (std::isfinite(value)) {
+                widest = std::max(widest, value);
+                ++bounded;
+            }
         const bool inserts = word(entry, "kind") == "insert";
         auto told = fmt::format("{} {} across {}", counted(energy.size(), "seam"), inserts ? "inserted" : "removed", word(entry, "axis"));
         if (const auto pairs = numbers(entry, "pair_energy").size(); pairs > 0)
             told += fmt::format(", {} {} in the pair window", pairs == energy.size() ? "as many" : std::to_string(pairs), inserts ? "removed" : "inserted");
         told += where(entry) + ".";
         const bool least = widest < least_gap;
-        if (widest >= 0)
+        if (bounded > 0 && bounded < gap.size())
+            told += fmt::format(" A lower bound is known for {} of them: no seam can have less energy there, and {} at most {} more.", bounded,
+                                bounded == 1 ? "it has" : "they have", percent(widest));
+        else if (bounded > 0)
             told += least ? " Each is at its lower bound: no seam has less energy."
                           : fmt::format(" No seam can have less energy than its lower bound; these have at most {} more.", percent(widest));
         out_ += element("p", told) + "\n<div class=\"plots\">\n";
         energy_plot(entry, "", "Energy of each seam");
         energy_plot(entry, "pair_", "Energy of each seam of the pair window");
-        if (!least) {
+        if (!least && bounded > 1) {
             LinePlot plot{"Gap to the lower bound, in percent", "seam", {{"gap", gap}}, true, false, {}};
             for (auto& value : plot.curves[0].values) value *= 100;
             for (std::size_t n = 0; n < gap.size(); ++n) plot.notes.push_back(std::isfinite(gap[n]) ? fmt::format("seam {}: {}", n + 1, percent(gap[n])) : "");

@@ -1,219 +1,283 @@
 #include "nodes/seam/search/bound.h"
 
+#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/search/columns.h"
+#include "nodes/seams/frame_store.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <type_traits>
 #include <vector>
 
 namespace fluidcarve {
 
 namespace {
 
-/// Share of an entry's surplus that is handed on. More leaves nothing for the rest of the line, less takes more passes.
-constexpr float handed_on = 0.1f;
+/// Passes to and fro in each block.
+constexpr int usual_passes = 2;
+/// Frames in a block, and entries in it, at most; but at least two frames.
+constexpr std::size_t frames_per_block = 8, entries_per_block = std::size_t{1} << 26;
+/// Columns of a row that a thread visits one after the other.
+constexpr std::size_t columns_per_tile = 16;
+/// Share of a column's costs that is left out of the bound, since sums of floats are rounded. In each column some ten roundings, each by at
+/// most 2^-24 of a sum of terms above 0, could divide more among the lines than there is.
+constexpr float rounding = 0x1p-19f;
 
-/// Largest rounding error of a sum of floats along a line, as a share of the sum, with room.
-double rounding(std::size_t length) { return std::max(1e-5, static_cast<double>(length) * 0x1p-23); }
+using Sizes = std::array<std::size_t, 3>;
 
-/// For each entry, the least cost among its neighbours within 1.
-void spread(const float* from, float* to, std::size_t width) {
-    if (width == 1) {
-        to[0] = from[0];
-        return;
-    }
-    to[0] = std::min(from[0], from[1]);
-    for (std::size_t i = 1; i + 1 < width; ++i) to[i] = std::min({from[i - 1], from[i], from[i + 1]});
-    to[width - 1] = std::min(from[width - 2], from[width - 1]);
-}
+Sizes sizes(const Columns& columns) { return {columns.laterals(), columns.slices(), columns.frames()}; }
 
-/// The same if steps cost something.
-/// @param first  the entry at index 0
-void spread(const float* from, std::size_t column_from, float* to, std::size_t column_to, std::size_t width, int first, const StepCosts& steps, bool in_time) {
-    if (!steps) return spread(from, to, width);
-    for (std::size_t i = 0; i < width; ++i) {
-        const int entry = first + static_cast<int>(i);
-        to[i] = from[i];
-        if (i > 0) to[i] = std::min(to[i], from[i - 1] + steps.lift(column_to, column_from, entry - 1, in_time));
-        if (i + 1 < width) to[i] = std::min(to[i], from[i + 1] + steps.lift(column_from, column_to, entry, in_time));
-    }
-}
-
-/// The lines of columns along one dimension.
-struct Lines {
-    std::size_t first_step, second_step, step, length, first_count, count;
-
-    Lines(const Columns& columns, std::size_t along) {
-        const std::array<std::size_t, 3> size{columns.laterals(), columns.slices(), columns.frames()};
-        const std::array<std::size_t, 3> steps{1, columns.laterals(), columns.per_frame()};
-        const auto first = along == 0 ? 1u : 0u, second = along == 2 ? 1u : 2u;
-        first_step = steps[first];
-        second_step = steps[second];
-        step = steps[along];
-        length = size[along];
-        first_count = size[first];
-        count = size[first] * size[second];
-    }
-    std::size_t begin(std::size_t line) const { return line % first_count * first_step + line / first_count * second_step; }
-};
-
-/// Sums the minima of all lines in a fixed order, each reduced by its possible rounding error.
-/// @param minimum  called with a line's first column; returns the line's minimum
-template <class Minimum>
-double sum_of_lines(const Lines& lines, const Minimum& minimum) {
-    std::vector<double> minima(lines.count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lines.count, 16), [&](const tbb::blocked_range<std::size_t>& range) {
-        std::vector<float> scratch;
-        for (auto n = range.begin(); n < range.end(); ++n) {
-            const double least = minimum(lines.begin(n), scratch);
-            minima[n] = least - rounding(lines.length) * std::abs(least);
-        }
-    });
-    return std::accumulate(minima.begin(), minima.end(), 0.0);
-}
-
-std::vector<std::size_t> dimensions(const Columns& columns) {
+/// The dimensions of more than one column; the first if there is none.
+std::vector<std::size_t> dimensions_of_lines(const Columns& columns) {
     std::vector<std::size_t> out;
-    for (const auto& [d, size] : {std::pair(0, columns.laterals()), std::pair(1, columns.slices()), std::pair(2, columns.frames())})
-        if (size > 1) out.push_back(static_cast<std::size_t>(d));
+    for (std::size_t d = 0; d < 3; ++d)
+        if (sizes(columns)[d] > 1) out.push_back(d);
     if (out.empty()) out.push_back(0);
     return out;
 }
 
-/// The bound of the even split alone, which needs no memory.
-template <class Cell>
-double even_split(const EnergyVolume& energy, const Columns& columns, Window window) {
-    const auto width = static_cast<std::size_t>(window.size());
-    const auto all = dimensions(columns);
-    const auto cost = energy.costs();
-    const auto steps = energy.steps();
-    const float share = 1 / static_cast<float>(all.size());
-    double sum = 0;
-    for (const auto along : all) {
-        const Lines lines(columns, along);
-        sum += sum_of_lines(lines, [&](std::size_t begin, std::vector<float>& scratch) {
-            scratch.assign(2 * width, 0.0f);
-            auto *way = scratch.data(), *next = way + width;
-            for (std::size_t n = 0; n < lines.length; ++n) {
-                const auto c = begin + n * lines.step;
-                const auto* const cells = energy.cells<Cell>(c / columns.per_frame()) + c % columns.per_frame() * energy.stride() + window.first;
-                if (n > 0) {
-                    spread(way, c - lines.step, next, c, width, window.first, steps, along == 2);
-                    std::swap(way, next);
-                }
-                for (std::size_t i = 0; i < width; ++i) way[i] += share * cost(cells[i]);
-            }
-            return static_cast<double>(*std::min_element(way, way + width));
-        });
-    }
-    return sum;
+/// The smallest of some values, found in lanes for vector instructions.
+float least_of(std::span<const float> values) {
+    std::array<float, 8> lanes;
+    lanes.fill(std::numeric_limits<float>::infinity());
+    const auto whole = values.size() / lanes.size() * lanes.size();
+    for (std::size_t i = 0; i < whole; i += lanes.size())
+        for (std::size_t n = 0; n < lanes.size(); ++n) lanes[n] = std::min(lanes[n], values[i + n]);
+    for (auto i = whole; i < values.size(); ++i) lanes[0] = std::min(lanes[0], values[i]);
+    return std::ranges::min(lanes);
 }
 
-/// The parts of the energy, one for each dimension, `[column][entry]`.
-template <class Cell>
-class Split {
-public:
-    Split(const EnergyVolume& energy, const Columns& columns, Window window)
-        : columns_(columns),
-          all_(dimensions(columns)),
-          width_(static_cast<std::size_t>(window.size())),
-          first_(window.first),
-          steps_(energy.steps()),
-          parts_(all_.size()) {
-        for (auto& part : parts_) part.resize(columns.count() * width_);
-        tbb::parallel_for(std::size_t{0}, columns.slices() * columns.frames(), [&, cost = energy.costs()](std::size_t row) {
-            for (auto c = row * columns.laterals(); c < (row + 1) * columns.laterals(); ++c) {
-                const auto* const cells = energy.cells<Cell>(c / columns.per_frame()) + c % columns.per_frame() * energy.stride() + window.first;
-                for (std::size_t i = 0; i < width_; ++i)
-                    for (auto& part : parts_) part[c * width_ + i] = cost(cells[i]) / static_cast<float>(parts_.size());
-            }
-        });
+/// decode_field() of many codes, by vector instructions.
+void decode_fields(std::span<const std::uint16_t> codes, float* out) {
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+        const std::uint32_t code = codes[i];
+        const float size = std::bit_cast<float>((code & 0x7FFFu) << 13) * 0x1p112f;
+        out[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(size) | (code & 0x8000u) << 16);
     }
+}
 
-    /// Hands surplus on from the lines of one part, if there are other parts.
-    /// @return the sum of the lines' minima before
-    double pass(std::size_t own) {
-        const Lines lines(columns_, all_[own]);
-        const bool in_time = all_[own] == 2;
-        return sum_of_lines(lines, [&](std::size_t begin, std::vector<float>& scratch) {
-            const auto here = [&](std::size_t n) { return parts_[own].data() + (begin + n * lines.step) * width_; };
-            // First the cheapest ways from the front to each column, without the column itself. Then those from the back, handing surplus
-            // on.
-            scratch.assign((lines.length + 3) * width_, 0.0f);
-            auto *const back = scratch.data() + lines.length * width_, *const way = back + width_, *const surplus = way + width_;
-            for (std::size_t n = 1; n < lines.length; ++n) {
-                auto* const front = scratch.data() + n * width_;
-                for (std::size_t i = 0; i < width_; ++i) way[i] = front[i - width_] + here(n - 1)[i];
-                const auto c = begin + n * lines.step;
-                spread(way, c - lines.step, front, c, width_, first_, steps_, in_time);
-            }
-            double minimum = 0;
-            for (auto n = lines.length; n-- > 0;) {
-                auto* const part = here(n);
-                const auto* const front = scratch.data() + n * width_;
-                for (std::size_t i = 0; i < width_; ++i) surplus[i] = front[i] + part[i] + back[i];
-                const auto least = *std::min_element(surplus, surplus + width_);
-                if (n + 1 == lines.length) minimum = least;
-                hand_on(own, static_cast<std::size_t>(part - parts_[own].data()), surplus, least);
-                if (n == 0) break;
-                for (std::size_t i = 0; i < width_; ++i) way[i] = part[i] + back[i];
-                const auto c = begin + n * lines.step;
-                spread(way, c, back, c - lines.step, width_, first_, steps_, in_time);
-            }
-            return minimum;
-        });
+/// The messages of a block, `[dimension][column][entry]`. A message has, for each entry of a column, what the line on one side of it pays at
+/// least for a seam through the entry, less the smallest of these. The upper half of each float's bits is kept: any message is valid.
+class Messages {
+public:
+    Messages(std::span<const std::size_t> dimensions, std::size_t frames, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) {
+        for (const auto d : dimensions) stores_[d].emplace(frames, entries, memory_budget / dimensions.size(), folder);
     }
-    double minima() {
-        double sum = 0;
-        for (std::size_t own = 0; own < parts_.size(); ++own) sum += pass(own);
-        return sum;
+    /// @param at  the message's first entry in the block
+    void set(std::size_t dimension, std::size_t at, std::span<const float> message) {
+        auto* const out = stores_[dimension]->entries(0).data() + at;
+        for (std::size_t i = 0; i < message.size(); ++i) out[i] = static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(message[i]) >> 16);
     }
-    std::size_t parts() const { return parts_.size(); }
+    void get(std::size_t dimension, std::size_t at, std::span<float> message) const {
+        const auto* const bits = stores_[dimension]->entries(0).data() + at;
+        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
+    }
 
 private:
-    void hand_on(std::size_t own, std::size_t at, const float* surplus, float least) {
-        if (parts_.size() == 1) return;
-        const float share = handed_on / static_cast<float>(parts_.size() - 1);
-        for (std::size_t n = 0; n < parts_.size(); ++n) {
-            auto* const part = parts_[n].data() + at;
-            const float factor = n == own ? -handed_on : share;
-            // Entries that protected ones cut off hand nothing on.
-            for (std::size_t i = 0; i < width_; ++i)
-                if (!std::isinf(surplus[i])) part[i] += factor * (surplus[i] - least);
+    std::array<std::optional<FrameStore>, 3> stores_;
+};
+
+/// Frames in which messages are passed to and fro, before the next ones are.
+struct Block {
+    std::size_t begin, frames;
+};
+
+/// Passes messages through blocks of frames (sequential tree-reweighted message passing, Kolmogorov 2006). A tile of columns waits for those
+/// before it along each dimension: tiles whose indices have the same sum are visited at once.
+template <class Cell>
+class MessagePassing {
+public:
+    MessagePassing(const EnergyVolume& energy, Window window, std::uint64_t memory_budget, const std::string& folder)
+        : energy_(energy),
+          columns_(energy),
+          first_(static_cast<std::size_t>(window.first)),
+          width_(static_cast<std::size_t>(window.size())),
+          dimensions_(dimensions_of_lines(columns_)),
+          size_(sizes(columns_)),
+          tiles_((size_[0] + columns_per_tile - 1) / columns_per_tile),
+          frames_(std::min(size_[2], std::clamp(entries_per_block / (columns_.per_frame() * width_), std::size_t{2}, frames_per_block))),
+          messages_(dimensions_, frames_, columns_.per_frame() * width_, memory_budget, folder),
+          fronts_{std::vector<float>(size_[1] * frames_ * width_), std::vector<float>(size_[0] * frames_ * width_),
+                  std::vector<float>(columns_.per_frame() * width_)},
+          from_block_before_(fronts_[2].size()) {}
+
+    /// @param passes  to and fro
+    double run(int passes, const Tick& tick) {
+        // In a single line one pass is exact.
+        const int turns = dimensions_.size() > 1 ? 2 * passes : 1;
+        double out = 0;
+        for (Block block{0, frames_}; block.begin < size_[2]; block.begin += frames_) {
+            block.frames = std::min(frames_, size_[2] - block.begin);
+            for (int turn = 0; turn < turns; ++turn) {
+                const bool forward = (turns - turn) % 2 != 0;
+                const double sum = pass(block, forward, turn == 0, [&](double fraction) {
+                    tick((static_cast<double>(block.begin) + (turn + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
+                });
+                if (turn + 1 == turns) out += sum;
+            }
+            std::swap(from_block_before_, fronts_[2]);
+        }
+        return out;
+    }
+
+private:
+    /// Buffers of a thread.
+    struct Work {
+        std::vector<float> sum, part, field, field_beside;
+        std::array<std::vector<float>, 3> ahead;
+
+        explicit Work(std::size_t width) : sum(width), part(width + 2), field(width), field_beside(width + 2) {
+            for (auto& message : ahead) message.resize(width);
+        }
+    };
+    struct Turn {
+        Block block;
+        bool forward, first;
+    };
+
+    /// Passes messages through a block, in the columns' order or against it.
+    /// @return what the block adds to the bound
+    double pass(const Block& block, bool forward, bool first, const Tick& tick) {
+        const Turn turn{block, forward, first};
+        std::vector<double> bounds(tiles_ * size_[1] * block.frames);
+        if (forward) fronts_[2] = from_block_before_;
+        const auto diagonals = tiles_ + size_[1] + block.frames - 2;
+        for (std::size_t n = 0; n < diagonals; ++n) {
+            tick(static_cast<double>(n) / static_cast<double>(diagonals));
+            visit_diagonal(turn, n, bounds);
+        }
+        return std::accumulate(bounds.begin(), bounds.end(), 0.0);
+    }
+
+    /// Visits the tiles whose indices in the pass's direction sum up to `sum`.
+    void visit_diagonal(const Turn& turn, std::size_t sum, std::vector<double>& bounds) {
+        std::vector<Sizes> tiles;
+        for (std::size_t t = 0; t < std::min(turn.block.frames, sum + 1); ++t)
+            for (std::size_t tile = 0; tile < std::min(tiles_, sum - t + 1); ++tile)
+                if (const auto k = sum - t - tile; k < size_[1]) tiles.push_back({tile, k, t});
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size()), [&](const tbb::blocked_range<std::size_t>& range) {
+            Work work(width_);
+            const auto in_turn = [&](std::size_t n, std::size_t size) { return turn.forward ? n : size - 1 - n; };
+            for (auto n = range.begin(); n < range.end(); ++n) {
+                const auto [tile, k, t] = tiles[n];
+                double bound = 0;
+                for (auto lateral = tile * columns_per_tile; lateral < std::min((tile + 1) * columns_per_tile, size_[0]); ++lateral)
+                    bound += visit(turn, {in_turn(lateral, size_[0]), in_turn(k, size_[1]), in_turn(t, turn.block.frames)}, work);
+                bounds[tile + tiles_ * (k + size_[1] * t)] = bound;
+            }
+        });
+    }
+
+    /// Takes the messages to a column, divides its costs, and sends messages to the columns that come next.
+    /// @param at  lateral, k, and the frame in the block
+    /// @return what the column adds to the bound
+    double visit(const Turn& turn, const Sizes& at, Work& work) {
+        const auto in_block = columns_.at(at[0], at[1], at[2]), column = in_block + turn.block.begin * columns_.per_frame();
+        const std::array<std::size_t, 3> front_at{at[1] + size_[1] * at[2], at[0] + size_[0] * at[2], at[0] + size_[0] * at[1]};
+        const Sizes size{size_[0], size_[1], turn.block.frames};
+        auto* const sum = work.sum.data();
+        double out = read_costs(column, work.sum);
+        for (const auto d : dimensions_) {
+            const std::span<float> front(fronts_[d].data() + front_at[d] * width_, width_);
+            const bool begins = at[d] == (turn.forward ? 0 : size[d] - 1), ends = at[d] == (turn.forward ? size[d] - 1 : 0);
+            if (begins && !(turn.forward && d == 2)) std::ranges::fill(front, 0.0f);
+            auto& ahead = work.ahead[d];
+            if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
+            else if (ends || turn.first) std::ranges::fill(ahead, 0.0f);
+            else messages_.get(d, in_block * width_, ahead);
+            messages_.set(d, in_block * width_, front);
+            const auto *const one = front.data(), *const other = ahead.data();
+            for (std::size_t i = 0; i < width_; ++i) sum[i] += one[i] + other[i];
+        }
+        const float share = (1 - rounding) / static_cast<float>(dimensions_.size());
+        for (std::size_t i = 0; i < width_; ++i) sum[i] *= share;
+        if (energy_.has_field()) decode_fields(field_of(column), work.field.data());
+        auto* const part = work.part.data() + 1;
+        for (const auto d : dimensions_) {
+            const auto* const ahead = work.ahead[d].data();
+            for (std::size_t i = 0; i < width_; ++i) part[i] = sum[i] - ahead[i];
+            // Where no seam can pass, both may be infinite.
+            if (energy_.protects())
+                for (std::size_t i = 0; i < width_; ++i)
+                    if (std::isinf(sum[i])) part[i] = sum[i];
+            const float least = least_of({part, width_});
+            out += static_cast<double>(least);
+            for (std::size_t i = 0; i < width_; ++i) part[i] -= least;
+            const auto place = d == 2 ? at[2] + turn.block.begin : at[d];
+            if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, work, fronts_[d].data() + front_at[d] * width_);
+        }
+        return out;
+    }
+
+    /// Reads a column's costs. If some are below 0, they count from the lowest.
+    /// @return that lowest cost, or 0
+    double read_costs(std::size_t column, std::span<float> out) const {
+        const auto* const cells = energy_.cells<Cell>(column / columns_.per_frame()) + column % columns_.per_frame() * energy_.stride() + first_;
+        if constexpr (std::is_same_v<Cell, std::uint16_t>) {
+            if (!energy_.protects() && !energy_.attracts()) {
+                decode_energies({cells, width_}, out);
+                return 0;
+            }
+        }
+        const auto cost = energy_.costs();
+        for (std::size_t i = 0; i < width_; ++i) out[i] = cost(cells[i]);
+        const float low = std::min(std::ranges::min(out), 0.0f);
+        if (low < 0)
+            for (auto& value : out) value -= low;
+        return static_cast<double>(low) * (1 + static_cast<double>(rounding));
+    }
+    std::span<const std::uint16_t> field_of(std::size_t column) const {
+        return energy_.field(column / columns_.per_frame()).subspan(column % columns_.per_frame() * energy_.stride() + first_, width_);
+    }
+
+    /// Sends a line's costs to its next column. Each entry there pays for the cheapest within 1, and for the step.
+    /// @param column  from where
+    void send(bool forward, std::size_t dimension, std::size_t column, Work& work, float* out) const {
+        auto* const part = work.part.data() + 1;
+        const auto width = static_cast<std::ptrdiff_t>(width_);
+        part[-1] = part[width] = std::numeric_limits<float>::infinity();
+        const float rigidity = energy_.rigidity()[dimension == 2 ? 1 : 0];
+        if (!energy_.has_field()) {
+            for (std::ptrdiff_t i = 0; i < width; ++i) out[i] = std::min(part[i], rigidity + std::min(part[i - 1], part[i + 1]));
+            return;
+        }
+        const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
+        const auto* const here = work.field.data();
+        auto* const there = work.field_beside.data() + 1;
+        decode_fields(field_of(forward ? column + step : column - step), there);
+        const float weight = energy_.field_weight();
+        for (std::ptrdiff_t i = 0; i < width; ++i) {
+            // As in StepCosts::lift().
+            const float rise = part[i - 1] + (rigidity + weight * std::abs(there[i - 1] - here[i]));
+            const float fall = part[i + 1] + (rigidity + weight * std::abs(here[i] - there[i + 1]));
+            out[i] = std::min(part[i], std::min(rise, fall));
         }
     }
 
-    const Columns& columns_;
-    const std::vector<std::size_t> all_;
-    const std::size_t width_;
-    const int first_;
-    const StepCosts steps_;
-    std::vector<std::vector<float>> parts_;
+    const EnergyVolume& energy_;
+    const Columns columns_;
+    const std::size_t first_, width_;
+    const std::vector<std::size_t> dimensions_;
+    const Sizes size_;
+    const std::size_t tiles_, frames_;  ///< tiles in a row of columns, frames in a block
+    Messages messages_;
+    std::array<std::vector<float>, 3> fronts_;  ///< for each dimension, the messages to the columns that come next
+    std::vector<float> from_block_before_;      ///< messages to the block's first frame
 };
 
 }  // namespace
 
-double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick) {
-    const Columns columns(energy);
-    const auto in = [&](auto cell) {
-        using Cell = decltype(cell);
-        if (passes == 0) return even_split<Cell>(energy, columns, window);
-        Split<Cell> split(energy, columns, window);
-        double bound = 0;
-        // A part's minimum is taken before it hands on, and does not fall after that. So the sum holds for the parts as they are after a
-        // round.
-        for (int n = 0; n <= passes; ++n) {
-            tick(static_cast<double>(n) / (passes + 1));
-            bound = split.minima();
-        }
-        return bound;
-    };
+double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget, const std::string& folder) {
+    const auto in = [&](auto cell) { return MessagePassing<decltype(cell)>(energy, window, memory_budget, folder).run(usual_passes + passes, tick); };
     return energy.summed() ? in(float{}) : in(std::uint16_t{});
 }
 

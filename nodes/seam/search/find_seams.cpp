@@ -152,13 +152,17 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
             out.no_more = std::move(blocked);
             break;
         }
-        auto seam = find(energy, left, n, [&](double fraction) { tick((n - known + fraction) / (count - known)); });
+        const auto tell = [&](double fraction) { tick((n - known + fraction) / (count - known)); };
+        auto seam = find(energy, left, n, tell);
+        const auto end = std::chrono::steady_clock::now();
+        if (!seam.lower_bound && continued.bound) seam.lower_bound = continued.bound(energy, left, seam, n, tell);
+        const auto bounded = std::chrono::steady_clock::now() - end;
         meet(seam.at);
         if (deleted) deleted->to_original(seam.at.all());
         if (static_) seam.at = repeated(seam.at, volume.frames());
         if (keep) seam.at = keep(std::move(seam.at));
         out.seams.push_back(std::move(seam));
-        out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count());
         if (continued.found) continued.found(out);
     }
     return out;

@@ -23,6 +23,11 @@ using Tick = std::function<void(double fraction)>;
 /// @param number  number of seams found before; ties lean to one side for even numbers, to the other for odd
 using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
 
+/// Bounds the energy of any seam from below, in the place where one was found; nothing: no bound is sought.
+/// @param seam    as found
+/// @param number  as for FindSeam
+using BoundEnergy = std::function<std::optional<double>(const EnergyVolume& energy, Window window, const Seams::Seam& seam, int number, const Tick& tick)>;
+
 /// Moves a found seam to where it is kept; null: seams stay in memory.
 using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
@@ -46,7 +51,7 @@ struct NoSeam : Failure {
 /// Seams and what each of them meets.
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;               ///< per seam, seconds; 0 for seams that were found before
+    std::vector<double> wall_s;               ///< per seam, seconds without its bound; 0 for seams that were found before
     std::vector<double> zero_share;           ///< per seam, share of its columns without energy, 0 to 1
     std::vector<std::size_t> attracted;       ///< per seam, number of attracted vertices that it takes
     std::vector<std::size_t> blocked;         ///< per seam, number of protected vertices that it passes
@@ -58,6 +63,7 @@ struct FoundSeams {
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
+    BoundEnergy bound;                ///< called for each new seam whose solver gives no lower bound; null: they get none
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.

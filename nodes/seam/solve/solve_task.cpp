@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Up to this many energies, a bound takes no longer than a search.
+/// Up to this many energies, each seam gets a bound, which takes no longer than a search.
 constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
 
 /// A search under way: the pairs that it has found, how far it is, and when it last handed over what there was.
@@ -80,23 +80,19 @@ private:
         continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
-        const auto find_bounded = [&](const EnergyVolume& energy, Window now, int number, const Tick& tell) { return bounded(energy, now, number, tell); };
+        continued.bound = [&](const EnergyVolume& energy, Window now, const Seams::Seam& seam, int number, const Tick& tell) -> std::optional<double> {
+            const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
+            if (!setup_.bound_passes && !few && number > 0) return std::nullopt;
+            const auto cost = lower_bound(energy, now, setup_.bound_passes.value_or(0), tell, continued.memory_budget, continued.folder);
+            return energy_bound(energy, seam.at, cost);
+        };
         try {
-            auto out = find_seams(energy_, part.kind, count_, part.window, find_bounded, tick, keep, part.static_, continued);
+            auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep, part.static_, continued);
             done_ += share;
             return out;
         } catch (const NoSeam& none) {
             throw Failure(why_no_more(none, task_, part, setup_.space));
         }
-    }
-
-    /// A seam of the solver, with a lower bound.
-    Seams::Seam bounded(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
-        auto seam = setup_.find(energy, window, number, tick);
-        const bool few = seam.at.size() * static_cast<std::size_t>(window.size()) <= most_entries_bounded;
-        if (!seam.lower_bound && (setup_.bound_passes || few))
-            seam.lower_bound = energy_bound(energy, seam.at, lower_bound(energy, window, setup_.bound_passes.value_or(0), tick));
-        return seam;
     }
 
     /// Delivers the seams found so far as a complete set.

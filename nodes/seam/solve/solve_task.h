@@ -22,7 +22,7 @@ struct SearchSetup {
     const MarkCounts& marks;
     const FindSeam& find;
     const StartFrom& start_from;
-    std::optional<int> bound_passes;       ///< of lower_bound(); nothing: no passes, and no bound for large energies
+    std::optional<int> bound_passes;       ///< of lower_bound(); nothing: none, and of large energies only the first seam gets a bound
     std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
     bool best_effort = false;              ///< fewer seams than the task wants are a result, too, if no more are possible
 };

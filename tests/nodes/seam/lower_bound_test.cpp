@@ -1,8 +1,11 @@
 #include "nodes/payloads.h"
 #include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/greedy.h"
 #include "nodes/seam/search/bound.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/scratch.h"
 #include "tests/support/searches.h"
+#include "tests/support/solver_bench.h"
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
@@ -12,8 +15,6 @@
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
-
-namespace {}  // namespace
 
 TEST_CASE("no seam has less energy than the lower bound, with any number of passes") {
     std::mt19937 random(1);
@@ -53,6 +54,21 @@ TEST_CASE("for an open line the bound is the least energy but for rounding") {
     }
 }
 
+TEST_CASE("no seam has less energy than the bound over several blocks of frames, which files hold as memory does") {
+    std::mt19937 random(4);
+    for (int n = 0; n < 40; ++n) {
+        const ColumnGraph graph({1 + n % 4, 1 + n % 3, 9 + n % 13}, n % 2 == 0, n % 5 == 0);
+        const auto energy = random_volume(random, graph, 7);
+        const auto least = exact_seam(energy, {0, 6}, 0, [] {}).energy;
+        const auto bound = lower_bound(energy, {0, 6}, n % 3, nobody);
+        INFO("case " << n << ", least " << least);
+        CHECK(bound <= least);
+        CHECK(bound >= 0.8 * least);
+        const Scratch scratch;
+        CHECK(lower_bound(energy, {0, 6}, n % 3, nobody, 0, scratch.path()) == bound);
+    }
+}
+
 TEST_CASE("the bound rises with every pass and comes near the least energy, and the number of threads does not change it") {
     struct Case {
         Synthetic kind;
@@ -78,4 +94,21 @@ TEST_CASE("the bound rises with every pass and comes near the least energy, and 
             }
         }
     }
+}
+
+TEST_CASE("every seam of a small volume is reported with a bound, of a large one the first, or all if passes are stated") {
+    const auto bounded = [](int frames, const std::string& more) {
+        const auto energy = energy_grid(openvdb::CoordBBox({0, 0, 0}, {255, 31, 31}),
+                                        [](const openvdb::Coord& at) { return static_cast<float>(1 + (7 * at.x() + 3 * at.y() + 5 * at.z()) % 11); });
+        const auto solved = solve(seam_greedy(), "{count: -2, starts: 1" + more + "}", {energy}, {box({256, 32, 32})}, {}, static_cast<std::size_t>(frames));
+        std::vector<bool> out;
+        for (const auto& seam : solved.seams->seams) {
+            out.push_back(seam.lower_bound.has_value());
+            if (seam.lower_bound) CHECK(*seam.lower_bound <= seam.energy);
+        }
+        return out;
+    };
+    CHECK(bounded(2, "") == std::vector{true, true});
+    CHECK(bounded(65, "") == std::vector{true, false});
+    CHECK(bounded(65, ", bound_passes: 0") == std::vector{true, true});
 }
