@@ -75,8 +75,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "whole vertices, by the same number in all frames. For a vertex, the mean position of its content counts.")
         .param(
             "bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
-            "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the usual two raise the bound; "
-            "each takes half as long as these. auto is 0, and beyond 16 million energies a bound for the first seam only. Solvers that know a better bound "
+            "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the usual three raise the "
+            "bound; "
+            "each takes a third as long as these. auto is 0, and beyond 16 million energies a bound for the first seam only. Solvers that know a better bound "
             "report that one.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})

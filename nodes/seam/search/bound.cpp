@@ -23,7 +23,7 @@ namespace fluidcarve {
 namespace {
 
 /// Passes to and fro in each block.
-constexpr int usual_passes = 2;
+constexpr int usual_passes = 3;
 /// Frames in a block, and entries in it, at most; but at least two frames.
 constexpr std::size_t frames_per_block = 8, entries_per_block = std::size_t{1} << 26;
 /// Columns of a row that a thread visits one after the other.
@@ -117,12 +117,13 @@ public:
         double out = 0;
         for (Block block{0, frames_}; block.begin < size_[2]; block.begin += frames_) {
             block.frames = std::min(frames_, size_[2] - block.begin);
-            for (int turn = 0; turn < turns; ++turn) {
-                const bool forward = (turns - turn) % 2 != 0;
-                const double sum = pass(block, forward, turn == 0, [&](double fraction) {
-                    tick((static_cast<double>(block.begin) + (turn + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
+            for (int n = 0; n < turns; ++n) {
+                const bool last = n + 1 == turns;
+                const Turn turn{block, (turns - n) % 2 != 0, n == 0, last};
+                const double sum = pass(turn, [&](double fraction) {
+                    tick((static_cast<double>(block.begin) + (n + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
                 });
-                if (turn + 1 == turns) out += sum;
+                if (last) out += sum;
             }
             std::swap(from_block_before_, fronts_[2]);
         }
@@ -139,17 +140,18 @@ private:
             for (auto& message : ahead) message.resize(width);
         }
     };
+    /// One way through a block, in the columns' order (`forward`) or against it.
     struct Turn {
         Block block;
-        bool forward, first;
+        bool forward, first, last;
     };
 
-    /// Passes messages through a block, in the columns' order or against it.
+    /// Passes messages through a block.
     /// @return what the block adds to the bound
-    double pass(const Block& block, bool forward, bool first, const Tick& tick) {
-        const Turn turn{block, forward, first};
+    double pass(const Turn& turn, const Tick& tick) {
+        const auto& block = turn.block;
         std::vector<double> bounds(tiles_ * size_[1] * block.frames);
-        if (forward) fronts_[2] = from_block_before_;
+        if (turn.forward) fronts_[2] = from_block_before_;
         const auto diagonals = tiles_ + size_[1] + block.frames - 2;
         for (std::size_t n = 0; n < diagonals; ++n) {
             tick(static_cast<double>(n) / static_cast<double>(diagonals));
@@ -194,7 +196,7 @@ private:
             if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
             else if (ends || turn.first) std::ranges::fill(ahead, 0.0f);
             else messages_.get(d, in_block * width_, ahead);
-            messages_.set(d, in_block * width_, front);
+            if (!turn.last) messages_.set(d, in_block * width_, front);
             const auto *const one = front.data(), *const other = ahead.data();
             for (std::size_t i = 0; i < width_; ++i) sum[i] += one[i] + other[i];
         }
@@ -211,9 +213,8 @@ private:
                     if (std::isinf(sum[i])) part[i] = sum[i];
             const float least = least_of({part, width_});
             out += static_cast<double>(least);
-            for (std::size_t i = 0; i < width_; ++i) part[i] -= least;
             const auto place = d == 2 ? at[2] + turn.block.begin : at[d];
-            if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, work, fronts_[d].data() + front_at[d] * width_);
+            if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, least, work, fronts_[d].data() + front_at[d] * width_);
         }
         return out;
     }
@@ -241,13 +242,14 @@ private:
 
     /// Sends a line's costs to its next column. Each entry there pays for the cheapest within 1, and for the step.
     /// @param column  from where
-    void send(bool forward, std::size_t dimension, std::size_t column, Work& work, float* out) const {
+    /// @param least   the smallest of these costs, which the message leaves out
+    void send(bool forward, std::size_t dimension, std::size_t column, float least, Work& work, float* out) const {
         auto* const part = work.part.data() + 1;
         const auto width = static_cast<std::ptrdiff_t>(width_);
         part[-1] = part[width] = std::numeric_limits<float>::infinity();
         const float rigidity = energy_.rigidity()[dimension == 2 ? 1 : 0];
         if (!energy_.has_field()) {
-            for (std::ptrdiff_t i = 0; i < width; ++i) out[i] = std::min(part[i], rigidity + std::min(part[i - 1], part[i + 1]));
+            for (std::ptrdiff_t i = 0; i < width; ++i) out[i] = std::min(part[i], rigidity + std::min(part[i - 1], part[i + 1])) - least;
             return;
         }
         const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
@@ -259,7 +261,7 @@ private:
             // As in StepCosts::lift().
             const float rise = part[i - 1] + (rigidity + weight * std::abs(there[i - 1] - here[i]));
             const float fall = part[i + 1] + (rigidity + weight * std::abs(here[i] - there[i + 1]));
-            out[i] = std::min(part[i], std::min(rise, fall));
+            out[i] = std::min(part[i], std::min(rise, fall)) - least;
         }
     }
 
