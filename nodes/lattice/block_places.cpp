@@ -14,7 +14,7 @@ using openvdb::Vec3d;
 namespace {
 
 /// Bit n is set if `first + n * step` is not below 0, for n = 0..7.
-unsigned not_below(double first, double step) {
+inline unsigned not_below(double first, double step) {
     const bool begins = first >= 0, ends = first + 7 * step >= 0;
     if (begins == ends) return begins ? 0xff : 0;
     const double zero = first / -step;
@@ -52,6 +52,13 @@ BlockPlaces::BlockPlaces(const Mapping& mapping, const openvdb::math::Transform&
         }
         tables->push_back(table);
     }
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto even = [axis](const Table& table) {
+            const auto& of = table.gradients[static_cast<std::size_t>(axis)];
+            return table.side[axis] == 0 && of[0] == 0 && of[1] == 0 && of[2] == 0;
+        };
+        if (std::ranges::all_of(*tables, even)) even_ = axis;
+    }
     tables_ = tables;
     by_tables_ = !slabs->closed_form();
 }
@@ -66,6 +73,7 @@ BBoxd BlockPlaces::move_to(const Coord& block) {
     range_ = slabs.candidates(world, slabs_);
     const auto origin = transform_.indexToWorld(first);
     interior_ = by_tables_ && slabs.inside(range_);
+    for (auto& row : entered_) row.known = false;
     candidates_.clear();
     for (const int k : slabs_) candidates_.push_back({k, slabs.divider(k).side(origin), slabs.divider(k + 1).side(origin), slabs[k].products(origin)});
     return range_;
@@ -96,8 +104,16 @@ Slab::Products BlockPlaces::at(const Vec3d& from, const Candidate& candidate) co
     return out;
 }
 
-void BlockPlaces::enter(const Vec3d& from, Entered& row) const {
+const BlockPlaces::Entered& BlockPlaces::enter(const Vec3d& from) {
+    const auto place = even_ ? 2 * static_cast<std::size_t>(2 * from[1 - *even_] + 1) + (from.z() < 0 ? 1 : 0) : 0;
+    auto& row = entered_[place];
+    if (!even_ || !row.known) find(from, row);
+    return row;
+}
+
+void BlockPlaces::find(const Vec3d& from, Entered& row) const {
     const auto& slabs = *mapping_.slabs();
+    row.known = true;
     row.once = row.twice = 0;
     CubicRow cubics;
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
@@ -105,13 +121,12 @@ void BlockPlaces::enter(const Vec3d& from, Entered& row) const {
         hits &= ~row.once;
         row.once |= hits;
         if (hits == 0) return true;
-        const auto& first = row.kept[static_cast<std::size_t>(std::countr_zero(hits))] = at(from, candidate);
+        const auto first = at(from, candidate);
         const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
         for (; hits != 0; hits &= hits - 1) {
             const auto z = static_cast<std::size_t>(std::countr_zero(hits));
             const auto along = static_cast<double>(z);
-            row.in[z] = &candidate;
-            row.products[z] = first.data();
+            row.in[z] = static_cast<std::size_t>(&candidate - candidates_.data());
             cubics.set(z, slabs[candidate.slab].cubic(first[0] + along * along_z[0], first[1] + along * along_z[1], first[2] + along * along_z[2]));
         }
         return true;
@@ -120,13 +135,13 @@ void BlockPlaces::enter(const Vec3d& from, Entered& row) const {
     cubics.solve();
     for (auto left = row.once; left != 0; left &= left - 1) {
         const auto z = static_cast<std::size_t>(std::countr_zero(left));
-        const int slab = row.in[z]->slab;
+        const int slab = candidates_[row.in[z]].slab;
         const double from_c = slabs.from(slab), to_c = slabs.to(slab);
         row.c[z] = cubics.solved(z, from_c, to_c) ? cubics.c[z] : cubic_root(cubics.at(z), from_c, to_c);
     }
 }
 
-void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) const {
+void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
     row.inside = 0;
     if (!by_tables_) {
         for (int z = 0; z < 8; ++z)
@@ -155,15 +170,18 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
         row.inside |= 1u << z;
         return holds == Slabs::Holds::yes;
     };
-    Entered entered;
-    enter(from, entered);
+    const auto& entered = enter(from);
     unsigned open = entered.twice;
+    Slab::Products at_first{};
+    auto last = candidates_.size();
     for (auto left = entered.once; left != 0; left &= left - 1) {
         const auto z = static_cast<std::size_t>(std::countr_zero(left));
-        const auto& candidate = *entered.in[z];
+        const auto& candidate = candidates_[entered.in[z]];
+        if (entered.in[z] != last) at_first = at(from, candidate);
+        last = entered.in[z];
         const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
         Slab::Products products;
-        for (std::size_t n = 0; n < products.size(); ++n) products[n] = entered.products[z][n] + static_cast<double>(z) * along_z[n];
+        for (std::size_t n = 0; n < products.size(); ++n) products[n] = at_first[n] + static_cast<double>(z) * along_z[n];
         if (settle(candidate, products, entered.c[z], z)) open &= ~(1u << z);
     }
     if (open == 0) return;
@@ -172,7 +190,7 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
         for (hits &= open; hits != 0; hits &= hits - 1) {
             const auto z = static_cast<std::size_t>(std::countr_zero(hits));
-            if (&candidate == entered.in[z]) continue;
+            if (&candidate == &candidates_[entered.in[z]]) continue;
             const auto products = at(from + Vec3d(0, 0, static_cast<double>(z)), candidate);
             const auto& slab = slabs[candidate.slab];
             const double c = cubic_root(slab.cubic(products[0], products[1], products[2]), slabs.from(candidate.slab), slabs.to(candidate.slab));
@@ -182,13 +200,12 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) cons
     });
 }
 
-unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const openvdb::Vec2d& by, Positions& out) const {
-    Entered row;
-    enter((first - block_).asVec3d() + offset, row);
+unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const openvdb::Vec2d& by, Positions& out) {
+    const auto& row = enter((first - block_).asVec3d() + offset);
     for (auto left = row.once; left != 0; left &= left - 1) {
         const int z = std::countr_zero(left);
         const auto n = static_cast<std::size_t>(z);
-        const auto& table = (*tables_)[static_cast<std::size_t>(row.in[n]->slab)];
+        const auto& table = (*tables_)[static_cast<std::size_t>(candidates_[row.in[n]].slab)];
         out.set(n, first.offsetBy(0, 0, z).asVec3d() + by.x() * (table.u + row.c[n] * table.du) + by.y() * (table.v + row.c[n] * table.dv));
     }
     return row.once;

@@ -5,6 +5,8 @@
 #include <openvdb/math/Coord.h>
 #include <openvdb/math/Transform.h>
 
+#include <optional>
+
 namespace fluidcarve {
 
 /// Finds where the voxels of a grid lie in a lattice, one 8^3 block at a time. The result is that of Mapping::locate, but faster: the slabs
@@ -48,14 +50,14 @@ public:
     /// @param by      displacement along u and v, vertices
     /// @param out     becomes the moved voxels, as by moved()
     /// @return bit z is set if voxel z lies in the lattice
-    unsigned shift(const openvdb::Coord& first, const openvdb::Vec3d& offset, const openvdb::Vec2d& by, Positions& out) const;
+    unsigned shift(const openvdb::Coord& first, const openvdb::Vec3d& offset, const openvdb::Vec2d& by, Positions& out);
     /// Box around all voxels that displacements of the block's voxels can reach.
     /// @param least, most  bounds of the displacements along u and v, vertices
     openvdb::CoordBBox reach(const openvdb::Vec2d& least, const openvdb::Vec2d& most) const;
     /// Finds the places of a row of the block.
     /// @param first   first voxel of the row
     /// @param offset  added to each voxel before it is located, voxels; each component is 0 or -1/2
-    void locate(const openvdb::Coord& first, const openvdb::Vec3d& offset, Row& row) const;
+    void locate(const openvdb::Coord& first, const openvdb::Vec3d& offset, Row& row);
     /// Finds the voxels of a row that lie in several cells.
     /// @param first   first voxel of the row
     /// @param lowest  `[z]` becomes the lowest slab that holds voxel z, if several do
@@ -97,25 +99,28 @@ private:
     Slab::Products at(const openvdb::Vec3d& from, const Candidate& candidate) const;
     /// The voxels of a row that lie between the dividers of a slab.
     struct Entered {
-        unsigned once, twice;                   ///< bit z is set if voxel z lies in one slab or more, in two or more
-        std::array<const Candidate*, 8> in;     ///< lowest slab that holds voxel z
-        std::array<double, 8> c;                ///< coordinate of voxel z between that slab's planes, 0..1
-        std::array<const double*, 8> products;  ///< that slab's products at the row's first voxel; points into `kept`
-        std::array<Slab::Products, 8> kept;
+        bool known = false;             ///< whether the rest is set
+        unsigned once, twice;           ///< bit z is set if voxel z lies in one slab or more, in two or more
+        std::array<std::size_t, 8> in;  ///< place among the candidates of the lowest slab that holds voxel z
+        std::array<double, 8> c;        ///< coordinate of voxel z between that slab's planes, 0..1
     };
-    /// Finds the lowest slab of each voxel of a row, and the voxel's coordinate between its planes.
+    /// Finds the lowest slab of each voxel of a row, and the voxel's coordinate between its planes. Rows that differ only along even_ share
+    /// the result.
     /// @param from  position of the row's first voxel from the block's first voxel, voxels
-    void enter(const openvdb::Vec3d& from, Entered& row) const;
+    const Entered& enter(const openvdb::Vec3d& from);
+    void find(const openvdb::Vec3d& from, Entered& row) const;
 
     const Mapping& mapping_;
     const openvdb::math::Transform& transform_;
     std::shared_ptr<const std::vector<Table>> tables_;  ///< `[slab]`, and one more for the last divider; null in a straight box
     bool by_tables_ = false;                            ///< whether places are found by tables_: not in a straight box or with the closed form
+    std::optional<int> even_;                           ///< the index axis, x or y, along which no place comes nearer to any plane
     openvdb::Coord block_;
     bool interior_ = false;
     openvdb::BBoxd range_;
     std::vector<int> slabs_;
     std::vector<Candidate> candidates_;
+    std::array<Entered, 32> entered_;  ///< by twice the row's position across even_, and whether it begins half a voxel below along z
 };
 
 }  // namespace fluidcarve

@@ -4,6 +4,7 @@
 #include "nodes/remap/voxels/blend.h"
 #include "nodes/remap/voxels/blocks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -50,11 +51,16 @@ public:
         if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;
 
         const bool soft = steps_.back().soft() != nullptr;
+        // In planes outside the lattice nothing moves. Of a block of an image, that is all but one.
+        const auto held = [&](int k) { return k >= 0 && k < steps_.back().slices(); };
+        const bool within = held(a.z()) && held(b.z());
+        if (!within) window_.read(out);
         Coord line;
         const int p = index_axis_ == 0 ? 1 : 0, q = index_axis_ == 2 ? 1 : 2;
         line[index_axis_] = block[index_axis_] + (direction_ > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
+                if (!within && !held(alignment_.vertex(line).z())) continue;
                 if (soft) carve_row_softly(line, out);
                 else carve_row(line, out);
             }
@@ -132,16 +138,32 @@ private:
         const auto bounds = carved ? step.bounds(first[step.lateral_axis()], first.z()) : std::span<const std::uint16_t>();
         auto passed = CarveStep::passed(first[axis], bounds);
 
-        for (int entry = first[axis]; entry < first[axis] + 8; ++entry, voxel[index_axis_] += direction_) {
+        const int end = first[axis] + 8;
+        for (int entry = first[axis], count = 1; entry < end; entry += count, voxel[index_axis_] += direction_ * count) {
             while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
-            const auto at = [&](int source) {
-                auto moved = voxel;
-                moved[index_axis_] += direction_ * (source - entry);
-                return rest == 0 ? window_.get(moved) : resolve(rest, alignment_.vertex(moved));
+            const auto moved = [&](int source) {
+                auto place = voxel;
+                place[index_axis_] += direction_ * (source - entry);
+                return place;
             };
-            if (!carved || entry < step.low() || entry > step.high()) write(out, voxel, at(entry));
-            else if (entry < step.start() || entry > step.last()) write(out, voxel, nothing_);
-            else write(out, voxel, displaced(entry, step.displacement(entry, passed, bounds), at));
+            const auto at = [&](int source) { return rest == 0 ? window_.get(moved(source)) : resolve(rest, alignment_.vertex(moved(source))); };
+            count = 1;
+            const bool in_step = carved && entry >= step.low() && entry <= step.high();
+            if (in_step && (entry < step.start() || entry > step.last())) {
+                write(out, voxel, nothing_);
+                continue;
+            }
+            const int d = in_step ? step.displacement(entry, passed, bounds) : 0;
+            if (rest > 0 || d % 2 != 0) {
+                write(out, voxel, displaced(entry, d, at));
+                continue;
+            }
+            // The entries up to the next bound are displaced alike.
+            int same = end;
+            if (in_step) same = std::min({end, step.last() + 1, passed < bounds.size() ? static_cast<int>(bounds[passed]) : end});
+            else if (carved && entry < step.low()) same = std::min(end, step.low());
+            count = same - entry;
+            window_.copy_line(moved(entry + d / 2), index_axis_, direction_, count, out, Leaf::coordToOffset(voxel));
         }
     }
 

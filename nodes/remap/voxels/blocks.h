@@ -9,6 +9,7 @@
 #include <cstring>
 #include <functional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace fluidcarve {
@@ -21,6 +22,10 @@ bool same_bits(const T& a, const T& b) {
 
 /// How far apart neighbours along an axis are in a leaf of 8^3 voxels.
 inline int offset_stride(int axis) { return 64 >> 3 * axis; }
+
+/// Whether a leaf keeps an array of its values. Leaves of booleans and masks keep bits.
+template <class Leaf>
+inline constexpr bool has_values = !std::is_same_v<typename Leaf::ValueType, bool>;
 
 /// The leaves and tiles of a tree that meet an index box. They are looked up once, so that voxels are read without a search.
 template <class TreeT>
@@ -69,7 +74,13 @@ public:
         const auto& cell = cell_of(first);
         if (!cell.leaf) return out.fill(cell.tile);
         const auto offset = Leaf::coordToOffset(first);
-        for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
+        if constexpr (has_values<Leaf>) {
+            const auto* const values = cell.leaf->buffer().data() + offset;
+            const auto states = cell.leaf->getValueMask().template getWord<unsigned char>(offset / 8);
+            for (std::size_t z = 0; z < 8; ++z) out[z] = {values[z], (states >> z & 1) != 0};
+        } else {
+            for (openvdb::Index z = 0; z < 8; ++z) out[z] = {cell.leaf->getValue(offset + z), cell.leaf->isValueOn(offset + z)};
+        }
     }
     /// Reads voxels in a line along an axis, all inside the window.
     /// @param direction  1: rising indices; -1: falling
@@ -85,6 +96,23 @@ public:
             at[axis] += direction * run;
         }
     }
+    /// Copies voxels in a line along an axis, all inside the window, to a line of a leaf along the same axis.
+    /// @param direction  1: rising indices; -1: falling
+    /// @param to         offset of the first voxel in the leaf
+    void copy_line(openvdb::Coord at, int axis, int direction, int count, Leaf& out, openvdb::Index to) const {
+        const auto stride = static_cast<openvdb::Index>(direction * offset_stride(axis));
+        while (count > 0) {
+            const auto& cell = cell_of(at);
+            const int within = at[axis] & 7, run = std::min(count, direction > 0 ? 8 - within : within + 1);
+            auto from = Leaf::coordToOffset(at);
+            for (int n = 0; n < run; ++n, from += stride, to += stride) {
+                out.setValueOnly(to, cell.leaf ? Value(cell.leaf->getValue(from)) : cell.tile.value);
+                out.setActiveState(to, cell.leaf ? cell.leaf->isValueOn(from) : cell.tile.on);
+            }
+            at[axis] += direction * run;
+            count -= run;
+        }
+    }
     /// Reads all voxels at a leaf's place, which lies inside the window.
     void read(Leaf& out) const {
         std::array<Voxel, 8> row;
@@ -96,9 +124,19 @@ public:
     /// Sets eight voxels of a leaf.
     /// @param n  offset of the first one
     static void write(Leaf& out, openvdb::Index n, const std::array<Voxel, 8>& row) {
-        for (openvdb::Index z = 0; z < 8; ++z) {
-            out.setValueOnly(n + z, row[z].value);
-            out.setActiveState(n + z, row[z].on);
+        if constexpr (has_values<Leaf>) {
+            auto* const values = out.buffer().data() + n;
+            unsigned states = 0;
+            for (unsigned z = 0; z < 8; ++z) {
+                values[z] = row[z].value;
+                states |= static_cast<unsigned>(row[z].on) << z;
+            }
+            out.getValueMask().template getWord<unsigned char>(n / 8) = static_cast<unsigned char>(states);
+        } else {
+            for (openvdb::Index z = 0; z < 8; ++z) {
+                out.setValueOnly(n + z, row[z].value);
+                out.setActiveState(n + z, row[z].on);
+            }
         }
     }
     bool holds(const openvdb::Coord& at) const {
@@ -111,6 +149,7 @@ public:
         const Leaf* leaf;
         Voxel tile;  ///< if there is no leaf
     };
+    /// The leaf or tile that holds a voxel inside the window. The next ones along z follow it.
     const Cell& cell_of(const openvdb::Coord& at) const {
         return cells_[static_cast<std::size_t>((((at.x() >> 3) - low_.x()) * size_.y() + (at.y() >> 3) - low_.y()) * size_.z() + (at.z() >> 3) - low_.z())];
     }

@@ -260,7 +260,9 @@ private:
                 const auto at = [&](int even, double part) {
                     auto source = l;
                     source[axis] = step.drawn(u, entry + 0.5 * even, scale);
-                    gather(count - 1, source, part, nothing, out, read);
+                    if (count > 1) return gather(count - 1, source, part, nothing, out, read);
+                    const auto [value, on] = read(source);
+                    out.add(value, on, part);
                 };
                 if (displacement % 2 == 0) return at(displacement, share);
                 // An inserted entry is the mean of its neighbours, whatever the interpolation.

@@ -25,11 +25,14 @@ public:
         size_ = openvdb::Coord(box.max().x(), box.max().y(), box.max().z() | 7) - low_ + openvdb::Coord(1);
         const auto count = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z());
         values_.resize(count);
-        on_.resize(count);
+        on_.resize(count / 8);
         std::size_t to = 0;
         for (int x = 0; x < size_.x(); ++x)
-            for (int y = 0; y < size_.y(); ++y)
-                for (int z = 0; z < size_.z(); z += 8, to += 8) copy_row(blocks, low_.offsetBy(x, y, z), to);
+            for (int y = 0; y < size_.y(); ++y) {
+                const auto first = low_.offsetBy(x, y, 0);
+                const auto* from = &blocks.cell_of(first);
+                for (int z = 0; z < size_.z(); z += 8, to += 8) copy_row(*from++, Leaf::coordToOffset(first), to);
+            }
     }
     void clear() { size_ = openvdb::Coord(0); }
 
@@ -47,7 +50,7 @@ public:
         return static_cast<std::size_t>(out);
     }
     Value value(std::size_t place) const { return Value(values_[place]); }
-    bool on(std::size_t place) const { return on_[place] != 0; }
+    bool on(std::size_t place) const { return (on_[place / 8] >> place % 8 & 1) != 0; }
 
     /// Interpolates trilinearly in a cell.
     /// @param place  index of its lowest voxel
@@ -96,25 +99,24 @@ public:
     }
 
 private:
-    void copy_row(const BlockWindow<TreeT>& blocks, const openvdb::Coord& first, std::size_t to) {
-        const auto& from = blocks.cell_of(first);
+    /// Copies eight voxels along z.
+    /// @param offset  of the first one in its leaf
+    void copy_row(const typename BlockWindow<TreeT>::Cell& from, openvdb::Index offset, std::size_t to) {
         auto* const values = values_.data() + to;
         if (!from.leaf) {
             std::fill_n(values, 8, from.tile.value);
-            std::fill_n(on_.data() + to, 8, from.tile.on);
+            on_[to / 8] = from.tile.on ? 0xff : 0;
             return;
         }
-        const auto offset = Leaf::coordToOffset(first);
-        if constexpr (can_blend<Value>) std::memcpy(values, from.leaf->buffer().data() + offset, 8 * sizeof(Value));
+        if constexpr (has_values<Leaf>) std::memcpy(values, from.leaf->buffer().data() + offset, 8 * sizeof(Value));
         else
             for (openvdb::Index n = 0; n < 8; ++n) values[n] = from.leaf->getValue(offset + n);
-        const auto states = static_cast<unsigned>(from.leaf->getValueMask().template getWord<unsigned char>(offset / 8));
-        for (std::size_t n = 0; n < 8; ++n) on_[to + n] = static_cast<unsigned char>(states >> n & 1);
+        on_[to / 8] = from.leaf->getValueMask().template getWord<unsigned char>(offset / 8);
     }
 
     openvdb::Coord low_, size_{0};
     std::vector<std::conditional_t<std::is_same_v<Value, bool>, unsigned char, Value>> values_;
-    std::vector<unsigned char> on_;
+    std::vector<unsigned char> on_;  ///< a bit for each voxel
 };
 
 }  // namespace fluidcarve
