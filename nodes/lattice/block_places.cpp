@@ -104,7 +104,7 @@ Slab::Products BlockPlaces::at(const Vec3d& from, const Candidate& candidate) co
     return out;
 }
 
-const BlockPlaces::Entered& BlockPlaces::enter(const Vec3d& from) {
+BlockPlaces::Entered& BlockPlaces::enter(const Vec3d& from) {
     const auto place = even_ ? 2 * static_cast<std::size_t>(2 * from[1 - *even_] + 1) + (from.z() < 0 ? 1 : 0) : 0;
     auto& row = entered_[place];
     if (!even_ || !row.known) find(from, row);
@@ -114,6 +114,7 @@ const BlockPlaces::Entered& BlockPlaces::enter(const Vec3d& from) {
 void BlockPlaces::find(const Vec3d& from, Entered& row) const {
     const auto& slabs = *mapping_.slabs();
     row.known = true;
+    row.levelled = false;
     row.once = row.twice = 0;
     CubicRow cubics;
     each_hit(from, [&](const Candidate& candidate, unsigned hits) {
@@ -141,6 +142,18 @@ void BlockPlaces::find(const Vec3d& from, Entered& row) const {
     }
 }
 
+void BlockPlaces::find_levels(Entered& row) const {
+    row.levelled = true;
+    for (auto left = row.once; left != 0; left &= left - 1) {
+        const auto z = static_cast<std::size_t>(std::countr_zero(left));
+        const int slab = candidates_[row.in[z]].slab;
+        const auto& table = (*tables_)[static_cast<std::size_t>(slab)];
+        row.levels[z] = (*mapping_.slabs())[slab].level(row.c[z]);
+        row.u[z] = table.u + row.c[z] * table.du;
+        row.v[z] = table.v + row.c[z] * table.dv;
+    }
+}
+
 void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
     row.inside = 0;
     if (!by_tables_) {
@@ -153,14 +166,10 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
     }
     const auto& slabs = *mapping_.slabs();
     const auto from = (first - block_).asVec3d() + offset;
-    const auto settle = [&](const Candidate& candidate, const Slab::Products& products, double c, std::size_t z) {
-        const int slab = candidate.slab;
-        const auto solved = slabs[slab].at(products, c);
+    const auto settle = [&](int slab, const Vec3d& solved, const Vec3d& u, const Vec3d& v, std::size_t z) {
         Vec3d place;
         const auto holds = slabs.settle(slab, solved, place);
         if (holds == Slabs::Holds::no || (holds == Slabs::Holds::beyond && (row.inside >> z & 1) != 0)) return false;
-        const auto& table = (*tables_)[static_cast<std::size_t>(slab)];
-        const auto u = table.u + c * table.du, v = table.v + c * table.dv;
         if (slabs.polar()) {
             const auto away = slabs.polar()->direction(place.y());
             row.places[z] = {place, away.x() * u + away.y() * v, Vec3d(0)};
@@ -170,7 +179,8 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
         row.inside |= 1u << z;
         return holds == Slabs::Holds::yes;
     };
-    const auto& entered = enter(from);
+    auto& entered = enter(from);
+    if (!entered.levelled) find_levels(entered);
     unsigned open = entered.twice;
     Slab::Products at_first{};
     auto last = candidates_.size();
@@ -182,7 +192,7 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
         const auto& along_z = (*tables_)[static_cast<std::size_t>(candidate.slab)].gradients[2];
         Slab::Products products;
         for (std::size_t n = 0; n < products.size(); ++n) products[n] = at_first[n] + static_cast<double>(z) * along_z[n];
-        if (settle(candidate, products, entered.c[z], z)) open &= ~(1u << z);
+        if (settle(candidate.slab, slabs[candidate.slab].at(products, entered.levels[z]), entered.u[z], entered.v[z], z)) open &= ~(1u << z);
     }
     if (open == 0) return;
 
@@ -194,7 +204,8 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
             const auto products = at(from + Vec3d(0, 0, static_cast<double>(z)), candidate);
             const auto& slab = slabs[candidate.slab];
             const double c = cubic_root(slab.cubic(products[0], products[1], products[2]), slabs.from(candidate.slab), slabs.to(candidate.slab));
-            if (settle(candidate, products, c, z)) open &= ~(1u << z);
+            const auto& table = (*tables_)[static_cast<std::size_t>(candidate.slab)];
+            if (settle(candidate.slab, slab.at(products, c), table.u + c * table.du, table.v + c * table.dv, z)) open &= ~(1u << z);
         }
         return open != 0;
     });

@@ -97,18 +97,22 @@ private:
     /// A candidate's products at a point.
     /// @param from  position of the point from the block's first voxel, voxels
     Slab::Products at(const openvdb::Vec3d& from, const Candidate& candidate) const;
-    /// The voxels of a row that lie between the dividers of a slab.
+    /// The voxels of a row that lie between the dividers of a slab. `[z]` is set if voxel z does.
     struct Entered {
-        bool known = false;             ///< whether the rest is set
+        bool known = false;             ///< whether the members up to c are set
         unsigned once, twice;           ///< bit z is set if voxel z lies in one slab or more, in two or more
         std::array<std::size_t, 8> in;  ///< place among the candidates of the lowest slab that holds voxel z
         std::array<double, 8> c;        ///< coordinate of voxel z between that slab's planes, 0..1
+        bool levelled = false;          ///< whether the rest is set
+        std::array<Slab::Level, 8> levels;
+        std::array<openvdb::Vec3d, 8> u, v;  ///< steps along u and v at c, voxels
     };
     /// Finds the lowest slab of each voxel of a row, and the voxel's coordinate between its planes. Rows that differ only along even_ share
     /// the result.
     /// @param from  position of the row's first voxel from the block's first voxel, voxels
-    const Entered& enter(const openvdb::Vec3d& from);
+    Entered& enter(const openvdb::Vec3d& from);
     void find(const openvdb::Vec3d& from, Entered& row) const;
+    void find_levels(Entered& row) const;
 
     const Mapping& mapping_;
     const openvdb::math::Transform& transform_;

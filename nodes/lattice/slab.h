@@ -35,10 +35,18 @@ public:
     /// Coefficients of `q(c) = normal(c) . (p - o(c))` (METHOD 3), by powers of c.
     /// @param a, b, c  the first three products of `p`
     std::array<double, 4> cubic(double a, double b, double c) const { return {a, b - of_chord_[0], c - of_chord_[1], -of_chord_[2]}; }
+    /// What at() needs to know of a coordinate `c`. All positions with the same c share it.
+    struct Level {
+        double c;
+        double chord_u, chord_v;   ///< c times the last coefficients of the chord's products with U and V
+        double uu, uv, vv, scale;  ///< products of U(c) and V(c), and 1 / (uu vv - uv uv)
+    };
+    Level level(double c) const;
     /// The coordinates `(u, v, c)` of a position.
-    /// @param of  products of the position
-    /// @param c   root of its cubic
-    openvdb::Vec3d at(const Products& of, double c) const;
+    /// @param of     products of the position
+    /// @param level  of the root of its cubic
+    openvdb::Vec3d at(const Products& of, const Level& level) const;
+    openvdb::Vec3d at(const Products& of, double c) const { return at(of, level(c)); }
     /// The same; finds the root as well.
     /// @param from, to  as for cubic_root()
     openvdb::Vec3d solve(const Products& of, double from, double to) const { return at(of, cubic_root(cubic(of[0], of[1], of[2]), from, to)); }
@@ -54,11 +62,15 @@ private:
     std::array<double, 3> uu_, uv_, vv_;  ///< U(c) . U(c), U(c) . V(c) and V(c) . V(c), by powers of c
 };
 
-inline openvdb::Vec3d Slab::at(const Products& of, double c) const {
-    const double along_u = of[3] + c * (of[4] - of_chord_[3] - c * of_chord_[4]), along_v = of[5] + c * (of[6] - of_chord_[5] - c * of_chord_[6]);
+inline Slab::Level Slab::level(double c) const {
     const auto at = [c](const std::array<double, 3>& powers) { return powers[0] + c * (powers[1] + c * powers[2]); };
-    const double uu = at(uu_), uv = at(uv_), vv = at(vv_), scale = 1 / (uu * vv - uv * uv);
-    return {(along_u * vv - along_v * uv) * scale, (along_v * uu - along_u * uv) * scale, c};
+    const double uu = at(uu_), uv = at(uv_), vv = at(vv_);
+    return {c, c * of_chord_[4], c * of_chord_[6], uu, uv, vv, 1 / (uu * vv - uv * uv)};
+}
+
+inline openvdb::Vec3d Slab::at(const Products& of, const Level& level) const {
+    const double along_u = of[3] + level.c * (of[4] - of_chord_[3] - level.chord_u), along_v = of[5] + level.c * (of[6] - of_chord_[5] - level.chord_v);
+    return {(along_u * level.vv - along_v * level.uv) * level.scale, (along_v * level.uu - along_u * level.uv) * level.scale, level.c};
 }
 
 }  // namespace fluidcarve

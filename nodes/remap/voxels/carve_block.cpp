@@ -52,12 +52,15 @@ void CarveBlock::Table::fill(const CarveStep& step) {
             out = std::fill_n(out, size[0], d);
             return;
         }
-        for (int i = first[0]; i < end; ++i) {
+        for (int i = first[0]; i < end;) {
             while (passed < bounds.size() && bounds[passed] <= i) ++passed;
             const int d = step.displacement(i, passed, bounds);
             low = std::min(low, d);
             high = std::max(high, d);
-            *out++ = d;
+            // An inserted entry stands alone, others are displaced alike up to the next bound.
+            const int next = d % 2 != 0 ? i + 1 : passed < bounds.size() ? std::min<int>(end, bounds[passed]) : end;
+            out = std::fill_n(out, next - i, d);
+            i = next;
         }
     });
 }

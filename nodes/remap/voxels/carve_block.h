@@ -2,6 +2,8 @@
 
 #include "nodes/seams/carve_map.h"
 
+#include <cstdint>
+#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -77,6 +79,13 @@ private:
         void fill_smooth(const CarveStep& step);
     };
 
+    /// The displacements of two entries that follow each other, as one number.
+    static std::uint64_t edge_at(const int* entry) {
+        std::uint64_t out;
+        std::memcpy(&out, entry, sizeof(out));
+        return out;
+    }
+
     const CarveMap& map_;
     std::vector<Table> tables_;  ///< `[step]`
     openvdb::Vec2d least_, most_;
@@ -139,7 +148,8 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
         const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step);
         const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
         const int by = a[0];
-        if (((by & 1) | (a[1] ^ by) | (b[0] ^ by) | (b[1] ^ by) | (c[0] ^ by) | (c[1] ^ by) | (d[0] ^ by) | (d[1] ^ by)) != 0) return std::nullopt;
+        const auto edge = edge_at(a);
+        if (((by & 1) | (a[1] ^ by)) != 0 || ((edge ^ edge_at(b)) | (edge ^ edge_at(c)) | (edge ^ edge_at(d))) != 0) return std::nullopt;
         const double whole = 0.5 * by, scaled = scale < 1 ? step.drawn(at[axis], at[axis] + whole, scale) - at[axis] : whole;
         at[axis] += scaled;
         out.by[axis] += scaled;

@@ -185,9 +185,9 @@ private:
         Reader(SampledCarve& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
             : worker_(worker), p_(p), place_(place), own_(own), pick_(pick) {}
         std::pair<Part, bool> operator()(const Vec3d& source) {
-            if (source == place_.at) return own_;
+            if (same(source, place_.at)) return own_;
             for (std::size_t n = 0; n < std::min(count_, kept_.size()); ++n)
-                if (kept_[n].source == source) return kept_[n].read;
+                if (same(kept_[n].source, source)) return kept_[n].read;
             auto& next = kept_[count_++ % kept_.size()];
             next = {source, worker_.read(worker_.places_.moved(p_, place_, openvdb::Vec2d(source.x() - place_.at.x(), source.y() - place_.at.y())), pick_)};
             return next.read;
@@ -198,6 +198,9 @@ private:
             Vec3d source;
             std::pair<Part, bool> read;
         };
+        /// No step moves along w.
+        static bool same(const Vec3d& a, const Vec3d& b) { return a.x() == b.x() && a.y() == b.y(); }
+
         SampledCarve& worker_;
         const Vec3d p_;
         const BlockPlaces::Place& place_;
@@ -212,16 +215,24 @@ private:
     auto read(const Vec3d& at, const Pick& pick) {
         using Part = std::decay_t<decltype(pick(std::declval<Value>()))>;
         const auto q = snapped(at);
+        typename VoxelWindow<TreeT>::Cell cell;
+        if (!window_.find(q, cell)) return read_far(q, pick);
+        if constexpr (can_blend<Value>) {
+            if (interpolation_ == Interpolation::linear) return std::pair<Part, bool>(window_.between(cell.lowest, cell.t, pick), window_.on(cell.nearest));
+            if (cell.t != Vec3d(0)) return std::pair<Part, bool>(pick(sample(q, nearest_to(q))), window_.on(cell.nearest));
+        }
+        return std::pair<Part, bool>(pick(window_.value(cell.nearest)), window_.on(cell.nearest));
+    }
+    /// The same outside the window.
+    template <class Pick>
+    auto read_far(const Vec3d& q, const Pick& pick) {
+        const auto nearest = nearest_to(q);
+        return std::pair<std::decay_t<decltype(pick(std::declval<Value>()))>, bool>(pick(sample(q, nearest)), values_.isValueOn(nearest));
+    }
+    static Coord nearest_to(const Vec3d& q) {
         const auto low = voxel_below(q);
         const auto t = q - low.asVec3d();
-        const Coord nearest(low.x() + (t.x() >= 0.5), low.y() + (t.y() >= 0.5), low.z() + (t.z() >= 0.5));
-        if (!window_.holds_cell(low)) return std::pair<Part, bool>(pick(sample(q, nearest)), values_.isValueOn(nearest));
-        const auto voxel = window_.place(nearest);
-        if constexpr (can_blend<Value>) {
-            if (interpolation_ == Interpolation::linear) return std::pair<Part, bool>(window_.between(window_.place(low), t, pick), window_.on(voxel));
-            if (t != Vec3d(0)) return std::pair<Part, bool>(pick(sample(q, nearest)), window_.on(voxel));
-        }
-        return std::pair<Part, bool>(pick(window_.value(voxel)), window_.on(voxel));
+        return {low.x() + (t.x() >= 0.5), low.y() + (t.y() >= 0.5), low.z() + (t.z() >= 0.5)};
     }
 
     Value sample(const Vec3d& q, const Coord& nearest) {

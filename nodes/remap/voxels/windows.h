@@ -36,18 +36,28 @@ public:
     }
     void clear() { size_ = openvdb::Coord(0); }
 
-    /// Whether the window holds the 2^3 voxels from `low` on.
-    bool holds_cell(const openvdb::Coord& low) const {
-        const auto from = low - low_;
-        const auto within = [](int n, int size) { return n >= 0 && n + 1 < size; };
-        return within(from.x(), size_.x()) && within(from.y(), size_.y()) && within(from.z(), size_.z());
-    }
-    /// Index of a voxel in the window.
-    /// @param at  inside the window
-    std::size_t place(const openvdb::Coord& at) const {
-        const auto from = at - low_;
-        const int out = (from.x() * size_.y() + from.y()) * size_.z() + from.z();
-        return static_cast<std::size_t>(out);
+    /// The cell of 2^3 voxels that holds a point.
+    struct Cell {
+        std::size_t lowest, nearest;  ///< indices of voxels in the window
+        openvdb::Vec3d t;             ///< position from the lowest voxel to the highest, 0 to 1
+    };
+    /// Finds the cell of a point.
+    /// @param q    index coordinates, snapped
+    /// @param out  is set if the window holds the cell
+    bool find(const openvdb::Vec3d& q, Cell& out) const {
+        int lowest = 0, nearest = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double from = q[axis] - low_[axis];
+            if (!(from >= 0 && from < size_[axis] - 1)) return false;
+            const int below = static_cast<int>(from);
+            const double t = q[axis] - (low_[axis] + below);
+            out.t[axis] = t;
+            lowest = lowest * size_[axis] + below;
+            nearest = nearest * size_[axis] + below + (t >= 0.5 ? 1 : 0);
+        }
+        out.lowest = static_cast<std::size_t>(lowest);
+        out.nearest = static_cast<std::size_t>(nearest);
+        return true;
     }
     Value value(std::size_t place) const { return Value(values_[place]); }
     bool on(std::size_t place) const { return (on_[place / 8] >> place % 8 & 1) != 0; }
