@@ -4,9 +4,11 @@
 #include "nodes/energy/image.h"
 #include "nodes/image/image_volume.h"
 #include "nodes/lattice/lattice.h"
+#include "nodes/remap/grid.h"
 #include "nodes/seam/dynamic.h"
 #include "nodes/seam/energy/sample.h"
 #include "tests/bench/measure.h"
+#include "tests/support/seams_through.h"
 
 #include <lqr.h>
 
@@ -45,6 +47,7 @@ Image scaled(const Image& photo) {
 
 struct Carved {
     double seconds = 0;
+    double remap_seconds = 0;   ///< of the new picture, if it is made apart
     std::vector<bool> removed;  ///< `[y][x]`, y down
 };
 
@@ -58,6 +61,11 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
         sample_energy(*energy, lattice, Axis::u, frames.codes(0));
         found = find_seams(frames, Seams::Kind::remove, seams, {0, width - 1}, dynamic_seam, [](double) {});
     });
+    const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
+    const auto set = std::make_shared<Seams>(test::no_seams(lattice));
+    set->seams = found.seams;
+    const CarveMap map(lattice, {set}, 1, std::nullopt);
+    out.remap_seconds = seconds(3, [&] { carve_volume(volume, lattice, map, Interpolation::linear); });
     out.removed.resize(static_cast<std::size_t>(width) * height);
     for (int y = 0; y < height; ++y) {
         std::vector<int> left;
@@ -122,6 +130,8 @@ void bench_lqr() {
         with_threads(2, [&] { return two = by_dynamic(image, volume), 0.0; });
         line(what + "liblqr / seam.dynamic, 1 thread", theirs.seconds / one.seconds, fmt::format("{:.2f} s, {:.2f} s", theirs.seconds, one.seconds));
         line(what + "the same, 2 threads", theirs.seconds / two.seconds, fmt::format("{:.2f} s", two.seconds));
+        line(what + "liblqr / seam.dynamic and remap, 2 threads", theirs.seconds / (two.seconds + two.remap_seconds),
+             fmt::format("remap {:.2f} s", two.remap_seconds));
         const double sums[] = {energy_of(theirs, *energy), energy_of(two, *energy)};
         line(what + "energy removed: liblqr's / seam.dynamic's", sums[0] / sums[1], fmt::format("{:.1f}, {:.1f}", sums[0], sums[1]));
     }

@@ -12,7 +12,8 @@ namespace fluidcarve {
 namespace {
 
 // Uses vectors as wide as the machine allows. Each entry is computed by itself, so the numbers are the same.
-#if defined(__x86_64__) && !defined(__clang__)
+// The choice is made as the program is loaded, before ThreadSanitizer is ready.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define FLUIDCARVE_WIDE __attribute__((target_clones("avx2", "default"), optimize("O3")))
 #else
 #define FLUIDCARVE_WIDE

@@ -1,6 +1,8 @@
 #include "nodes/lattice/mapping.h"
 #include "nodes/lattice/block_places.h"
+#include "nodes/lattice/build.h"
 #include "nodes/lattice/overlap.h"
+#include "nodes/rig/circle.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 
@@ -54,6 +56,45 @@ Lattice hairpin() {
     for (int x = -1; x >= -20; --x) add(Vec3d(x, 12, 0), Vec3d(-1, 0, 0));
     const int count = static_cast<int>(planes.size());
     return with_planes({5, 5, count}, 1.0, false, planes, "hairpin");
+}
+
+/// Compares the places of a grid's voxels, found block by block, with those found one by one.
+/// @return the number of voxels in the lattice
+int compared_in_blocks(std::mt19937& random, const Lattice& lattice, const openvdb::math::Transform& transform, int blocks) {
+    const Mapping mapping(lattice, {lattice.shape[0] + 2, lattice.shape[1], lattice.shape[2]});
+    BlockPlaces places(mapping, transform);
+    int compared = 0;
+    for (int m = 0; m < blocks; ++m) {
+        const auto middle = Coord::round(transform.worldToIndex(mapping.position(random_place(random, lattice))));
+        const Coord block(middle.x() & ~7, middle.y() & ~7, middle.z() & ~7);
+        const auto range = places.move_to(block);
+        for (int row = 0; row < 64; ++row)
+            for (const auto& offset : {Vec3d(0), Vec3d(-0.5, 0, 0), Vec3d(0, -0.5, 0), Vec3d(0, 0, -0.5)}) {
+                const auto first = block.offsetBy(row >> 3, row & 7, 0);
+                BlockPlaces::Row found;
+                places.locate(first, offset, found);
+                for (int z = 0; z < 8; ++z) {
+                    const auto p = first.offsetBy(0, 0, z).asVec3d() + offset;
+                    const auto world = transform.indexToWorld(p);
+                    const auto single = mapping.locate(world);
+                    REQUIRE(single.has_value() == ((found.inside >> z & 1) != 0));
+                    if (!single) continue;
+                    const auto& place = found.places[static_cast<std::size_t>(z)];
+                    REQUIRE(distance(lattice, place.at, *single) < 1e-9);
+                    const auto source = place.at + Vec3d(3, -1, 0);
+                    const auto moved = transform.indexToWorld(places.moved(p, place, openvdb::Vec2d(3, -1)));
+                    REQUIRE((moved - (world + mapping.position(source) - mapping.position(place.at))).length() < 1e-9);
+
+                    const double w = place.at.z() < range.min().z() - Mapping::snap ? place.at.z() + lattice.shape[2] : place.at.z();
+                    for (const auto& [value, axis] : {std::pair{place.at.x(), 0}, std::pair{place.at.y(), 1}, std::pair{w, 2}}) {
+                        REQUIRE(value >= range.min()[axis] - Mapping::snap);
+                        REQUIRE(value <= range.max()[axis] + Mapping::snap);
+                    }
+                    ++compared;
+                }
+            }
+    }
+    return compared;
 }
 
 }  // namespace
@@ -173,41 +214,21 @@ TEST_CASE("a block's voxels are found where they are found one by one") {
     int compared = 0;
     for (int n = 0; n < 12; ++n) {
         const auto lattice = random_bent(random, n % 2 == 0);
-        const Mapping mapping(lattice, {lattice.shape[0] + 2, lattice.shape[1], lattice.shape[2]});
-        const auto transform = turned_voxels(lattice.spacing * between(random, 0.6, 1.5), Vec3d(0.3, 0.1, 0.7));
-        BlockPlaces places(mapping, *transform);
-        for (int m = 0; m < 40; ++m) {
-            const auto middle = Coord::round(transform->worldToIndex(mapping.position(random_place(random, lattice))));
-            const Coord block(middle.x() & ~7, middle.y() & ~7, middle.z() & ~7);
-            const auto range = places.move_to(block);
-            for (const auto& offset : {Vec3d(0), Vec3d(0, -0.5, 0)})
-                for (int row = 0; row < 64; ++row) {
-                    const auto first = block.offsetBy(row >> 3, row & 7, 0);
-                    BlockPlaces::Row found;
-                    places.locate(first, offset, found);
-                    for (int z = 0; z < 8; ++z) {
-                        const auto p = first.offsetBy(0, 0, z).asVec3d() + offset;
-                        const auto world = transform->indexToWorld(p);
-                        const auto single = mapping.locate(world);
-                        REQUIRE(single.has_value() == ((found.inside >> z & 1) != 0));
-                        if (!single) continue;
-                        const auto& place = found.places[static_cast<std::size_t>(z)];
-                        REQUIRE(distance(lattice, place.at, *single) < 1e-9);
-                        const auto source = place.at + Vec3d(3, -1, 0);
-                        const auto moved = transform->indexToWorld(places.moved(p, place, openvdb::Vec2d(3, -1)));
-                        REQUIRE((moved - (world + mapping.position(source) - mapping.position(place.at))).length() < 1e-9);
-
-                        const double w = place.at.z() < range.min().z() - Mapping::snap ? place.at.z() + lattice.shape[2] : place.at.z();
-                        for (const auto& [value, axis] : {std::pair{place.at.x(), 0}, std::pair{place.at.y(), 1}, std::pair{w, 2}}) {
-                            REQUIRE(value >= range.min()[axis] - Mapping::snap);
-                            REQUIRE(value <= range.max()[axis] + Mapping::snap);
-                        }
-                        ++compared;
-                    }
-                }
-        }
+        compared += compared_in_blocks(random, lattice, *turned_voxels(lattice.spacing * between(random, 0.6, 1.5), Vec3d(0.3, 0.1, 0.7)), 40);
     }
     CHECK(compared > 20000);
+}
+
+TEST_CASE("a block's voxels are found where they are found one by one, too, if the rig keeps to a plane of the voxels") {
+    std::mt19937 random(9);
+    LatticeSpec spec;
+    spec.spacing = 1;
+    spec.u = {-5, 6};
+    spec.v = {-7, 5};
+    for (const auto& axis : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
+        const auto lattice = build_lattice(circle_rig(Vec3d(0.3, 2, -0.7), axis, {12, 12}, 0), spec).lattice;
+        CHECK(compared_in_blocks(random, lattice, *openvdb::math::Transform::createLinearTransform(0.8), 40) > 10000);
+    }
 }
 
 TEST_CASE("the world box of a range holds its points, also across the closing planes") {

@@ -7,6 +7,7 @@
 #include "tests/support/bent_lattices.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
+#include "tests/support/solver_bench.h"
 #include "tests/support/warped.h"
 #include "tests/support/wavy_seams.h"
 
@@ -19,8 +20,6 @@ using namespace fluidcarve::test;
 using openvdb::Vec3d;
 
 namespace {
-
-Lattice box(const std::array<int, 3>& shape) { return make_box(Vec3d(0), shape, 1.0, {0, 1, 2}); }
 
 std::vector<float> column(const Warp& warp, int lateral, int k, std::size_t t = 0) {
     std::vector<float> out(static_cast<std::size_t>(warp.vertices()[0]));
