@@ -206,11 +206,14 @@ openvdb::CoordBBox Scene::box() const {
 
 namespace {
 
-/// What is rendered of a grid: of a level set all that is inside, of others their values.
+/// What is rendered of a grid: of a level set all that is inside, 1 from a voxel below the surface on; of others their values.
 FloatGrid::ConstPtr seen(const FloatGrid::ConstPtr& grid) {
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) return grid;
     const auto out = grid->deepCopy();
-    openvdb::tools::sdfToFogVolume(*out, static_cast<float>(grid->voxelSize().x()));
+    openvdb::tools::sdfToFogVolume(*out);
+    // It rises over the width of the narrow band.
+    const auto band = grid->background() / static_cast<float>(grid->voxelSize().x());
+    openvdb::tools::foreach (out->beginValueOn(), [band](const FloatGrid::ValueOnIter& at) { at.setValue(std::min(1.0f, band * *at)); });
     return out;
 }
 

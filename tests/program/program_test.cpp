@@ -353,7 +353,7 @@ TEST_CASE("inspect looks into files one by one: what can't be read is told, the 
     const auto text = fluidcarve_program("inspect README.md");
     CHECK(text.code == 2);
     CHECK(text.err ==
-          "inspect reads files that end in .vdb, .png, .exr, .jpg, .jpeg, .tif, .tiff, .obj, .ply, .off, .stl, .csv, and folders of them, not README.md\n");
+          "inspect reads files that end in .vdb, .obj, .ply, .off, .stl, .csv, .png, .exr, .jpg, .jpeg, .tif, .tiff, and folders of them, not README.md\n");
 }
 
 TEST_CASE("a file that makes its reader loop or crash is damaged, and that is all") {

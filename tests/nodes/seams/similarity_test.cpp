@@ -29,10 +29,11 @@ TEST_CASE("patches that only moved along the axis have no distance, up to how fa
 }
 
 TEST_CASE("a distance is that of the values, and mostly empty patches do not count") {
-    const auto one = plane(30, [](int, int) { return 1.0f; }), three = plane(30, [](int, int) { return 3.0f; });
-    CHECK(nearest_patches(one, three, 0.1f, 0).root_mean() == Approx(2).margin(1e-5));
+    // Beyond a plane there is nothing: that is further from both values than they are from each other.
+    const auto two = plane(30, [](int, int) { return 2.0f; }), three = plane(30, [](int, int) { return 3.0f; });
+    CHECK(nearest_patches(two, three, 0.1f, 0).root_mean() == Approx(1).margin(1e-5));
     const auto half = plane(30, [](int u, int) { return u < 15 ? 1.0f : 0.0f; });
     // A patch counts as long as three of its nine columns have something.
-    CHECK(nearest_patches(half, one, 0.1f, 0).patches == 17 * 20);
-    CHECK(nearest_patches(plane(30, [](int, int) { return 0.0f; }), one, 0.1f, 0).patches == 0);
+    CHECK(nearest_patches(half, two, 0.1f, 0).patches == 17 * 20);
+    CHECK(nearest_patches(plane(30, [](int, int) { return 0.0f; }), two, 0.1f, 0).patches == 0);
 }
