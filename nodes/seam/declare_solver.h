@@ -73,12 +73,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("anchor", &Params::anchor,
                "What stays in place while seams move the rest: the lattice's low end, its middle, its high end, or the content of a vertex. Content moves by "
                "whole vertices, by the same number in all frames. For a vertex, the mean position of its content counts.")
-        .param(
-            "bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
-            "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the usual three raise the "
-            "bound; "
-            "each takes a third as long as these. auto is 0, and beyond 16 million energies a bound for the first seam only. Solvers that know a better bound "
-            "report that one.")
+        .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
+               "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the first raise the bound; "
+               "each takes as long. auto is 0, and beyond 16 million energies 2, for the first seam only. Solvers that know a better bound report that one.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})
         .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,

@@ -26,7 +26,7 @@ namespace {
 
 const Tick nobody = [](double) {};
 
-/// Seams that are looked for in a row: after the first, the pyramid starts most from the last.
+/// Seams that are looked for in a row.
 constexpr int seams_in_a_row = 4;
 
 /// What a cut of the whole volume may take, in entries, at 40 bytes.
@@ -143,9 +143,9 @@ public:
         if (reference > 0) {
             kind = "exact";
         } else {
-            const int passes = entries <= most_entries_passed ? 10 : 0;
+            const int passes = entries <= most_entries_passed ? 10 : 2;
             reference = lower_bound(energy, window, passes, nobody);
-            kind = fmt::format("bound, {} passes", passes);
+            kind = fmt::format("bound, {} passes", passes + 1);
         }
         auto size = fmt::format("{}x{}x{}{} x {}", energy.width(), energy.laterals(), energy.slices(), energy.closed() ? "o" : "", energy.frames());
         auto title = name;

@@ -23,7 +23,7 @@ namespace fluidcarve {
 namespace {
 
 /// Passes to and fro in each block.
-constexpr int usual_passes = 3;
+constexpr int usual_passes = 1;
 /// Frames in a block, and entries in it, at most; but at least two frames.
 constexpr std::size_t frames_per_block = 8, entries_per_block = std::size_t{1} << 26;
 /// Columns of a row that a thread visits one after the other.

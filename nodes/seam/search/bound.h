@@ -13,7 +13,7 @@ namespace fluidcarve {
 /// It takes up to 400 MB for messages, or what two frames need: 6 bytes per entry of the window.
 /// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a bound on the energy.
 /// @param window         holds a seam
-/// @param passes         passes to and fro beyond the usual ones, 0 or more; they raise the bound
+/// @param passes         passes to and fro beyond the first, 0 or more; they raise the bound
 /// @param memory_budget  bytes that messages may hold in memory; beyond, they are in files in `folder`
 /// @throws Failure as FrameStore
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget = ~std::uint64_t{0},

@@ -18,6 +18,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Up to this many energies, each seam gets a bound, which takes no longer than a search.
 constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
+/// Passes beyond the usual for the one bound of larger sets.
+constexpr int passes_of_large = 2;
 
 /// A search under way: the pairs that it has found, how far it is, and when it last handed over what there was.
 class TaskSearch {
@@ -83,7 +85,8 @@ private:
         continued.bound = [&](const EnergyVolume& energy, Window now, const Seams::Seam& seam, int number, const Tick& tell) -> std::optional<double> {
             const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
             if (!setup_.bound_passes && !few && number > 0) return std::nullopt;
-            const auto cost = lower_bound(energy, now, setup_.bound_passes.value_or(0), tell, continued.memory_budget, continued.folder);
+            const auto cost =
+                lower_bound(energy, now, setup_.bound_passes.value_or(few ? 0 : passes_of_large), tell, continued.memory_budget, continued.folder);
             return energy_bound(energy, seam.at, cost);
         };
         try {
