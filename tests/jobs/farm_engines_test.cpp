@@ -170,7 +170,7 @@ TEST_CASE("a job bundle makes what one run makes, also where its scheduler has m
     CHECK(call_shell(fmt::format("{0} diff \"{1}/one/o.####.vdb\" \"{2}/out/o.####.vdb\"", FLUIDCARVE_PROGRAM, project.folder(), moved)).code == 0);
 }
 
-TEST_CASE("the environment that a pipeline takes values from travels with its tasks") {
+TEST_CASE("the environment that a pipeline takes values from travels with its tasks", "[long]") {
     const Project project;
     project.scratch().write("it's {{here}}/set.yaml", "extends: 'shot {{a}}.yaml'\nenv: [CARVED, UNSET]\nnodes: {out: {path: \"out/${CARVED}.####.vdb\"}}\n");
     const auto call = [&](const std::string& carved, const std::string& engine, const std::string& more) {
@@ -239,7 +239,7 @@ TEST_CASE("a work folder on a disk of this machine is warned of, if other machin
     CHECK(!warned("farm local"));
 }
 
-TEST_CASE("engines refuse what they can't do, and make nothing") {
+TEST_CASE("engines refuse what they can't do, and make nothing", "[long]") {
     const Project project;
     const auto refused = [&](const std::string& verb, const std::string& more, int code, const std::string& message, const std::string& work = "work") {
         const auto called = project.call(verb, more, work);

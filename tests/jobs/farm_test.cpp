@@ -51,7 +51,7 @@ public:
 
 }  // namespace
 
-TEST_CASE("a farm on one machine makes what one run makes, and computes each energy once") {
+TEST_CASE("a farm on one machine makes what one run makes, and computes each energy once", "[long]") {
     const Plume plume;
     REQUIRE(call_shell(plume.command("run", "one", "-q")).code == 0);
     const auto farmed = call_shell(plume.command("farm local", "many", "-j 2 --chunk 4 --report " + (plume.scratch / "reports/r.json")));

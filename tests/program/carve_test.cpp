@@ -88,7 +88,7 @@ TEST_CASE("carve says what is wrong with its words before it reads much") {
     CHECK_THAT(wrong(plume + " -12 --empty much" + out, 2), Catch::Contains("seam.pyramid parameter 'empty' must be a number"));
 }
 
-TEST_CASE("init writes a pipeline that passes the check, runs and narrows") {
+TEST_CASE("init writes a pipeline that passes the check, runs and narrows", "[long]") {
     const Scratch scratch;
     plume_in(scratch, {51, 52});
     const auto init = "cd " + scratch.path() + " && mkdir -p shots && " FLUIDCARVE_PROGRAM " init plume.####.vdb -o shots/shot.yaml";

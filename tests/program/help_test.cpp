@@ -21,7 +21,7 @@ std::vector<std::string> verbs() {
 
 }  // namespace
 
-TEST_CASE("every verb explains itself, with an example, in its help and in the manual page") {
+TEST_CASE("every verb explains itself, with an example, in its help and in the manual page", "[long]") {
     const auto all = verbs();
     REQUIRE(all.size() >= 11);
     const auto man = fluidcarve_program("man");

@@ -146,7 +146,7 @@ TEST_CASE("every voxel around a rig comes from where the map of seams or of a wa
     }
 }
 
-TEST_CASE("on the rig no voxel is lost or torn: it stays, its neighbours stay beside it, and each place has one source and one goal") {
+TEST_CASE("on the rig no voxel is lost or torn: it stays, its neighbours stay beside it, and each place has one source and one goal", "[long]") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const double soft = GENERATE(0, 3);
     const int count = 3;
@@ -235,7 +235,7 @@ TEST_CASE("seams are found along the cells around a rig, also where v closes") {
     CHECK(along == lattice.shape[1]);
 }
 
-TEST_CASE("a density around a rig keeps its mass, and particles keep their density, when it gets thinner or thicker, by seams or by a warp") {
+TEST_CASE("a density around a rig keeps its mass, and particles keep their density, when it gets thinner or thicker, by seams or by a warp", "[long]") {
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const bool by_warp = GENERATE(false, true);
     const auto lattice = helix_lattice();

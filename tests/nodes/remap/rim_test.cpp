@@ -189,7 +189,7 @@ TEST_CASE("components of a staggered grid are moved from their own faces, also w
     CHECK(moved > 100000);
 }
 
-TEST_CASE("a fade leaves the rims as they were and the inside as a cut has it, bit for bit, on the voxels too") {
+TEST_CASE("a fade leaves the rims as they were and the inside as a cut has it, bit for bit, on the voxels too", "[long]") {
     const double off = GENERATE(0.0, 0.0008, 0.37);
     const auto kind = GENERATE(Seams::Kind::remove, Seams::Kind::insert);
     const auto box = make_box(Vec3d(off, 0, 0), {40, 24, 20}, 1.0, {0, 1, 2});
