@@ -166,8 +166,9 @@ public:
         if (of.isInstance() || !is_known_tree(of.gridType())) return std::nullopt;
         VdbHeader::Entry entry;
         describe(of, entry);
-        const auto tree_at = static_cast<std::int64_t>(stream_.tellg()), size = of.getBlockPos() - tree_at;
-        if (size < 0 || size > most_counted) return std::nullopt;
+        const auto tree_at = static_cast<std::int64_t>(stream_.tellg());
+        // Any number may stand there: the difference is taken only if it can't overflow.
+        if (of.getBlockPos() < tree_at || of.getBlockPos() - tree_at > most_counted) return std::nullopt;
         try {
             const auto format = format_of(of);
             const auto counted = size_of_tree(format, part(tree_at, of.getBlockPos()));
