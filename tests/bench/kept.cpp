@@ -25,12 +25,6 @@ std::vector<std::string> cells_of(const std::string& row) {
 
 const char* name_of(Better better) { return better == Better::higher ? "higher" : "lower"; }
 
-/// The kept figure of the same name.
-const Figure* find(const std::vector<Figure>& kept, const std::string& what) {
-    const auto found = std::ranges::find(kept, what, &Figure::what);
-    return found == kept.end() ? nullptr : &*found;
-}
-
 std::string machine() {
     std::string model = "an unknown processor";
     std::ifstream in("/proc/cpuinfo");
@@ -75,8 +69,8 @@ void write_kept(const std::string& path, const std::vector<Figure>& kept, const 
 std::vector<std::string> worse_than_kept(const std::vector<Figure>& kept, const std::vector<Figure>& now) {
     std::vector<std::string> out;
     for (const auto& figure : now) {
-        const auto* const old = find(kept, figure.what);
-        if (!old) continue;
+        const auto old = std::ranges::find(kept, figure.what, &Figure::what);
+        if (old == kept.end()) continue;
         const double change = figure.better == Better::higher ? old->ratio / figure.ratio : figure.ratio / old->ratio;
         if (change > 1.1)
             out.push_back(fmt::format("{}: {:.2f}, but {:.2f} on {} ({} is better)", figure.what, figure.ratio, old->ratio, old->date, name_of(figure.better)));
