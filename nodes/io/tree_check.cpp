@@ -57,7 +57,7 @@ private:
 
     void root() {
         in_.skip(sizeof(std::int32_t));  // number of buffers: OpenVDB reads it and moves on
-        in_.skip(format_.value_bytes);   // background
+        value();                         // background
         const auto tiles = in_.number<std::uint32_t>(), children = in_.number<std::uint32_t>();
         constexpr auto whole = std::int32_t{1} << (log2_dim[0] + log2_dim[1] + log2_dim[2]);
         std::set<Coord> places;
@@ -69,7 +69,7 @@ private:
         };
         for (std::uint32_t n = 0; n < tiles; ++n) {
             place();
-            in_.skip(format_.value_bytes);
+            value();
             const auto active = in_.number<std::uint8_t>();
             in_.require(active <= 1, "the state of a tile is neither on nor off");
             size_.active_voxels += active * tile_voxels(3);
@@ -82,6 +82,13 @@ private:
             leaves[at].swap(leaves_);
         }
         for (const auto& [at, masks] : leaves) leaves_.insert(leaves_.end(), masks.begin(), masks.end());
+    }
+
+    /// A background or the value of a root's tile. In trees of points it can only be 0: other values are offsets into a leaf's points.
+    void value() {
+        const auto bytes = in_.take(format_.value_bytes);
+        if (format_.leaves != TreeFormat::Leaves::point_data) return;
+        in_.require(std::all_of(bytes.begin(), bytes.end(), [](char byte) { return byte == 0; }), "it has points outside of its leaves");
     }
 
     template <std::size_t level>

@@ -115,6 +115,23 @@ TEST_CASE("a wrong length of any chunk of values is found before it is read") {
     CHECK(chunks > 20);
 }
 
+TEST_CASE("points outside of a tree's leaves are refused") {
+    const Scratch scratch;
+    openvdb::initialize();
+    using Tree = openvdb::points::PointDataTree;
+    const auto refusal = [&](const std::string& name, const auto& spoil) {
+        const auto grid = openvdb::points::PointDataGrid::create();
+        grid->setName(name);
+        spoil(grid->tree().root());
+        return fault_of_file(scratch, file_of(scratch, {grid}, openvdb::io::COMPRESS_NONE));
+    };
+    CHECK(refusal("none", [](auto&) {}) == "");
+    CHECK(refusal("background", [](auto& root) { root.setBackground(Tree::ValueType(1), false); }).find("it has points outside of its leaves") !=
+          std::string::npos);
+    CHECK(refusal("tile", [](auto& root) { root.addTile(Coord(4096, 0, 0), Tree::ValueType(256), true); }).find("it has points outside of its leaves") !=
+          std::string::npos);
+}
+
 TEST_CASE("files with random faults are read or refused") {
     const Scratch scratch;
     const auto grids = all_kinds();

@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <csignal>
+#include <cstring>
 
 using namespace fluidcarve;
 using test::difference;
@@ -308,6 +309,20 @@ TEST_CASE("numbers in a header that make no sense are damage, and nothing is mad
     CHECK(refusal(size, std::string("\x10\0\0\0", 4)) ==
           scratch / "bad.vdb" + " is damaged: grid 'density': metadata 'file_mem_bytes' has another length than its type");
     CHECK(refusal(size, std::string(4, '\x7f')) == scratch / "bad.vdb" + " is damaged: grid 'density': length: iostream error");
+}
+
+TEST_CASE("a grid whose values are said to lie before its tree is refused") {
+    const Scratch scratch;
+    const auto whole = Scratch::read(std::string(TEST_DATA) + "/vdb/cortex_points.vdb");
+    constexpr std::size_t block_position = 0xa4 + sizeof(std::int64_t);
+    for (const auto position : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, std::int64_t{0}}) {
+        INFO("position " << position);
+        auto changed = whole;
+        std::memcpy(changed.data() + block_position, &position, sizeof position);
+        scratch.write("astray.vdb", changed);
+        CHECK(failure_of([&] { read_vdb(scratch / "astray.vdb"); }).starts_with(scratch / "astray.vdb"));
+        CHECK_FALSE(VdbFile(scratch / "astray.vdb").memory(0));
+    }
 }
 
 TEST_CASE("a missing file counts as an input fault, a failed write does not") {
