@@ -45,31 +45,38 @@ class CarveStep {
         // The first and last entry at which they change in any frame.
         this.changed = [Infinity, -Infinity];
         const tables = orders.map((order, n) => this.displacements(order, 2 * n + 1 === orders.length));
+        // Places in the table between which displacements change; beyond them all columns are alike.
+        const reach = tent(soft).length - 1;
+        this.begin = Math.max(0, this.changed[0] - 1 - reach - this.low);
+        this.end = Math.min(this.entries, this.changed[1] + 2 + reach - this.low);
         this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[k][lateral][entry - low]`
     }
 
     /** Displacements by whole vertices. @param middle  whether this is the step's own frame */
     displacements(order, middle) {
-        const out = new Float32Array(this.entries * this.laterals * this.slices), {before, count, inserts, origin} = this;
-        for (let column = 0; column < this.laterals * this.slices; ++column) {
-            const base = column * this.entries - this.low, of = column * before;
-            let entry = this.start;
-            out.fill(origin - this.start, column * this.entries, base + entry);
+        const out = new Float32Array(this.entries * this.laterals * this.slices), {before, count, inserts, start} = this, [one, pair] = this.seen;
+        const whole = this.origin - start, head = start - this.low, behind = this.last - this.low;
+        for (let column = 0, to = 0, of = 0; column < this.laterals * this.slices; ++column, to += this.entries, of += before) {
+            const end = to + this.entries;
+            let at = to, shift = whole;
+            for (const first = to + head; at < first; ++at) out[at] = shift;
             for (let i = 0; i < before; ++i) {
                 const seam = order[of + i];
                 if (seam === 0 || seam > count || -seam > count) {
-                    out[base + entry] = origin + i - entry++;
+                    out[at++] = shift;
                     continue;
                 }
-                const doubles = seam > 0 === inserts;
-                if (doubles) out[base + entry] = origin + i - entry++;
-                for (const range of middle ? [this.seen[seam > 0 ? 0 : 1], this.changed] : [this.changed]) {
-                    range[0] = Math.min(range[0], entry);
-                    range[1] = Math.max(range[1], entry);
-                }
-                if (doubles) out[base + entry] = origin + i + 0.5 - entry++;
+                const doubles = seam > 0 === inserts, seen = seam > 0 ? one : pair;
+                if (doubles) out[at++] = shift;
+                const entry = at - to + this.low;
+                if (middle && entry < seen[0]) seen[0] = entry;
+                if (middle && entry > seen[1]) seen[1] = entry;
+                if (entry < this.changed[0]) this.changed[0] = entry;
+                if (entry > this.changed[1]) this.changed[1] = entry;
+                if (doubles) out[at++] = shift - 0.5, --shift;
+                else ++shift;
             }
-            out.fill(out[base + this.last], base + this.last + 1, (column + 1) * this.entries);
+            for (const last = out[to + behind]; at < end; ++at) out[at] = last;
         }
         return out;
     }
@@ -91,15 +98,15 @@ class CarveStep {
 
     /** Displacements smoothed by a tent in space and time: SmoothDisplacement::soft. */
     smoothed(set, tables, soft, softTime) {
-        const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low} = this;
+        const weights = tent(soft), reach = weights.length - 1, times = tent(softTime), {entries, low, begin, end} = this;
         const spans = this.spans(set), first = spans[0].first, last = spans[spans.length - 1].last;
         const now = tables.length === 1 ? tables[0] : overTime(tables, times);
         const [before, behind] = [spans[0].before, spans[spans.length - 1].behind];
-        // Beyond these entries all columns are alike, and stay as they are.
-        const begin = Math.max(0, this.changed[0] - 1 - reach - low), end = Math.min(entries, this.changed[1] + 2 + reach - low);
         const parts = spans.map(span => {
             const first = span.first - low, size = span.last - span.first + 1, from = Math.max(begin, first), to = Math.min(end, first + size);
-            return {...span, first, size, from, count: to - from, line: new Float32Array(size + 2 * reach),
+            // Of the line, what the sums read.
+            const least = Math.max(0, from - first - reach), most = Math.min(size, to - first + reach);
+            return {...span, first, size, from, count: to - from, least, most, line: new Float32Array(size + 2 * reach),
                 starts: Int32Array.from({length: 2 * reach + 1}, (_, n) => from - first + n)};
         });
         for (let base = 0; base < now.length; base += entries) {
@@ -108,20 +115,25 @@ class CarveStep {
             if (reach === 0) continue;
             // Spans of pairs may overlap: each is smoothed from what was before.
             for (const part of parts) {
-                const {line, size} = part, from = base + part.first;
-                for (let n = 0; n < size; ++n) line[reach + n] = now[from + n];
+                const {line, size, least, most} = part, from = base + part.first;
+                for (let n = least; n < most; ++n) line[reach + n] = now[from + n];
                 // Beyond a span the map goes on as its own mirror image.
+                const below = least === 0 ? reach : 0, above = most === size ? reach : 0;
                 for (let n = 1; n <= reach; ++n) {
-                    line[reach - n] = 2 * part.before - line[reach + n - 1];
-                    line[reach + size - 1 + n] = 2 * part.behind - line[reach + size - n];
+                    if (n <= below) line[reach - n] = 2 * part.before - line[reach + n - 1];
+                    if (n <= above) line[reach + size - 1 + n] = 2 * part.behind - line[reach + size - n];
                 }
             }
             for (const {line, starts, count, from} of parts) sumRows(weights, line, starts, count, now, base + from, false);
         }
         if (reach === 0) return now;
-        const between = new Float32Array(now.length), sheet = entries * this.laterals, size = end - begin;
-        smoothAcross(now, weights, begin, size, this.laterals, this.slices, entries, sheet, this.around, false, between);
-        smoothAcross(between, weights, begin, size, this.slices, this.laterals, sheet, entries, this.closed, true, now);
+        const size = end - begin, columns = this.laterals * this.slices, part = new Float32Array(columns * size), between = new Float32Array(part.length);
+        for (let column = 0, to = 0; column < columns; ++column)
+            for (let e = begin; e < end; ++e) part[to++] = now[column * entries + e];
+        smoothAcross(part, weights, size, this.laterals, this.slices, this.around, false, between);
+        smoothAcross(between, weights, size * this.laterals, this.slices, 1, this.closed, true, part);
+        for (let column = 0, from = 0; column < columns; ++column)
+            for (let e = begin; e < end; ++e) now[column * entries + e] = part[from++];
         return now;
     }
 
@@ -144,6 +156,11 @@ class CarveStep {
     }
     /** Whether displacements are known at a place, and the place is within the space after the step. */
     within(e, lateral) { return e >= this.start && e <= this.last && e >= this.low && e <= this.high && lateral >= 0 && lateral <= this.lastLateral; }
+    /** Where all columns move alike, before and behind all seams: entries from `first` to `last`, and their displacement; none if `last` is less. */
+    still() {
+        const {table, low, begin, end, entries} = this, first = Math.max(this.start, low), last = Math.min(this.last, this.high);
+        return [{first, last: low + begin - 1, d: table[Math.max(0, begin - 1)]}, {first: low + end, last, d: table[Math.min(end, entries - 1)]}];
+    }
     /** A displacement that leads to an entry of the space before. */
     clamped(e, d) { return e + d < this.origin ? this.origin - e : e + d > this.lastBefore ? this.lastBefore - e : d; }
     /** From a column to the next one in `table`, laterally and along w. */
@@ -207,17 +224,17 @@ function sumRows(weights, from, starts, size, out, to, round) {
     }
 }
 
-/** Smooths columns over their neighbours in lines of `count`, `stride` apart; lines stand `between` apart.
- * @param begin, size  the entries of each column
- * @param round        whether a value near a whole number is that number */
-function smoothAcross(table, weights, begin, size, count, lines, stride, between, closed, round, out) {
+/** Smooths rows of `row` values over their neighbours. @param table  `[line][row]`: `lines` times `count` rows
+ * @param round  whether a value near a whole number is that number */
+function smoothAcross(table, weights, row, count, lines, closed, round, out) {
     const reach = weights.length - 1, starts = new Int32Array(2 * reach + 1);
     for (let line = 0; line < lines; ++line)
-        for (let at = 0; at < count; ++at) {
-            const base = begin + line * between;
+        for (let at = 0, rows = 1; at < count; at += rows) {
+            // Rows whose neighbours all lie in the line are summed in one go.
+            rows = at >= reach && at + reach < count ? count - reach - at : 1;
             for (let i = -reach; i <= reach; ++i)
-                starts[reach + i] = base + stride * (closed ? (((at + i) % count) + count) % count : clamp(at + i, 0, count - 1));
-            sumRows(weights, table, starts, size, out, base + at * stride, round);
+                starts[reach + i] = row * (line * count + (closed ? (((at + i) % count) + count) % count : clamp(at + i, 0, count - 1)));
+            sumRows(weights, table, starts, rows * row, out, row * (line * count + at), round);
         }
 }
 
@@ -364,6 +381,7 @@ function carveLines(volume, size, places, step, line, perVertex, box, out, gathe
     const {axis, low, origin, lastBefore, firstLateral, lastLateral, laterals, entries, table, soft} = step;
     const least = Math.max(step.start, low), most = Math.min(step.last, step.high);
     const strides = [1, size[0], size[0] * size[1]], stride = strides[line], end = size[line] - 1 - snapWidth, stop = box[1][line], at = [0, 0, 0];
+    const [lower, upper] = step.still();
     const [p, q] = [0, 1, 2].filter(n => n !== line);
     for (let i = box[0][q]; i <= box[1][q]; ++i)
         for (let j = box[0][p]; j <= box[1][p]; ++j) {
@@ -379,6 +397,25 @@ function carveLines(volume, size, places, step, line, perVertex, box, out, gathe
                 if (e !== e) {
                     out[n] = volume[n];
                     continue;
+                }
+                const part = e <= lower.last ? lower : upper;
+                if (within && e >= part.first && e <= part.last) {
+                    const moved = part.d * perVertex, whole = Math.floor(moved + snapWidth), f = moved - whole, from = stride * whole;
+                    // All up to this voxel moves alike.
+                    const far = Math.min(stop, m + Math.floor(((perVertex > 0 ? part.last : part.first) - e) * perVertex), Math.ceil(end - moved) - 1);
+                    const to = n + stride * (far - m);
+                    if (m + moved >= 0 && to >= n && places[3 * to] === places[3 * to]) {
+                        if (f > snapWidth)
+                            for (let each = n; each <= to; each += stride) {
+                                const here = volume[each + from];
+                                out[each] = here + (volume[each + from + stride] - here) * f + 0.5;
+                            }
+                        else
+                            for (let each = n; each <= to; each += stride) out[each] = volume[each + from];
+                        m = far;
+                        n = to;
+                        continue;
+                    }
                 }
                 let d = NaN;
                 if (e >= least && e <= most) {
