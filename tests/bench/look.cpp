@@ -139,14 +139,29 @@ private:
 /// @param width  vertices along u
 int count_of(const std::string& stated, int width) { return fluidcarve::Count{std::stod(stated), stated.ends_with('%')}.of(width); }
 
+/// Even scaling until as much is visible along u as in a result.
+Samples even_until(const Shot& shot, double wanted, const Samples& source) {
+    const float visible = visible_from(source);
+    const double before = visible_width(source, visible), most = static_cast<double>(source.shape[0]) - 2;
+    const auto scaled = [&](double amount) { return samples_after(shot.scene, scale_evenly(shot, amount), static_cast<int>(std::ceil(amount))); };
+    double amount = (wanted / before - 1) * static_cast<double>(source.shape[0] - 1);
+    auto out = scaled(amount);
+    // What is thin fades as it is pressed together, and a rim holds what is near it: so the width is no exact share of the amount.
+    constexpr int most_steps = 6;
+    constexpr double close = 0.02;  // vertices
+    for (int step = 0; step < most_steps; ++step) {
+        const double changed = visible_width(out, visible) - before;
+        if (std::abs(before + changed - wanted) < close || changed * (wanted - before) <= 0) break;
+        amount = std::clamp(amount * (wanted - before) / changed, -most, most);
+        out = scaled(amount);
+    }
+    return out;
+}
+
 /// Even scaling to the visible width of a result. Of seam pairs: the first window evenly stretched to its new size, the second
 /// to what is left for it.
 Samples even_for(const Shot& shot, const Samples& result, const Samples& source, const Carved& carved, int count) {
-    if (!carved.windows) {
-        const float visible = visible_from(source);
-        const double share = visible_width(result, visible) / visible_width(source, visible), amount = (share - 1) * static_cast<double>(source.shape[0] - 1);
-        return samples_after(shot.scene, scale_evenly(shot, amount), static_cast<int>(std::ceil(amount)));
-    }
+    if (!carved.windows) return even_until(shot, visible_width(result, visible_from(source)), source);
     const auto [first, last, pair_first, pair_last] = *carved.windows;
     return stretched(source, source.shape[0], [=](double i) {
         if (i <= first || i >= pair_last) return i;
