@@ -15,7 +15,7 @@ struct Clearance {
     double at(const openvdb::Vec2d& across) const { return at_origin + across.x() * per_u + across.y() * per_v; }
 };
 
-/// The vertices of a ray away from the rig that lie on the right side: from `first` on, up to before `end`.
+/// The vertices of a row, or of a ray away from the rig, that lie on the right side: from `first` on, up to before `end`.
 struct Stretch {
     int first, end;
 
@@ -24,6 +24,15 @@ struct Stretch {
         const double zero = -at_origin / per_vertex, last = vertices;
         if (at_origin > 0 && per_vertex < 0) end = static_cast<int>(std::min(std::ceil(zero), last));
         else if (at_origin <= 0) first = per_vertex > 0 ? static_cast<int>(std::min(std::floor(zero) + 1, last)) : vertices;
+    }
+    /// Of a row along u.
+    Stretch(const Clearance& clearance, int j, int vertices) : Stretch(clearance.at({0, static_cast<double>(j)}), clearance.per_u, vertices) {
+        // The quotient is rounded: the vertices themselves decide.
+        const auto good = [&](int i) { return clearance.at(openvdb::Vec2d(i, j)) > 0; };
+        while (first < end && !good(first)) ++first;
+        while (first > 0 && good(first - 1)) --first;
+        while (end > first && !good(end - 1)) --end;
+        while (end < vertices && good(end)) ++end;
     }
     /// The part that is in both.
     void clip(const Stretch& other) {
@@ -58,12 +67,20 @@ std::size_t folded_cells(const Clearance& upper, const Clearance& lower, int ext
     };
     const int i_end = extent_u - 1, j_end = extent_v - 1;
     if (good(0, 0) && good(i_end, 0) && good(0, j_end) && good(i_end, j_end)) return 0;
+    const auto along = [&](int j) {
+        Stretch out(upper, j, extent_u);
+        out.clip(Stretch(lower, j, extent_u));
+        return out;
+    };
+    const int cells = std::max(i_end, 1), corners = std::min(extent_u, 2);
     std::size_t out = 0;
-    for (int i = 0; i < std::max(i_end, 1); ++i)
-        for (int j = 0; j < std::max(j_end, 1); ++j) {
-            const int next_i = std::min(i + 1, i_end), next_j = std::min(j + 1, j_end);
-            if (!(good(i, j) && good(next_i, j) && good(i, next_j) && good(next_i, next_j))) ++out;
-        }
+    auto row = along(0);
+    for (int j = 0; j < std::max(j_end, 1); ++j) {
+        const auto next = along(std::min(j + 1, j_end));
+        row.clip(next);
+        out += static_cast<std::size_t>(cells - std::max(row.end - row.first - corners + 1, 0));
+        row = next;
+    }
     return out;
 }
 

@@ -27,7 +27,7 @@ nodes:
   course:  {type: rig.curve, path: "${course}"}
   rig:     {type: rig.transform, rig: course, extend: 1}
   channel: {type: lattice.build, rig: rig, spacing: 1, extent_u: [-0.5, 1.125], extent_v: [-0.8, 0.8], smooth: directions}
-  seams:   {type: seam.pyramid, energy: energy, lattice: channel, count: -13, 2, window: [2, 14], pair_window: [18, 25], spread: 0, rigidity_time: 0.5}
+  seams:   {type: seam.pyramid, energy: energy, lattice: channel, count: -13, window: [2, 14], pair_window: [18, 25], spread: 0, rigidity_time: 0.5}
   carved:  {type: remap.grids, source: sim, lattice: channel, seams: seams, soft: 0}
   out:     {type: vdb.write, source: carved, path: "${out}"}
 )";
