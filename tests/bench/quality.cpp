@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
 
     TableRequest table;
     auto* const pipelines = app.add_subcommand("table", "The paper's table 2 with whole pipelines: read, energies, solve, carve, write");
-    pipelines->add_option("--only", table.only, "Only these rows: vortex, river, bonfire, torch, trail, plume");
+    pipelines->add_option("--only", table.only, "Only this row: vortex, river, bonfire, torch, trail or plume; may be repeated")->allow_extra_args(false);
     pipelines->add_option("--frames", table.frames, "At most so many frames of each row; then three lengths, and the slope");
     pipelines->add_option("--memory", table.memory, "As of run")->capture_default_str();
     pipelines->add_option("--scratch", table.scratch, "Folder for sequences and results, deleted row by row")->capture_default_str();
