@@ -76,8 +76,13 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
                "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the first raise the bound; "
                "each takes as long. auto is 0, and beyond 16 million energies 2, for the first seam only. Solvers that know a better bound report that one.")
+        .param("finest", &Params::finest, Unit::none, between(1, 2),
+               "2: seams are found at half size along all dimensions, time included. Energies are halved while frames stream by, so they take a sixteenth of "
+               "the memory, and seams of the time. Each seam that is found stands for two, side by side; its energy and bound are those at half size, by "
+               "column. Passages between protected vertices count from seven vertices on. 1: at full size. auto is 2 for lattices of more than 16.8 million "
+               "vertices in a frame, and says so; else 1. Images are solved at full size.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
-        .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure"})
+        .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})
         .grows({"count", [params_of](const void* params) { return SeamNode::rest(params_of(params)); }, &SeamNode::extent,
                 [params_of](const void* params, std::size_t vertices) { return SeamNode::wanted(params_of(params), vertices); }, &SeamNode::first,
                 &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})

@@ -2,6 +2,7 @@
 
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/strip.h"
@@ -30,6 +31,10 @@ constexpr std::size_t ahead = 12;
 
 /// Largest number of seams that race at once: their steps take a quarter of a byte per seam in every column.
 constexpr std::size_t group = 64;
+
+/// Neighbouring entries that are looked at together: as many as a seam may choose from, and one more.
+constexpr std::size_t lane_count = 4;
+using Lanes = std::array<float, lane_count>;
 
 enum class Ring { open, cone, gaussian };
 
@@ -235,6 +240,32 @@ private:
         }
     }
 
+    /// A neighbour that is passed already.
+    struct Passed {
+        const Entry* entries;        ///< of all seams
+        const std::uint16_t* field;  ///< of the column; null: no field
+        bool in_time;
+    };
+
+    /// What some entries cost, from one on that is known.
+    Lanes costs_from(const Cell* cells) const {
+        Lanes out;
+        if constexpr (std::is_same_v<Values, Unmarked> && std::is_same_v<Cell, std::uint16_t>) decode_energies({cells, lane_count}, out);
+        else std::transform(cells, cells + lane_count, out.begin(), [&](Cell cell) { return values_.cost(cell); });
+        return out;
+    }
+    /// Adds what a seam pays for its step from a neighbour to each of some entries. Of the two values that a step puts beside each other, one is
+    /// the column's at the neighbour's entry, the other the neighbour's at the column's entry (StepCosts).
+    /// @param field  of the column
+    /// @param base   the first of the entries
+    void add_steps(const Passed& passed, const std::uint16_t* field, int base, std::size_t seam, Lanes& costs) const {
+        const int there = passed.entries[seam];
+        const float here = decode_field(field[there]);
+        Lanes values;
+        decode_fields({passed.field + base, lane_count}, values);
+        for (std::size_t n = 0; n < lane_count; ++n) costs[n] += base + static_cast<int>(n) == there ? 0.0f : step_costs_.lift(passed.in_time, here, values[n]);
+    }
+
     /// The same in general: steps may cost something, and rows may close.
     /// @param now, before  entries in this frame and in the one before, `[column][seam]`
     void pass_any_column(const Cell* column, Entry* now, const Entry* before, const Columns::Place& at, std::uint8_t* steps) {
@@ -255,12 +286,6 @@ private:
         const auto entries_of = [&](std::size_t other) {
             return other < first_column ? before + (other + frame_columns - first_column) * seams : now + (other - first_column) * seams;
         };
-        // Neighbours that are passed already.
-        struct Passed {
-            const Entry* entries;        ///< of all seams
-            const std::uint16_t* field;  ///< of the column
-            bool in_time;
-        };
         std::array<Passed, 5> passed;
         std::size_t count = 0;
         const auto pass = [&](std::size_t other, bool in_time) { passed[count++] = {entries_of(other), step_costs_.field(other), in_time}; };
@@ -270,6 +295,7 @@ private:
         for (const auto& start : {home, row})
             if (start.given && start.closes) pass(start.column, false);
         const auto* const field = step_costs_.field(c);
+        const bool by_lanes = field && energy_.stride() >= lane_count;
         std::array<std::pair<const Entry*, int>, 2> reaches;
         std::size_t starts = 0;
         for (const auto& start : {home, row})
@@ -290,9 +316,25 @@ private:
             const auto stay = static_cast<unsigned>(std::clamp(nearest, low, high));
             auto best = ~std::uint64_t{0};
             float least = 0;
+            const int base = by_lanes ? std::min(low, static_cast<int>(energy_.stride() - lane_count)) : low;
+            Lanes costs{};
+            if (by_lanes) {
+                costs = costs_from(column + base);
+                for (std::size_t n = 0; n < count; ++n) add_steps(passed[n], field, base, s, costs);
+                // What the next columns read: the seam drifts by at most an entry per column.
+                const auto next = ahead * energy_.stride() + static_cast<std::size_t>(low);
+                __builtin_prefetch(column + next);
+                __builtin_prefetch(field + next);
+                if (passed[before_closing - 1].in_time) __builtin_prefetch(passed[before_closing - 1].field + next);
+            } else {
+                for (int entry = low; entry <= high; ++entry) {
+                    auto& cost = costs[static_cast<std::size_t>(entry - base)];
+                    cost = values_.cost(column[entry]);
+                    for (std::size_t n = 0; n < count; ++n) cost += step_costs_(field, entry, passed[n].field, passed[n].entries[s], passed[n].in_time);
+                }
+            }
             for (int entry = low; entry <= high; ++entry) {
-                float cost = values_.cost(column[entry]);
-                for (std::size_t n = 0; n < count; ++n) cost += step_costs_(field, entry, passed[n].field, passed[n].entries[s], passed[n].in_time);
+                const float cost = costs[static_cast<std::size_t>(entry - base)];
                 const float guided = ring_ == Ring::gaussian && home.given ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
                 const auto key = key_of(values_.rank(guided), static_cast<unsigned>(entry), stay);
                 if (key >= best) continue;

@@ -30,6 +30,9 @@ constexpr Effort effort_with_field{std::size_t{1} << 15, 0.02, std::size_t{1} <<
 /// Coarse energies of more columns than this are cut block by block if the finest has too many to be cut: they take most of the time there.
 constexpr std::size_t few_columns = std::size_t{1} << 14;
 
+/// Energies of more columns are swept once at most: a second sweep took as long as all else, and won less than 0.2 %.
+constexpr std::size_t most_columns_swept_again = std::size_t{1} << 18;
+
 const Effort& effort_for(const EnergyVolume& energy, Quality quality) {
     return energy.has_field() && quality != Quality::best ? effort_with_field : most_effort;
 }
@@ -57,7 +60,8 @@ void Pyramid::refine(const EnergyVolume& energy, Window window, int number, bool
     switch (quality_) {
         case Quality::draft: return sweep();
         case Quality::normal:
-            if (strip.columns().count() > effort.many_columns) return sweep(effort.sweeps);
+            if (const auto columns = strip.columns().count(); columns > effort.many_columns)
+                return sweep(columns > most_columns_swept_again ? 1 : effort.sweeps);
             if (large && strip.columns().count() > few_columns && !strip.steps()) {
                 for (const bool shifted : {false, true}) cut_blocks(strip, seam, shifted, 2e-3, number, tick);
                 return;

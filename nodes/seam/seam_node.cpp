@@ -6,10 +6,21 @@
 #include "nodes/seam/solve/space.h"
 #include "nodes/seam/solve/task.h"
 
+#include <fmt/format.h>
 #include <cstdlib>
 #include <utility>
 
 namespace fluidcarve {
+
+namespace {
+
+std::string half_size_note(const CarvedSpace& space) {
+    return fmt::format("solves at half size, since a frame of the lattice has {} vertices: seams come in pairs, side by side; `finest: 1` solves at full size, and "
+                       "takes about 16 times the memory and time",
+                       fmt::join(space.lattices().front()->shape, " x "));
+}
+
+}  // namespace
 
 void SeamNode::foresee(const Params& params, Outlook& ahead) {
     const auto* const energy = ahead.region("energy");
@@ -23,8 +34,9 @@ std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports&
     if (context.place() == 0) require_rig_stays(params, *io.lattice);
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
-    require_frame_fits(grids, *io.lattice, context.memory_budget());
-    return std::make_shared<FrameEnergy>(sample_frame(grids, io.lattice, params.axis, params.measure));
+    const int finest = finest_for(params, *io.lattice);
+    require_frame_fits(grids, *io.lattice, context.memory_budget(), finest);
+    return std::make_shared<FrameEnergy>(sample_frame(grids, io.lattice, params.axis, params.measure, finest));
 }
 
 void SeamNode::resume(const Payload& result, const nlohmann::ordered_json& entry) {
@@ -60,10 +72,14 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         gathered_.require_met();
         // Before the search, which may take long.
         for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
+        const int finest = gathered_.finest();
+        if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
         auto energy = gathered_.take(params, space, context);
+        // Seams of full size don't tell which ones of half size they came from.
+        if (finest > 1) before_ = {};
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
-        found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort},
+        found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort, finest},
                            context);
     }
     if (task.count < task.asked && !falls_short(found.report)) set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);

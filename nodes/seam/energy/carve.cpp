@@ -58,48 +58,66 @@ void each_warp_source(const CarveStep& step, int lateral, int k, const Visit& vi
 
 template <class Mix>
 std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step,
-                                 const Mix& mix) {
+                                 int finest, const Mix& mix) {
     std::vector<std::uint16_t> out(size);
     const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis());
     const std::uint16_t nothing = 0;
-    tbb::parallel_for(0, step.slices(), [&](int k) {
-        for (int lateral = 0; lateral < step.laterals(); ++lateral) {
+    const auto coarse = [&](int fine) { return (fine + finest - 1) / finest; };
+    tbb::parallel_for(0, coarse(step.slices()), [&](int k) {
+        for (int lateral = 0; lateral < coarse(step.laterals()); ++lateral) {
             const auto column = [&](const Places& places) {
                 return places.stride[2] * static_cast<std::size_t>(k) + places.stride[across] * static_cast<std::size_t>(lateral);
             };
             const auto* const source = from.data() + column(before);
             auto* target = out.data() + column(after);
+            int entries = 0;
             const auto set = [&](int entry, float part) {
+                // Of the vertices that a coarse entry stands for, the first tells where it comes from.
+                if (entries++ % finest != 0) return;
+                if (finest > 1) {
+                    entry = entry < 0 ? -1 : entry / finest;
+                    part = 0;
+                }
                 const auto* const low = source + before.stride[along] * static_cast<std::size_t>(std::max(entry, 0));
                 *target = entry < 0 ? nothing : part == 0 ? *low : mix(*low, low[before.stride[along]], part);
                 target += after.stride[along];
             };
-            if (step.warps()) each_warp_source(step, step.first_lateral() + lateral, k, set);
-            else each_seam_source(step, step.first_lateral() + lateral, k, set);
+            const int fine_lateral = step.first_lateral() + finest * lateral, fine_k = finest * k;
+            if (step.warps()) each_warp_source(step, fine_lateral, fine_k, set);
+            else each_seam_source(step, fine_lateral, fine_k, set);
         }
     });
     return out;
 }
 
 template <class Mix>
-std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, const Mix& mix) {
+std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, int finest,
+                                 const Mix& mix) {
+    const auto stored = [&] {
+        auto out = shape;
+        for (auto& size : out) size = (size + finest - 1) / finest;
+        return out;
+    };
     for (const auto& step : steps) {
-        const Places before(shape, axis);
+        const Places before(stored(), axis);
         shape[static_cast<std::size_t>(step.axis())] = step.after();
-        const auto size = static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]) * static_cast<std::size_t>(shape[2]);
-        codes = carve(codes, before, Places(shape, axis), size, step, mix);
+        const auto now = stored();
+        const auto size = static_cast<std::size_t>(now[0]) * static_cast<std::size_t>(now[1]) * static_cast<std::size_t>(now[2]);
+        codes = carve(codes, before, Places(now, axis), size, step, finest, mix);
     }
     return codes;
 }
 
 }  // namespace
 
-std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(codes), shape, axis, steps, mixed_energy);
+std::vector<std::uint16_t> carve_energy(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps,
+                                        int finest) {
+    return carve(std::move(codes), shape, axis, steps, finest, mixed_energy);
 }
 
-std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps) {
-    return carve(std::move(codes), shape, axis, steps, mixed_field);
+std::vector<std::uint16_t> carve_field(std::vector<std::uint16_t> codes, const std::array<int, 3>& shape, Axis axis, std::span<const CarveStep> steps,
+                                       int finest) {
+    return carve(std::move(codes), shape, axis, steps, finest, mixed_field);
 }
 
 }  // namespace fluidcarve

@@ -18,6 +18,7 @@ namespace fluidcarve {
 /// Everything that a solver needs of one frame.
 struct FrameEnergy {
     Ref<Lattice> lattice;
+    int finest = 1;                                                 ///< 2: energy and field are at half size (halve_energy())
     std::vector<std::uint16_t> energy;                              ///< energy codes at the lattice's vertices, marks included; laid out as by sample_energy()
     std::vector<std::uint16_t> field;                               ///< field codes, laid out the same way; empty: no field
     std::optional<std::size_t> protect, attract;                    ///< number of vertices that each mask marks; nothing: no mask
@@ -34,14 +35,20 @@ struct FrameGrids {
     const openvdb::GridBase *protect = nullptr, *attract = nullptr;
 };
 
+/// The size at which a lattice's energies are gathered.
+/// @param finest  1 or 2
+std::array<int, 3> gathered_shape(const Lattice& lattice, int finest);
+
 /// Checks that the codes of one frame fit in memory, before room is made for them.
+/// @param finest  1 or 2
 /// @param budget  as in grid_fits
 /// @throws Failure naming the vertices, their memory, the voxels of the energy and a spacing that fits
-void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget);
+void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget, int finest = 1);
 
 /// Samples grids at the vertices of a lattice.
+/// @param finest  1, or 2 for half the size: then only some planes at once are held at full size
 /// @throws Failure as sample_energy(), mark_vertices() and sample_field()
-FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure);
+FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure, int finest = 1);
 
 /// Registers the payload type `frame_energy`. Register `lattice` before.
 void add_frame_energy_payload(Registry& registry);

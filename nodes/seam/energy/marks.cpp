@@ -67,19 +67,21 @@ private:
 
 }  // namespace
 
-std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes) {
+std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes,
+                          std::optional<Planes> planes) {
+    const auto these = planes.value_or(Planes{0, lattice.shape[2]});
     const auto set = active_voxels(mask);
     openvdb::CoordBBox box;
     if (!set.evalActiveVoxelBoundingBox(box)) return 0;
     const auto alignment = align(lattice, mask.transform());
     const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     return tbb::parallel_reduce(
-        tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), std::size_t{0},
+        tbb::blocked_range<int>(0, these.count * laterals, 16), std::size_t{0},
         [&](const tbb::blocked_range<int>& range, std::size_t count) {
             Around around(set, box, mask.transform(), lattice, alignment, axis);
             auto out = codes.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
             for (int column = range.begin(); column < range.end(); ++column) {
-                around.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
+                around.move_to(vertex_of(axis, 0, column % laterals, these.first + column / laterals));
                 for (int entry = 0; entry < entries; ++entry, ++out)
                     if (around(entry)) {
                         *out = code;

@@ -2,6 +2,7 @@
 
 #include "nodes/field/missed_range.h"
 #include "nodes/lattice/lattice.h"
+#include "nodes/seam/energy/sample.h"
 
 #include <openvdb/openvdb.h>
 
@@ -24,8 +25,10 @@ struct MarkCounts {
 /// @param mask  of any type that can be carved
 /// @param code  protected_code or attracted_code
 /// @param codes  as sample_energy() fills it
+/// @param planes  nothing: all
 /// @return number of marked vertices
 /// @throws Failure naming the type of a grid that is no mask
-std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes);
+std::size_t mark_vertices(const openvdb::GridBase& mask, const Lattice& lattice, Axis axis, std::uint16_t code, std::span<std::uint16_t> codes,
+                          std::optional<Planes> planes = {});
 
 }  // namespace fluidcarve

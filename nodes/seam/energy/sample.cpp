@@ -117,13 +117,13 @@ const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; 
                       highest_field};
 
 template <class MakeReader>
-void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> codes, MakeReader&& make_reader) {
+void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> codes, const Planes& planes, MakeReader&& make_reader) {
     const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
-    tbb::parallel_for(tbb::blocked_range<int>(0, lattice.shape[2] * laterals, 16), [&](const tbb::blocked_range<int>& range) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, planes.count * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
         auto out = codes.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
         for (int column = range.begin(); column < range.end(); ++column) {
-            read.move_to(vertex_of(axis, 0, column % laterals, column / laterals));
+            read.move_to(vertex_of(axis, 0, column % laterals, planes.first + column / laterals));
             for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
         }
     });
@@ -132,7 +132,7 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
     if (bad == codes.end()) return;
     const auto place = bad - codes.begin();
     const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
-    const auto at = vertex_of(axis, entry, lateral, static_cast<int>(place / entries / laterals));
+    const auto at = vertex_of(axis, entry, lateral, planes.first + static_cast<int>(place / entries / laterals));
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
     auto read = make_reader();
     read.move_to(vertex_of(axis, 0, lateral, at[2]));
@@ -143,15 +143,18 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
 
 }  // namespace
 
-void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure) {
-    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, codes, [&] { return ByIndex(energy, *alignment, axis); });
-    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, codes, [&] { return AtVertices(energy, lattice, axis); });
-    else fill(lattice, axis, energy_code, codes, [&] { return OverCells(energy, lattice, axis); });
+void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure,
+                   std::optional<Planes> planes) {
+    const auto these = planes.value_or(Planes{0, lattice.shape[2]});
+    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, codes, these, [&] { return AtVertices(energy, lattice, axis); });
+    else fill(lattice, axis, energy_code, codes, these, [&] { return OverCells(energy, lattice, axis); });
 }
 
-void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes) {
-    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, codes, [&] { return ByIndex(field, *alignment, axis); });
-    else fill(lattice, axis, field_code, codes, [&] { return AtVertices(field, lattice, axis); });
+void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, std::optional<Planes> planes) {
+    const auto these = planes.value_or(Planes{0, lattice.shape[2]});
+    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, codes, these, [&] { return ByIndex(field, *alignment, axis); });
+    else fill(lattice, axis, field_code, codes, these, [&] { return AtVertices(field, lattice, axis); });
 }
 
 }  // namespace fluidcarve

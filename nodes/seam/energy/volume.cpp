@@ -1,5 +1,7 @@
 #include "nodes/seam/energy/volume.h"
 
+#include "nodes/seam/energy/decode.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
@@ -38,21 +40,36 @@ void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const st
     field_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
 }
 
-std::uint16_t EnergyVolume::with_edge(std::size_t column, int entry) const {
-    const auto first = column * stride_;
-    const auto at = [&](int place) { return decode_field(field_->entries(0).data()[first + static_cast<std::size_t>(place)]); };
-    const auto code = without_edges_->entries(0).data()[first + static_cast<std::size_t>(entry)];
-    if (code >= protected_code) return code;
-    const float edge = std::abs(at(std::min(entry + 1, width_ - 1)) - at(std::max(entry - 1, 0)));
-    return encode_energy(std::min(decode_energy(code) + weight_ * edge, decode_energy(highest_energy_code)));
+void EnergyVolume::set_edges(std::size_t column, int first, int last) {
+    // Entries at once.
+    constexpr int most = 32;
+    std::array<float, most> energies;
+    std::array<float, most + 2> field;
+    const auto begin = column * stride_;
+    const auto* const codes = without_edges_->entries(0).data() + begin;
+    const auto* const values = field_->entries(0).data() + begin;
+    auto* const out = codes_.entries(0).data() + begin;
+    const float highest = decode_energy(highest_energy_code);
+    for (; first <= last; first += most) {
+        const int count = std::min(most, last - first + 1), before = std::max(first - 1, 0), behind = std::min(first + count, width_ - 1);
+        decode_energies({codes + first, static_cast<std::size_t>(count)}, energies);
+        // The first and the last entry of a column have themselves in place of the neighbour that is missing.
+        decode_fields({values + before, static_cast<std::size_t>(behind - before + 1)}, std::span(field).subspan(static_cast<std::size_t>(before - first + 1)));
+        if (before == first) field[0] = field[1];
+        if (behind == first + count - 1) field[static_cast<std::size_t>(count) + 1] = field[static_cast<std::size_t>(count)];
+        for (int n = 0; n < count; ++n) {
+            const auto at = static_cast<std::size_t>(n);
+            const auto code = codes[first + n];
+            out[first + n] = code >= protected_code ? code : encode_energy(std::min(energies[at] + weight_ * std::abs(field[at + 2] - field[at]), highest));
+        }
+    }
 }
 
 void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
     without_edges_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
     std::swap(codes_, *without_edges_);
     tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
-        for (auto c = range.begin(); c < range.end(); ++c)
-            for (int entry = 0; entry < width_; ++entry) codes(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+        for (auto c = range.begin(); c < range.end(); ++c) set_edges(c, 0, width_ - 1);
     });
 }
 
@@ -115,47 +132,42 @@ EnergyVolume EnergyVolume::sum() const {
 }
 
 void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
-    const auto first = column * stride_, place = first + static_cast<std::size_t>(entry);
+    const auto first = column * stride_;
     const int low = std::max(entry - spread_, window.first), high = std::min(entry + spread_, window.last);
-    const auto share = [&](const auto& energy_at, const auto& add) {
-        int receivers = 0;
-        for (int e = low; e <= high; ++e) receivers += e != entry && energy_at(first + static_cast<std::size_t>(e)) ? 1 : 0;
-        const auto energy = energy_at(place);
-        if (receivers == 0 || !energy) return;
-        const float part = *energy / static_cast<float>(receivers);
-        for (int e = low; e <= high; ++e) {
-            const auto n = first + static_cast<std::size_t>(e);
-            if (const auto held = energy_at(n); e != entry && held) add(n, *held + part);
-        }
+    const float highest = decode_energy(highest_energy_code);
+    const auto share = [&](const auto& unmarked, const auto& energy_at, const auto& set) {
+        if (!unmarked(entry)) return;
+        int receivers = -1;
+        for (int e = low; e <= high; ++e) receivers += unmarked(e) ? 1 : 0;
+        if (receivers <= 0) return;
+        const float part = energy_at(entry) / static_cast<float>(receivers);
+        for (int e = low; e <= high; ++e)
+            if (e != entry && unmarked(e)) set(e, energy_at(e) + part);
     };
-    using Held = std::optional<float>;
     if (summed()) {
-        const auto marked = [&](std::size_t n) { return std::isinf(sums_[n]) || (!energies_.empty() && energies_[n] != sums_[n]); };
-        share([&](std::size_t n) { return marked(n) ? Held() : Held(sums_[n]); },
-              [&](std::size_t n, float energy) {
-                  sums_[n] = energy;
-                  if (!energies_.empty()) energies_[n] = energy;
+        auto *const costs = sums_.data() + first, *const energies = energies_.empty() ? nullptr : energies_.data() + first;
+        share([&](int e) { return !std::isinf(costs[e]) && (!energies || energies[e] == costs[e]); }, [&](int e) { return costs[e]; },
+              [&](int e, float energy) {
+                  costs[e] = energy;
+                  if (energies) energies[e] = energy;
               });
     } else {
-        auto* const codes = (without_edges_ ? *without_edges_ : codes_).entries(0).data();
-        share([&](std::size_t n) { return codes[n] >= protected_code ? Held() : Held(decode_energy(codes[n])); },
-              [&](std::size_t n, float energy) { codes[n] = encode_energy(std::min(energy, decode_energy(highest_energy_code))); });
+        auto* const codes = (without_edges_ ? *without_edges_ : codes_).entries(0).data() + first;
+        share([&](int e) { return codes[e] < protected_code; }, [&](int e) { return decode_energy(codes[e]); },
+              [&](int e, float energy) { codes[e] = encode_energy(std::min(energy, highest)); });
     }
 }
 
 void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
     if (attracts()) attracted_ -= met(at).attracted;
     const auto columns = columns_per_frame();
-    if (spread_ > 0)
-        tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
-            for (auto c = range.begin(); c < range.end(); ++c) hand_on(c, at[c], window);
-        });
     --width_;
     const auto close = [&](auto* column, std::size_t entry) {
         std::memmove(column + entry, column + entry + 1, (static_cast<std::size_t>(width_) - entry) * sizeof(*column));
     };
     tbb::parallel_for(ColumnRange(0, columns * frames(), 4096), [&](const ColumnRange& range) {
         for (auto c = range.begin(); c < range.end(); ++c) {
+            if (spread_ > 0) hand_on(c, at[c], window);
             if (summed()) close(sums_.data() + c * stride_, at[c]);
             else close(codes(c / columns).data() + c % columns * stride_, at[c]);
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
@@ -163,8 +175,7 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
             if (!without_edges_) continue;
             close(without_edges_->entries(0).data() + c * stride_, at[c]);
             // Update the entries that got energy or a new neighbour.
-            for (int entry = std::max(at[c] - 1 - spread_, 0); entry <= std::min<int>(at[c] + spread_, width_ - 1); ++entry)
-                codes(0).data()[c * stride_ + static_cast<std::size_t>(entry)] = with_edge(c, entry);
+            set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
         }
     });
 }

@@ -128,8 +128,9 @@ private:
     /// Hands the energy of an entry on to those beside it.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);
-    /// Code of an entry's energy plus the edge that its removal makes; columns as in Seams::Seam::at.
-    std::uint16_t with_edge(std::size_t column, int entry) const;
+    /// Sets entries of a column to their energy plus the edge that their removal makes.
+    /// @param column  as in Seams::Seam::at
+    void set_edges(std::size_t column, int first, int last);
 
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;

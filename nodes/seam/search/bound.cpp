@@ -1,6 +1,7 @@
 #include "nodes/seam/search/bound.h"
 
 #include "nodes/seam/energy/decode.h"
+#include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seams/frame_store.h"
 
@@ -46,7 +47,7 @@ std::vector<std::size_t> dimensions_of_lines(const Columns& columns) {
 }
 
 /// The smallest of some values, found in lanes for vector instructions.
-float least_of(std::span<const float> values) {
+FLUIDCARVE_WIDE float least_of(std::span<const float> values) {
     std::array<float, 8> lanes;
     lanes.fill(std::numeric_limits<float>::infinity());
     const auto whole = values.size() / lanes.size() * lanes.size();
@@ -56,12 +57,52 @@ float least_of(std::span<const float> values) {
     return std::ranges::min(lanes);
 }
 
-/// decode_field() of many codes, by vector instructions.
-void decode_fields(std::span<const std::uint16_t> codes, float* out) {
-    for (std::size_t i = 0; i < codes.size(); ++i) {
-        const std::uint32_t code = codes[i];
-        const float size = std::bit_cast<float>((code & 0x7FFFu) << 13) * 0x1p112f;
-        out[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(size) | (code & 0x8000u) << 16);
+FLUIDCARVE_WIDE void decode_unmarked(std::span<const std::uint16_t> codes, std::span<float> out) { decode_energies(codes, out); }
+
+FLUIDCARVE_WIDE void decode_values(std::span<const std::uint16_t> codes, std::span<float> out) { decode_fields(codes, out); }
+
+FLUIDCARVE_WIDE void add_both(const float* __restrict one, const float* __restrict other, std::span<float> out) {
+    auto* __restrict const sum = out.data();
+    for (std::size_t i = 0; i < out.size(); ++i) sum[i] += one[i] + other[i];
+}
+
+FLUIDCARVE_WIDE void multiply(std::span<float> values, float by) {
+    for (auto& value : values) value *= by;
+}
+
+FLUIDCARVE_WIDE void subtract(const float* __restrict from, std::span<const float> values, float* __restrict out) {
+    for (std::size_t i = 0; i < values.size(); ++i) out[i] = from[i] - values[i];
+}
+
+/// What steps cost.
+struct StepPrice {
+    float rigidity, weight;
+};
+
+/// Each entry pays for the cheapest within 1, and for the step, whose cost is as in StepCosts::lift().
+/// @param part         costs, with an infinity before the first and behind the last
+/// @param here, there  the field of the columns that the message comes from and goes to; there also before the first and behind the last
+/// @param least        is left out
+FLUIDCARVE_WIDE void pay_edges(const float* __restrict part, const float* __restrict here, const float* __restrict there, StepPrice price, float least,
+                               std::span<float> out) {
+    auto* __restrict const message = out.data();
+    const auto* const part_before = part - 1;
+    const auto* const there_before = there - 1;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float rise = part_before[i] + (price.rigidity + price.weight * std::abs(there_before[i] - here[i]));
+        const float fall = part[i + 1] + (price.rigidity + price.weight * std::abs(here[i] - there[i + 1]));
+        const float beside = rise < fall ? rise : fall;
+        message[i] = (part[i] < beside ? part[i] : beside) - least;
+    }
+}
+
+/// The same where all steps cost alike.
+FLUIDCARVE_WIDE void pay_steps(const float* __restrict part, float rigidity, float least, std::span<float> out) {
+    auto* __restrict const message = out.data();
+    const auto* const part_before = part - 1;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float beside = rigidity + (part_before[i] < part[i + 1] ? part_before[i] : part[i + 1]);
+        message[i] = (part[i] < beside ? part[i] : beside) - least;
     }
 }
 
@@ -197,16 +238,14 @@ private:
             else if (ends || turn.first) std::ranges::fill(ahead, 0.0f);
             else messages_.get(d, in_block * width_, ahead);
             if (!turn.last) messages_.set(d, in_block * width_, front);
-            const auto *const one = front.data(), *const other = ahead.data();
-            for (std::size_t i = 0; i < width_; ++i) sum[i] += one[i] + other[i];
+            add_both(front.data(), ahead.data(), work.sum);
         }
         const float share = (1 - rounding) / static_cast<float>(dimensions_.size());
-        for (std::size_t i = 0; i < width_; ++i) sum[i] *= share;
-        if (energy_.has_field()) decode_fields(field_of(column), work.field.data());
+        multiply(work.sum, share);
+        if (energy_.has_field()) decode_values(field_of(column), work.field);
         auto* const part = work.part.data() + 1;
         for (const auto d : dimensions_) {
-            const auto* const ahead = work.ahead[d].data();
-            for (std::size_t i = 0; i < width_; ++i) part[i] = sum[i] - ahead[i];
+            subtract(work.sum.data(), work.ahead[d], part);
             // Where no seam can pass, both may be infinite.
             if (energy_.protects())
                 for (std::size_t i = 0; i < width_; ++i)
@@ -225,7 +264,7 @@ private:
         const auto* const cells = energy_.cells<Cell>(column / columns_.per_frame()) + column % columns_.per_frame() * energy_.stride() + first_;
         if constexpr (std::is_same_v<Cell, std::uint16_t>) {
             if (!energy_.protects() && !energy_.attracts()) {
-                decode_energies({cells, width_}, out);
+                decode_unmarked({cells, width_}, out);
                 return 0;
             }
         }
@@ -245,24 +284,13 @@ private:
     /// @param least   the smallest of these costs, which the message leaves out
     void send(bool forward, std::size_t dimension, std::size_t column, float least, Work& work, float* out) const {
         auto* const part = work.part.data() + 1;
-        const auto width = static_cast<std::ptrdiff_t>(width_);
-        part[-1] = part[width] = std::numeric_limits<float>::infinity();
-        const float rigidity = energy_.rigidity()[dimension == 2 ? 1 : 0];
-        if (!energy_.has_field()) {
-            for (std::ptrdiff_t i = 0; i < width; ++i) out[i] = std::min(part[i], rigidity + std::min(part[i - 1], part[i + 1])) - least;
-            return;
-        }
+        part[-1] = part[width_] = std::numeric_limits<float>::infinity();
+        const StepPrice price{energy_.rigidity()[dimension == 2 ? 1 : 0], energy_.field_weight()};
+        if (!energy_.has_field()) return pay_steps(part, price.rigidity, least, {out, width_});
         const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
-        const auto* const here = work.field.data();
         auto* const there = work.field_beside.data() + 1;
-        decode_fields(field_of(forward ? column + step : column - step), there);
-        const float weight = energy_.field_weight();
-        for (std::ptrdiff_t i = 0; i < width; ++i) {
-            // As in StepCosts::lift().
-            const float rise = part[i - 1] + (rigidity + weight * std::abs(there[i - 1] - here[i]));
-            const float fall = part[i + 1] + (rigidity + weight * std::abs(here[i] - there[i + 1]));
-            out[i] = std::min(part[i], std::min(rise, fall)) - least;
-        }
+        decode_values(field_of(forward ? column + step : column - step), {there, width_});
+        pay_edges(part, work.field.data(), there, price, least, {out, width_});
     }
 
     const EnergyVolume& energy_;

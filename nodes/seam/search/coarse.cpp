@@ -1,6 +1,8 @@
 #include "nodes/seam/search/coarse.h"
 
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/decode.h"
+#include "nodes/seam/energy/half.h"
 
 #include <tbb/parallel_for.h>
 
@@ -14,28 +16,22 @@ namespace fluidcarve {
 
 namespace {
 
-/// Weight of the mean of two entries, against their minimum. A seam takes the cheaper entry where it can, which is mostly possible. Found
-/// on real plumes, rings and fires; there 0 and 0.5 led to more expensive seams.
-constexpr float share_of_mean = 0.15f;
-
-constexpr std::size_t half(std::size_t size) { return (size + 1) / 2; }
-
 /// Cost of a column's two entries for a seam that can mostly choose.
 /// @param barrier  cost if both are protected
 template <bool protects>
-float cost_of_pair(float a, float b, float barrier) {
+float cost_of_either(float a, float b, float barrier) {
     if constexpr (protects) {
         if (std::isinf(a)) a = std::isinf(b) ? barrier : b;
         if (std::isinf(b)) b = a;
     }
-    return share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b);
+    return cost_of_pair(a, b);
 }
 
 /// Restricts a row of columns along the lateral dimension, `[lateral][entry]`.
 template <class Cell, bool protects>
 void restrict_row(const EnergyVolume& energy, Window window, const Columns& coarse, std::size_t k, std::size_t t, std::vector<float>& out) {
     const Columns fine(energy);
-    const auto width = static_cast<std::size_t>(window.size()), coarse_width = half(width);
+    const auto width = static_cast<std::size_t>(window.size()), coarse_width = halved(width);
     const auto cost = energy.costs();
     const auto barrier = energy.barrier();
     std::ranges::fill(out, 0.0f);
@@ -46,7 +42,7 @@ void restrict_row(const EnergyVolume& energy, Window window, const Columns& coar
             for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
                 for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                     const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
-                    for (std::size_t n = 0; n < width / 2; ++n) sums[n] += cost_of_pair<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier);
+                    for (std::size_t n = 0; n < width / 2; ++n) sums[n] += cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier);
                     if (width % 2 != 0) {
                         const auto last = cost(cells[width - 1]);
                         sums[coarse_width - 1] += protects && std::isinf(last) ? barrier : last;
@@ -63,27 +59,32 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
     out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
     tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
         const auto k = row % coarse.slices(), t = row / coarse.slices();
-        for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral)
-            for (std::size_t n = 0; n < out.stride(); ++n) {
-                float sum = 0, count = 0;
-                for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
-                    for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
-                        for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl)
-                            for (auto i = 2 * n; i < std::min(2 * n + 2, static_cast<std::size_t>(window.size())); ++i) {
-                                sum +=
-                                    decode_field(energy.field(ft)[(fl + fine.laterals() * fk) * energy.stride() + static_cast<std::size_t>(window.first) + i]);
-                                ++count;
-                            }
-                out.field(t)[(lateral + coarse.laterals() * k) * out.stride() + n] = encode_field(sum / count);
-            }
+        const auto width = static_cast<std::size_t>(window.size());
+        std::vector<float> values(width), sums(out.stride());
+        for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
+            std::ranges::fill(sums, 0.0f);
+            float columns = 0;
+            for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
+                for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
+                    for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
+                        const auto first = (fl + fine.laterals() * fk) * energy.stride() + static_cast<std::size_t>(window.first);
+                        decode_fields(energy.field(ft).subspan(first, width), values);
+                        for (std::size_t n = 0; n < width / 2; ++n) sums[n] += values[2 * n] + values[2 * n + 1];
+                        // The last of an odd number counts twice, and is halved with the others.
+                        if (width % 2 != 0) sums.back() += 2 * values.back();
+                        ++columns;
+                    }
+            auto* const codes = out.field(t).data() + (lateral + coarse.laterals() * k) * out.stride();
+            for (std::size_t n = 0; n < sums.size(); ++n) codes[n] = encode_field(sums[n] / (2 * columns));
+        }
     });
 }
 
 template <class Cell, bool protects>
 EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     const Columns fine(energy);
-    const std::array<int, 3> shape{(window.size() + 1) / 2, static_cast<int>(half(fine.laterals())), static_cast<int>(half(fine.slices()))};
-    const Columns coarse(shape[1], shape[2], static_cast<int>(half(fine.frames())), energy.closed(), energy.around());
+    const std::array<int, 3> shape{halved(window.size()), halved(energy.laterals()), halved(energy.slices())};
+    const Columns coarse(shape[1], shape[2], static_cast<int>(halved(fine.frames())), energy.closed(), energy.around());
     const auto row_size = static_cast<std::size_t>(shape[0]) * coarse.laterals();
     const auto for_rows = [&](const auto& take) {
         tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
@@ -115,7 +116,7 @@ struct Between {
 };
 
 Between between(std::size_t fine, std::size_t fine_size, bool ring) {
-    const auto size = half(fine_size), near = fine / 2;
+    const auto size = halved(fine_size), near = fine / 2;
     if (fine_size < 2) return {near, near, 4};
     if (fine % 2 == 0) return {near, near > 0 ? near - 1 : ring ? size - 1 : near, 3};
     return {near, near + 1 < size ? near + 1 : ring ? 0 : near, 3};

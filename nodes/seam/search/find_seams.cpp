@@ -1,5 +1,7 @@
 #include "nodes/seam/search/find_seams.h"
 
+#include "nodes/seam/energy/half.h"
+#include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/protection.h"
 
 #include <fmt/format.h>
@@ -85,6 +87,15 @@ std::optional<NoSeam> blocked_seam(const EnergyVolume& energy, Window window, in
 /// Whether insertions in a window would have to follow the lattice's last vertex.
 bool ends_lattice(Seams::Kind kind, Window window, int width) { return kind == Seams::Kind::insert && window.last == width - 1; }
 
+/// The window of half size whose seams, interpolated to full size, stay in a window.
+Window half_window(Window window) { return {halved(window.first), halved(window.last) - 1}; }
+
+/// Where a seam of half size finds no way, at full size.
+NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy, const FullSize& full) {
+    const auto place = Columns(energy).place(none.at.column);
+    return {found, {full.columns.at(2 * place.lateral, 2 * place.k, 2 * place.t), 2 * none.at.vertices, 2 * none.at.free}};
+}
+
 SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
     std::vector<std::uint16_t> out;
     out.reserve(frame.size() * frames);
@@ -112,57 +123,89 @@ NoSeam::NoSeam(int found, const Bottleneck& at)
 
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
                       bool static_, const Continued& continued) {
-    require_room(kind, count, window, volume.width());
-    if (kind == Seams::Kind::insert) window.last = std::min(window.last, volume.width() - 2);
+    const auto& full = continued.full;
+    const int width = full ? full->width : volume.width();
+    require_room(kind, count, window, width);
+    if (kind == Seams::Kind::insert) window.last = std::min(window.last, width - 2);
+    // Seams that come of one that is found.
+    const int each = full ? 2 : 1, searches = (count + each - 1) / each;
+    if (full) {
+        window = half_window(window);
+        if (searches > window.size())
+            throw Failure(fmt::format("at half size ('finest' 2) the window has room for {} seams: set 'finest' to 1", each * std::max(window.size(), 0)));
+    }
     std::optional<EnergyVolume> sum;
     if (static_ && count > 0) sum = volume.sum();
     auto& energy = sum ? *sum : volume;
 
-    const auto columns = energy.columns_per_frame() * energy.frames();
+    const auto full_columns = [&] {
+        const auto& of = full->columns;
+        return sum ? Columns(static_cast<int>(of.laterals()), static_cast<int>(of.slices()), 1, of.ring(1), of.ring(0)) : of;
+    };
+    const auto columns = full ? full_columns().count() : energy.columns_per_frame() * energy.frames();
+    const auto all_frames = full ? full->columns.frames() : volume.frames();
     std::optional<Deleted> deleted;
-    if (kind == Seams::Kind::insert && count > 0) deleted.emplace(columns, energy.width(), continued.memory_budget, continued.folder);
+    if (kind == Seams::Kind::insert && count > 0) deleted.emplace(columns, width, continued.memory_budget, continued.folder);
 
     FoundSeams out;
     // The last seam is not deleted: no search follows it.
-    const auto meet = [&](std::span<const std::uint16_t> at) {
+    const auto meet = [&](std::span<const std::uint16_t> at, int number) {
         const auto met = energy.met(at);
-        out.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));
-        out.attracted.push_back(met.attracted);
-        out.blocked.push_back(met.blocked);
-        out.attracted_left.push_back(energy.attracted() - met.attracted);
-        const auto found = static_cast<int>(out.blocked.size());
-        if (found < count) energy.remove(at, {window.first, window.last - found + 1});
+        for (int n = 0; n < std::min(each, count - each * number); ++n) {
+            out.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));
+            out.attracted.push_back(met.attracted);
+            out.blocked.push_back(met.blocked);
+            out.attracted_left.push_back(energy.attracted() - met.attracted);
+        }
+        if (number + 1 < searches) energy.remove(at, {window.first, window.last - number});
+    };
+    // A seam that was found becomes seams of the set.
+    const auto add = [&](Seams::Seam seam, int number, double seconds) {
+        if (full) {
+            const Columns here(energy);
+            const double share = static_cast<double>(columns) / static_cast<double>(here.count());
+            seam.at = prolong_seam(here, seam.at, full_columns(), {0, width - each * number - 1});
+            seam.energy *= share;
+            if (seam.lower_bound) *seam.lower_bound *= share;
+        }
+        const int some = std::min(each, count - each * number);
+        for (int n = 0; n < some; ++n) {
+            auto one = seam;
+            if (deleted) deleted->to_original(one.at.all());
+            if (static_) one.at = repeated(one.at, all_frames);
+            if (keep) one.at = keep(std::move(one.at));
+            out.seams.push_back(std::move(one));
+            out.wall_s.push_back(seconds / some);
+        }
     };
     std::vector<std::uint16_t> last;
     for (const auto& seam : continued.before) {
         tick(0);
         last.assign(seam.at.begin(), seam.at.begin() + static_cast<std::ptrdiff_t>(columns));
         if (deleted) deleted->from_original(last);
-        meet(last);
+        meet(last, static_cast<int>(out.seams.size()));
         out.seams.push_back(seam);
         out.wall_s.push_back(0);
     }
     if (!last.empty() && continued.start_from) continued.start_from(last);
     const int known = static_cast<int>(out.seams.size());
-    for (int n = known; n < count; ++n) {
+    for (int n = known; n < searches; ++n) {
         const auto start = std::chrono::steady_clock::now();
         const Window left{window.first, window.last - n};
         if (auto blocked = blocked_seam(energy, left, n)) {
+            if (full) blocked = at_full_size(*blocked, each * n, energy, *full);
             if (!continued.best_effort) throw NoSeam(*blocked);
             out.no_more = std::move(blocked);
             break;
         }
-        const auto tell = [&](double fraction) { tick((n - known + fraction) / (count - known)); };
+        const auto tell = [&](double fraction) { tick((n - known + fraction) / (searches - known)); };
         auto seam = find(energy, left, n, tell);
         const auto end = std::chrono::steady_clock::now();
         if (!seam.lower_bound && continued.bound) seam.lower_bound = continued.bound(energy, left, seam, n, tell);
         const auto bounded = std::chrono::steady_clock::now() - end;
-        meet(seam.at);
-        if (deleted) deleted->to_original(seam.at.all());
-        if (static_) seam.at = repeated(seam.at, volume.frames());
-        if (keep) seam.at = keep(std::move(seam.at));
-        out.seams.push_back(std::move(seam));
-        out.wall_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count());
+        meet(seam.at, n);
+        const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count();
+        add(std::move(seam), n, seconds);
         if (continued.found) continued.found(out);
     }
     return out;

@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/seam/energy/volume.h"
+#include "nodes/seam/search/columns.h"
 #include "nodes/seams/seams.h"
 #include "nodes/seams/window.h"
 
@@ -59,6 +60,12 @@ struct FoundSeams {
     std::optional<NoSeam> no_more = {};       ///< why there are fewer than asked for (Continued::best_effort)
 };
 
+/// The full size of an energy that is at half size along all dimensions of more than one vertex, time included.
+struct FullSize {
+    Columns columns;  ///< of all frames
+    int width;        ///< entries per column
+};
+
 /// Continues an earlier search, and tells how far it has come.
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
@@ -69,6 +76,7 @@ struct Continued {
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string folder;
+    std::optional<FullSize> full;  ///< if the energy is at half size; then there may be no seams `before`
     bool best_effort = false;  ///< if protected vertices leave no way for the next seam, those found are the result, and nothing is thrown
 };
 
@@ -82,10 +90,12 @@ int room_in(Seams::Kind kind, Window window, int width);
 void require_room(Seams::Kind kind, int count, Window window, int width);
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and so on. Insertions are found as removals
-/// and returned as original entries. A continued search gives the same result as one in one go.
+/// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 8), each seam that is found
+/// stands for two of full size, side by side: interpolated to the columns, with as much of its energy and bound as a column has. The last one
+/// may stand for one.
 /// @param volume  used up
-/// @param count   number of all seams, including those found before
-/// @param window  original entries
+/// @param count   number of all seams of full size, including those found before
+/// @param window  original entries at full size
 /// @param static_   true: each seam is the same in all frames; it is found in their sum, and the volume stays as it is
 /// @throws Failure as require_room(); NoSeam
 FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep = nullptr,

@@ -1,5 +1,6 @@
 #include "nodes/seam/search/free_line.h"
 
+#include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/strip.h"
 
 #include <algorithm>
@@ -10,14 +11,6 @@
 namespace fluidcarve {
 
 namespace {
-
-// Uses vectors as wide as the machine allows. Each entry is computed by itself, so the numbers are the same.
-// The choice is made as the program is loaded, before ThreadSanitizer is ready.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define FLUIDCARVE_WIDE __attribute__((target_clones("avx2", "default"), optimize("O3")))
-#else
-#define FLUIDCARVE_WIDE
-#endif
 
 /// Decodes energy codes without marks: decode_energy() without a branch.
 FLUIDCARVE_WIDE void decode(const std::uint16_t* __restrict codes, std::size_t count, float* __restrict energies) {

@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "nodes/field/active_range.h"
 #include "nodes/seam/energy/carve.h"
+#include "nodes/seam/energy/half.h"
 #include "nodes/seam/solve/report.h"
 
 #include <fmt/format.h>
@@ -63,9 +64,21 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     join(marks_.protect_missed, frame.protect_missed);
     join(marks_.attract_missed, frame.attract_missed);
     forward_ = !frame.field.empty();
+    finest_ = frame.finest;
     if (!energy_) energy_.emplace(room(lattice.shape, params, context, budget(context)));
-    std::ranges::copy(frame.energy, energy_->codes(context.place()).begin());
-    if (energy_->has_field()) std::ranges::copy(frame.field, energy_->field(context.place()).begin());
+    gather(frame, context.place() / static_cast<std::size_t>(finest_));
+}
+
+void GatheredEnergy::gather(const FrameEnergy& frame, std::size_t place) {
+    begun_.resize(energy_->frames());
+    const bool first = !begun_[place];
+    begun_[place] = true;
+    const auto take = [&](std::span<const std::uint16_t> codes, std::span<std::uint16_t> out, const auto& average) {
+        if (first) std::ranges::copy(codes, out.begin());
+        else average(codes, out);
+    };
+    take(frame.energy, energy_->codes(place), average_energy);
+    if (energy_->has_field()) take(frame.field, energy_->field(place), average_field);
 }
 
 void GatheredEnergy::require_met() const {
@@ -95,15 +108,22 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 }
 
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const {
-    EnergyVolume out(shape, params.axis, context.frames().size(), budget, context.work_folder(), lattices_.front()->closed, lattices_.front()->around);
-    out.set_spread(params.spread.value_or(forward_ ? 3 : 0));
+    auto gathered = shape;
+    auto frames = context.frames().size();
+    if (finest_ == 2) {
+        for (auto& size : gathered) size = halved(size);
+        frames = halved(frames);
+    }
+    EnergyVolume out(gathered, params.axis, frames, budget, context.work_folder(), lattices_.front()->closed, lattices_.front()->around);
+    const int spread = params.spread.value_or(forward_ ? 3 : 0);
+    out.set_spread(finest_ == 2 ? halved(spread) : spread);
     if (forward_) out.add_field(0, budget, context.work_folder());
     return out;
 }
 
 GatheredEnergy::Taken GatheredEnergy::whole() {
     auto out = std::move(*energy_);
-    for (auto t = lattices_.size(); t < out.frames(); ++t) {
+    for (auto t = lattices_.size() == 1 ? 1 : out.frames(); t < out.frames(); ++t) {
         std::ranges::copy(out.codes(0), out.codes(t).begin());
         if (out.has_field()) std::ranges::copy(out.field(0), out.field(t).begin());
     }
@@ -117,11 +137,11 @@ GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const C
     const auto held = from.columns_per_frame() * from.stride() * from.frames() * sizeof(std::uint16_t), all = budget(context);
     auto out = room(space.shape(), params, context, held > all ? all : all - held);
     for (std::size_t t = 0; t < out.frames(); ++t) {
-        const auto place = space.place(t);
-        const auto before = space.carve_map(t);
+        const auto first = t * static_cast<std::size_t>(finest_), place = space.place(first) / static_cast<std::size_t>(finest_);
+        const auto before = space.carve_map(first);
         const auto copy = [](std::span<const std::uint16_t> codes) { return std::vector<std::uint16_t>(codes.begin(), codes.end()); };
-        std::ranges::copy(carve_energy(copy(from.codes(place)), shape, params.axis, before.steps()), out.codes(t).begin());
-        if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps()), out.field(t).begin());
+        std::ranges::copy(carve_energy(copy(from.codes(place)), shape, params.axis, before.steps(), finest_), out.codes(t).begin());
+        if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps(), finest_), out.field(t).begin());
     }
     // Typical values of the whole lattice also hold for the space that earlier seams leave.
     return {std::move(out), Typical::of(from)};

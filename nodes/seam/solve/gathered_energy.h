@@ -28,6 +28,8 @@ public:
     void add(const SolverParams& params, const FrameEnergy& frame, const Context& context);
 
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }  ///< of the frames that were added
+    /// 1, or 2 if the frames came at half size. Then two frames are one, too: their mean.
+    int finest() const { return finest_; }
     const MarkCounts& marks() const { return marks_; }                       ///< in all frames, before `after` is carved
     /// Requires that some active voxel lies in the lattice of its frame, if there are any.
     /// @throws Failure that says where both are
@@ -52,6 +54,7 @@ public:
 
 private:
     /// A volume whose energies, and field if there is one, are all 0.
+    /// @param shape   I, J, K at full size
     /// @param budget  bytes of energies that may be held in memory, and as many of the field
     EnergyVolume room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const;
     /// Bytes of the memory budget for the energies. The field, and the energies without its edges, take as much each.
@@ -61,8 +64,13 @@ private:
     /// The energy in the space that earlier seams leave.
     Taken carved(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
+    /// Adds the codes of a frame to the volume.
+    void gather(const FrameEnergy& frame, std::size_t place);
+
     std::vector<Ref<Lattice>> lattices_;
+    int finest_ = 1;
     std::optional<EnergyVolume> energy_;  ///< of the whole lattice
+    std::vector<bool> begun_;             ///< for each frame of the volume, whether it has the codes of a frame
     OneTransform transform_, field_transform_;
     MarkCounts marks_;
     bool forward_ = false;                                      ///< whether there is a field

@@ -4,9 +4,18 @@
 #include "nodes/seams/seams.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace fluidcarve {
+
+namespace {
+
+/// Lattices of more vertices are solved at half size, unless told otherwise.
+constexpr std::size_t most_vertices_solved = std::size_t{1} << 24;
+
+}  // namespace
 
 Shape ParamTraits<Anchor>::shape() { return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}}; }
 
@@ -43,6 +52,15 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     if (forward && (params.static_ || params.pair_static))
         check.fault(params.static_ ? "static" : "pair_static",
                     "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
+}
+
+int finest_for(const SolverParams& params, const Lattice& lattice) {
+    if (params.finest) return *params.finest;
+    std::size_t vertices = 1;
+    for (const int size : lattice.shape) vertices *= static_cast<std::size_t>(size);
+    // Images are solved exactly, whatever their size.
+    const bool volume = std::ranges::min(lattice.shape) > 1;
+    return volume && vertices > most_vertices_solved ? 2 : 1;
 }
 
 std::string window_text(const Interval& window) { return fmt::format("[{:g}, {:g}]", window.low, window.high); }

@@ -61,7 +61,13 @@ struct SolverParams {
     Auto<int> spread;
     Anchor anchor;
     Auto<int> bound_passes;
+    Auto<int> finest;
 };
+
+/// The parameter `finest`, or what `auto` means for a lattice. It depends on nothing else, so that all machines and all parts of a sequence
+/// agree.
+/// @return 1 or 2
+int finest_for(const SolverParams& params, const Lattice& lattice);
 
 /// Finds parameters that do not go together, and such that want an input or are at odds with one.
 void check_params(const SolverParams& params, NodeCheck& check);

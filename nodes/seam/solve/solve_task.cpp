@@ -46,9 +46,14 @@ private:
     /// Bytes of energies and seams, which share the budget.
     std::uint64_t bytes_taken() const {
         const auto columns = energy_.columns_per_frame() * energy_.frames();
-        const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) * columns * sizeof(std::uint16_t);
+        const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) * all_columns().count() * sizeof(std::uint16_t);
         const auto energies = static_cast<std::uint64_t>(columns) * energy_.stride() * sizeof(std::uint16_t) * (energy_.has_field() ? 3 : 1);
         return energies + seams;
+    }
+
+    /// The columns of the seams.
+    Columns all_columns() const {
+        return {task_.shape[lateral_dimension(task_.axis)], task_.shape[2], static_cast<int>(setup_.space.frames().size()), energy_.closed(), energy_.around()};
     }
 
     /// Share of this search's work that a part is: by the seams that are yet to be found.
@@ -82,6 +87,7 @@ private:
         continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
+        if (setup_.finest > 1) continued.full = FullSize{all_columns(), task_.shape[dimension(task_.axis)]};
         continued.bound = [&](const EnergyVolume& energy, Window now, const Seams::Seam& seam, int number, const Tick& tell) -> std::optional<double> {
             const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
             if (!setup_.bound_passes && !few && number > 0) return std::nullopt;
@@ -126,6 +132,7 @@ private:
         set->pairs = pairs_.seams;
         set->find_shifts();
         auto report = empty_report(*set);
+        if (setup_.finest > 1) report["finest"] = setup_.finest;
         describe_seams(found, "", setup_.marks, report);
         if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
         report["wall_s"] = wall_seconds(setup_.before.report, pairs_, found);
