@@ -153,6 +153,14 @@ std::optional<Vec3d> Slabs::locate(const Vec3d& world) const {
     return found;
 }
 
+Slabs::Holds Slabs::settle_around(const Vec3d& solved, double w, Vec3d& at) const {
+    const auto place = polar_->around(solved.x(), solved.y());
+    if (!within(place.x(), end_u_)) return Holds::no;
+    const double u = std::min(snapped(place.x()), end_u_), v = snapped(place.y());
+    at = {u, u > 0 && v < polar_->turn() ? v : 0, w};
+    return u <= last_u_ ? Holds::yes : Holds::beyond;
+}
+
 BBoxd Slabs::candidates(const BBoxd& world, std::vector<int>& slabs) const {
     slabs.clear();
     BBoxd range;

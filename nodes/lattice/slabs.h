@@ -77,6 +77,10 @@ private:
     bool beside(const openvdb::BBoxd& box) const;
     /// Box around the coordinates `(u, v)` of a box of `(x, y)`; w stays.
     openvdb::BBoxd around(const openvdb::BBoxd& box) const;
+    /// Whether a coordinate lies in the extent, up to its last vertex.
+    static bool within(double x, double end) { return x >= -rim_slack && x <= end + rim_slack; }
+    /// settle() around a rig.
+    Holds settle_around(const openvdb::Vec3d& solved, double w, openvdb::Vec3d& at) const;
     /// Calls `visit(k)`, k rising, for the slabs whose box meets a world box, until it returns false.
     template <class Visit>
     void each(const openvdb::BBoxd& world, Visit&& visit) const;
@@ -94,16 +98,9 @@ private:
 };
 
 inline Slabs::Holds Slabs::settle(int slab, const openvdb::Vec3d& solved, openvdb::Vec3d& at) const {
-    const auto inside = [](double x, double end) { return x >= -rim_slack && x <= end + rim_slack; };
     const double along = std::max(0.0, snapped(slab + solved.z())), w = along < end_w_ ? along : closed_ ? 0 : end_w_;
-    if (polar_) {
-        const auto place = polar_->around(solved.x(), solved.y());
-        if (!inside(place.x(), end_u_)) return Holds::no;
-        const double u = std::min(snapped(place.x()), end_u_), v = snapped(place.y());
-        at = {u, u > 0 && v < polar_->turn() ? v : 0, w};
-        return u <= last_u_ ? Holds::yes : Holds::beyond;
-    }
-    if (!inside(solved.x(), end_u_) || !inside(solved.y(), end_v_)) return Holds::no;
+    if (polar_) return settle_around(solved, w, at);
+    if (!within(solved.x(), end_u_) || !within(solved.y(), end_v_)) return Holds::no;
     at = {std::clamp(snapped(solved.x()), 0.0, end_u_), std::clamp(snapped(solved.y()), 0.0, end_v_), w};
     return at.x() <= last_u_ && at.y() <= last_v_ ? Holds::yes : Holds::beyond;
 }

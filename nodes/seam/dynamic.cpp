@@ -4,8 +4,7 @@
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/search/columns.h"
-#include "nodes/seam/search/free_line.h"
-#include "nodes/seam/search/strip.h"
+#include "nodes/seam/search/open_line.h"
 
 #include <fmt/format.h>
 
@@ -34,41 +33,7 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
             columns.laterals(), columns.slices(), columns.frames()));
     tick(0);
     if (closes(columns)) return exact_seam(energy, window, number, [&] { tick(0); });
-    if (!energy.steps()) return free_line_seam(energy, window, number);
-
-    const auto length = columns.count(), width = static_cast<std::size_t>(window.size());
-    const Strip strip(energy, Band::whole(length, window));
-    // `[column][entry]`: the step to the column before on the entry's cheapest way. Ties: stay, then this seam's side first.
-    std::vector<std::int8_t> steps(length * width);
-    const std::array<int, 3> order{0, number % 2 == 0 ? -1 : 1, number % 2 == 0 ? 1 : -1};
-    std::vector<double> before(width), now(width);
-    const bool in_time = columns.frames() == length;
-    for (std::size_t c = 0; c < length; ++c) {
-        const auto* const energies = strip.energies(c);
-        const auto way = [&](int i, int step) {
-            const auto from = static_cast<std::ptrdiff_t>(i) + step;
-            return before[static_cast<std::size_t>(from)] + static_cast<double>(strip.steps()(c, window.first + i, c - 1, window.first + i + step, in_time));
-        };
-        for (int i = 0; i < window.size(); ++i) {
-            const auto at = static_cast<std::size_t>(i);
-            int best = 0;
-            if (c > 0)
-                for (const int step : order)
-                    if (i + step >= 0 && i + step < window.size() && way(i, step) < way(i, best)) best = step;
-            steps[c * width + at] = static_cast<std::int8_t>(best);
-            now[at] = energies[at] + (c > 0 ? way(i, best) : 0.0);
-        }
-        std::swap(before, now);
-    }
-    auto entry = std::min_element(before.begin(), before.end()) - before.begin();
-    const auto least = before[static_cast<std::size_t>(entry)];
-    std::vector<std::uint16_t> at(length);
-    for (auto c = length; c-- > 0;) {
-        at[c] = static_cast<std::uint16_t>(window.first + entry);
-        entry += steps[c * width + static_cast<std::size_t>(entry)];
-    }
-    const auto sum = energy.attracts() ? energy_of(energy, at) : least;
-    return {std::move(at), sum, sum};
+    return open_line_seam(energy, window, number);
 }
 
 namespace {

@@ -2,7 +2,7 @@
 
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/decode.h"
+#include "nodes/seam/energy/lanes.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/strip.h"
@@ -31,10 +31,6 @@ constexpr std::size_t ahead = 12;
 
 /// Largest number of seams that race at once: their steps take a quarter of a byte per seam in every column.
 constexpr std::size_t group = 64;
-
-/// Neighbouring entries that are looked at together: as many as a seam may choose from, and one more.
-constexpr std::size_t lane_count = 4;
-using Lanes = std::array<float, lane_count>;
 
 enum class Ring { open, cone, gaussian };
 
@@ -249,9 +245,9 @@ private:
 
     /// What some entries cost, from one on that is known.
     Lanes costs_from(const Cell* cells) const {
+        if constexpr (std::is_same_v<Values, Unmarked> && std::is_same_v<Cell, std::uint16_t>) return energy_lanes(cells);
         Lanes out;
-        if constexpr (std::is_same_v<Values, Unmarked> && std::is_same_v<Cell, std::uint16_t>) decode_energies({cells, lane_count}, out);
-        else std::transform(cells, cells + lane_count, out.begin(), [&](Cell cell) { return values_.cost(cell); });
+        for (int n = 0; n < lane_count; ++n) out[n] = values_.cost(cells[n]);
         return out;
     }
     /// Adds what a seam pays for its step from a neighbour to each of some entries. Of the two values that a step puts beside each other, one is
@@ -261,9 +257,7 @@ private:
     void add_steps(const Passed& passed, const std::uint16_t* field, int base, std::size_t seam, Lanes& costs) const {
         const int there = passed.entries[seam];
         const float here = decode_field(field[there]);
-        Lanes values;
-        decode_fields({passed.field + base, lane_count}, values);
-        for (std::size_t n = 0; n < lane_count; ++n) costs[n] += base + static_cast<int>(n) == there ? 0.0f : step_costs_.lift(passed.in_time, here, values[n]);
+        costs += without(step_costs_.lift(passed.in_time, here, field_lanes(passed.field + base)), base, there);
     }
 
     /// The same in general: steps may cost something, and rows may close.
@@ -295,7 +289,7 @@ private:
         for (const auto& start : {home, row})
             if (start.given && start.closes) pass(start.column, false);
         const auto* const field = step_costs_.field(c);
-        const bool by_lanes = field && energy_.stride() >= lane_count;
+        const bool by_lanes = field && energy_.stride() >= static_cast<std::size_t>(lane_count);
         std::array<std::pair<const Entry*, int>, 2> reaches;
         std::size_t starts = 0;
         for (const auto& start : {home, row})
@@ -316,7 +310,7 @@ private:
             const auto stay = static_cast<unsigned>(std::clamp(nearest, low, high));
             auto best = ~std::uint64_t{0};
             float least = 0;
-            const int base = by_lanes ? std::min(low, static_cast<int>(energy_.stride() - lane_count)) : low;
+            const int base = by_lanes ? std::min(low, static_cast<int>(energy_.stride()) - lane_count) : low;
             Lanes costs{};
             if (by_lanes) {
                 costs = costs_from(column + base);
@@ -328,13 +322,13 @@ private:
                 if (passed[before_closing - 1].in_time) __builtin_prefetch(passed[before_closing - 1].field + next);
             } else {
                 for (int entry = low; entry <= high; ++entry) {
-                    auto& cost = costs[static_cast<std::size_t>(entry - base)];
-                    cost = values_.cost(column[entry]);
+                    float cost = values_.cost(column[entry]);
                     for (std::size_t n = 0; n < count; ++n) cost += step_costs_(field, entry, passed[n].field, passed[n].entries[s], passed[n].in_time);
+                    costs[entry - base] = cost;
                 }
             }
             for (int entry = low; entry <= high; ++entry) {
-                const float cost = costs[static_cast<std::size_t>(entry - base)];
+                const float cost = costs[entry - base];
                 const float guided = ring_ == Ring::gaussian && home.given ? cost + guide_[at.k][static_cast<std::size_t>(std::abs(entry - from))] : cost;
                 const auto key = key_of(values_.rank(guided), static_cast<unsigned>(entry), stay);
                 if (key >= best) continue;

@@ -8,20 +8,26 @@
 
 namespace fluidcarve {
 
-/// decode_energy() of many codes, by vector instructions: a code has the bits of a float, but for the bias of its exponent.
+// By vector instructions. Small values are converted, since floats as small as their bits are slow.
+
+/// decode_energy() of many codes.
 /// @param codes  at most highest_energy_code
 /// @param out    as many
 inline void decode_energies(std::span<const std::uint16_t> codes, std::span<float> out) {
-    for (std::size_t n = 0; n < codes.size(); ++n) out[n] = std::bit_cast<float>(std::uint32_t{codes[n]} << 13) * 0x1p95f;
+    for (std::size_t n = 0; n < codes.size(); ++n) {
+        const std::uint32_t code = codes[n], is_small = code < 1024 ? ~0u : 0u;
+        const auto small = std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int32_t>(code)) * 0x1p-41f);
+        out[n] = std::bit_cast<float>((small & is_small) | ((code + (95u << 10)) << 13 & ~is_small));
+    }
 }
 
-/// decode_field() of many codes, in the same way.
+/// decode_field() of many codes.
 /// @param out  as many
 inline void decode_fields(std::span<const std::uint16_t> codes, std::span<float> out) {
     for (std::size_t n = 0; n < codes.size(); ++n) {
-        const std::uint32_t code = codes[n];
-        const float size = std::bit_cast<float>((code & 0x7FFFu) << 13) * 0x1p112f;
-        out[n] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(size) | (code & 0x8000u) << 16);
+        const std::uint32_t code = codes[n], size = code & 0x7FFFu, is_small = size < 1024 ? ~0u : 0u;
+        const auto small = std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int32_t>(size)) * 0x1p-24f);
+        out[n] = std::bit_cast<float>((small & is_small) | ((size + (112u << 10)) << 13 & ~is_small) | (code & 0x8000u) << 16);
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -36,6 +37,8 @@ public:
     }
     /// Cost of a step that puts two values of the field beside each other.
     float lift(bool in_time, float value, float other) const { return rigidity_[in_time ? 1 : 0] + weight_ * std::abs(value - other); }
+    /// The same for four steps at once.
+    Lanes lift(bool in_time, float value, Lanes others) const { return rigidity_[in_time ? 1 : 0] + weight_ * absolute(value - others); }
     /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
     float operator()(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
         return (*this)(field(column), entry, field(other), entry_there, in_time);

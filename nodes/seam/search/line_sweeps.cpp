@@ -38,13 +38,10 @@ public:
                 cell.low = std::max(cell.low, home - 1);
                 cell.high = std::min(cell.high, home + 1);
             }
-            for (int entry = cell.low; entry <= cell.high; ++entry) {
-                auto& cost = cell.cost[static_cast<std::size_t>(entry - cell.low)];
-                cost = strip_.energy(c, entry);
-                if constexpr (stepping != Stepping::free)
-                    cost += to_beside(c, entry) + (ring && n + 1 == length ? step_cost(c, entry, column(0), seam_[column(0)], false) : 0);
-                if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, entry, along == 2);
-            }
+            cell.cost = strip_.energies(c, cell.base());
+            if constexpr (stepping != Stepping::free)
+                cell.cost += to_beside(c, cell.base()) + (ring && n + 1 == length ? step_costs(c, cell.base(), column(0), seam_[column(0)], false) : Lanes{});
+            if (n > 0) come_from(cells_[n - 1], column(n - 1), cell, c, along == 2);
         }
         auto entry = cheapest(cells_.back());
         for (auto n = length; n-- > 0;) {
@@ -52,7 +49,7 @@ public:
                 moved_.push_back(column(n));
                 seam_[column(n)] = static_cast<std::uint16_t>(entry);
             }
-            entry = cells_[n].from[static_cast<std::size_t>(entry - cells_[n].low)];
+            entry = cells_[n].from[entry - cells_[n].base()];
         }
         return moved_;
     }
@@ -60,10 +57,10 @@ public:
 private:
     /// Those entries of a column that the neighbours beside the line allow: at most three, since the current one is among them.
     struct Cell {
-        int low, high;
-        std::array<float, 3> cost;  ///< of the cheapest way to the entry
-        std::array<int, 3> from;    ///< the way's entry in the column before
-        int stay;
+        int low, high, stay;
+        Lanes cost;     ///< of the cheapest way to an entry, from base() on
+        LaneMask from;  ///< the way's entry in the column before
+        int base() const { return stay - 1; }
     };
     /// A neighbour beside the line. It is as far from each column of the line.
     struct Beside {
@@ -91,42 +88,41 @@ private:
             cell.high = std::min(cell.high, there + 1);
         }
     }
-    /// Cost of the step between two entries, at most 1 apart, of neighbouring columns.
-    float step_cost(std::size_t column, int entry, std::size_t other, int entry_there, bool in_time) const {
-        if (entry == entry_there) return 0;
-        if constexpr (stepping == Stepping::rigid) return strip_.steps().lift(in_time, 0, 0);
-        return entry > entry_there ? strip_.steps().lift(in_time, strip_.field(column, entry_there), strip_.field(other, entry))
-                                   : strip_.steps().lift(in_time, strip_.field(other, entry), strip_.field(column, entry_there));
+    /// Costs of the steps from an entry of a neighbour to entries of a column, from `base` on. Of the two values that a step puts beside each other,
+    /// one is the column's at the neighbour's entry, the other the neighbour's at the column's entry (StepCosts).
+    Lanes step_costs(std::size_t column, int base, std::size_t other, int entry_there, bool in_time) const {
+        if constexpr (stepping == Stepping::rigid) return without(Lanes{} + strip_.steps().lift(in_time, 0, 0), base, entry_there);
+        return without(strip_.steps().lift(in_time, strip_.field(column, entry_there), strip_.fields(other, base)), base, entry_there);
     }
-    /// Cost of the steps to the columns beside the line.
-    float to_beside(std::size_t c, int entry) const {
-        float out = 0;
+    /// Costs of the steps to the columns beside the line.
+    Lanes to_beside(std::size_t c, int base) const {
+        Lanes out{};
         for (std::size_t n = 0; n < count_; ++n) {
             const auto other = away(c, beside_[n].step);
-            out += step_cost(c, entry, other, seam_[other], beside_[n].in_time);
+            out += step_costs(c, base, other, seam_[other], beside_[n].in_time);
         }
         return out;
     }
-    /// Ties go to the entry that does not move.
-    static bool better(float cost, int entry, float than, int other, int stay) { return cost < than || (cost == than && entry == stay && other != stay); }
-    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, int entry, bool in_time) const {
-        auto best = std::numeric_limits<float>::infinity();
-        int from = before.stay;
-        for (int e = std::max(entry - 1, before.low); e <= std::min(entry + 1, before.high); ++e) {
-            auto cost = before.cost[static_cast<std::size_t>(e - before.low)];
-            if constexpr (stepping != Stepping::free) cost += step_cost(column, entry, column_before, e, in_time);
-            if (!better(cost, e, best, from, before.stay)) continue;
-            best = cost;
-            from = e;
+    /// Extends the cheapest ways to a column by the next one. Ties go to the entry that does not move.
+    void come_from(const Cell& before, std::size_t column_before, Cell& cell, std::size_t column, bool in_time) const {
+        constexpr auto infinity = std::numeric_limits<float>::infinity();
+        Lanes best = Lanes{} + infinity;
+        LaneMask from = LaneMask{} + before.stay;
+        for (int e = before.low; e <= before.high; ++e) {
+            Lanes cost = Lanes{} + before.cost[e - before.base()];
+            if constexpr (stepping != Stepping::free) cost += step_costs(column, cell.base(), column_before, e, in_time);
+            const LaneMask better = lanes_within(e - 1, e + 1, cell.base()) & ((cost < best) | (e == before.stay ? cost == best : LaneMask{}));
+            best = better ? cost : best;
+            from = better ? LaneMask{} + e : from;
         }
-        cell.cost[static_cast<std::size_t>(entry - cell.low)] += best;
-        cell.from[static_cast<std::size_t>(entry - cell.low)] = from;
+        cell.cost += best;
+        cell.from = from;
     }
     static int cheapest(const Cell& cell) {
+        const auto cost = [&](int entry) { return cell.cost[entry - cell.base()]; };
         int best = cell.low;
-        const auto cost = [&](int entry) { return cell.cost[static_cast<std::size_t>(entry - cell.low)]; };
         for (int entry = cell.low; entry <= cell.high; ++entry)
-            if (better(cost(entry), entry, cost(best), best, cell.stay)) best = entry;
+            if (cost(entry) < cost(best) || (cost(entry) == cost(best) && entry == cell.stay)) best = entry;
         return best;
     }
 

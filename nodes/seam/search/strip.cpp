@@ -32,16 +32,16 @@ Strip::Strip(const EnergyVolume& energy, const Band& band)
     : columns_(energy),
       band_(band),
       width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
-      energies_(width_ * columns_.count()),
+      energies_(width_ * columns_.count() + 2 * margin),
       steps_(energy.steps()),
-      fields_(steps_.has_field() ? (width_ + 2) * columns_.count() : 0),
+      fields_(steps_.has_field() ? (width_ + 2) * columns_.count() + 2 * margin : 0),
       protects_(energy.protects()) {
     const auto fill = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
             for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
                 const auto [first, last] = band_.columns[c];
-                for (std::size_t n = 0; n < width_; ++n) energies_[c * width_ + n] = costs(cells[first + n]);
+                for (std::size_t n = 0; n < width_; ++n) energies_[margin + c * width_ + n] = costs(cells[first + n]);
                 if (fields_.empty()) return;
                 for (int entry = std::max(first - 1, 0); entry <= std::min(last + 1, energy.width() - 1); ++entry)
                     fields_[field_place(c, entry)] = steps_.value(c, entry);

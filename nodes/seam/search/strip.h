@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/seam/energy/lanes.h"
 #include "nodes/seam/search/band.h"
 #include "nodes/seam/search/columns.h"
 
@@ -21,27 +22,34 @@ public:
     Band::Column operator[](std::size_t column) const { return band_.columns[column]; }
     const Band& band() const { return band_; }
     /// The energies of a column, from its interval's first entry on.
-    const float* energies(std::size_t column) const { return energies_.data() + column * width_; }
+    const float* energies(std::size_t column) const { return energies_.data() + margin + column * width_; }
     float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
+    /// The energies of four entries, the first of them at most 2 before or behind the column's interval. Those outside of the interval say nothing.
+    Lanes energies(std::size_t column, int entry) const { return load_values(energies(column) + (entry - band_.columns[column].first)); }
     /// Sum over a seam in the band, including the costs of its steps.
     double energy(std::span<const std::uint16_t> seam) const;
     /// The costs of steps; points into the energy that the strip was made from.
     const StepCosts& steps() const { return steps_; }
     /// The field, if steps have one, from one entry before a column's interval to one behind it.
     float field(std::size_t column, int entry) const { return fields_[field_place(column, entry)]; }
+    /// The same of four entries, as for energies().
+    Lanes fields(std::size_t column, int entry) const { return load_values(fields_.data() + field_place(column, entry)); }
     bool protects() const { return protects_; }
 
 private:
+    /// What lanes beside the first and the last column may read.
+    static constexpr std::size_t margin = 8;
+
     std::size_t field_place(std::size_t column, int entry) const {
-        return column * (width_ + 2) + static_cast<std::size_t>(entry + 1 - band_.columns[column].first);
+        return margin + column * (width_ + 2) + static_cast<std::size_t>(entry + 1 - band_.columns[column].first);
     }
 
     Columns columns_;
     Band band_;
     std::size_t width_;
-    std::vector<float> energies_;
+    std::vector<float> energies_;  ///< `[column][entry]` between two margins
     StepCosts steps_;
-    std::vector<float> fields_;
+    std::vector<float> fields_;  ///< likewise
     bool protects_;
 };
 

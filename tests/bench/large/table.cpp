@@ -56,6 +56,7 @@ struct Measured {
     double greedy = 0, pyramid = 0;  ///< seconds a seam
     double whole = 0;                ///< seconds of the pipeline with the greedy solver
     double memory = 0, disk = 0;     ///< bytes, the most
+    int finest = 1;                  ///< 2: seams were found at half size
 };
 
 /// A straight line through points, at another place.
@@ -155,7 +156,8 @@ private:
                      a_seam(pyramid),
                      energies.wall + greedy.wall + rest.wall,
                      0,
-                     0};
+                     0,
+                     seams.value("finest", 1)};
         for (const auto* const cost : {&energies, &pyramid, &greedy, &rest}) out.memory = std::max(out.memory, cost->memory);
         out.disk = static_cast<double>(made_.bytes) * frames / made_.frames + bytes_in(path("work")) + bytes_in(path("out"));
         return out;
@@ -174,7 +176,8 @@ constexpr auto about =
     "# Whole pipelines at the paper's sizes: its table 2\n\n"
     "Each sequence is made of a simulation in `{}`, by `quality make`: as many voxels and frames as the paper's. It is carved by the shipped pipeline of "
     "that name, by as many seams as the paper's; of the river, the water alone. Below, `paper` is what the paper states.\n\n"
-    "- voxels: along x, y and z, with z up, where the paper's y is. Lattice: vertices along u, v and w.\n"
+    "- voxels: along x, y and z, with z up, where the paper's y is. Lattice: vertices along u, v and w; `half` where seams are found at half size, as larger "
+    "lattices have it unless told otherwise.\n"
     "- greedy, pyramid: seconds a seam, the mean of all, with the pipeline's own parameters.\n"
     "- energies: seconds to read all frames and compute what the solver takes. Remap: seconds to read, carve and write all frames, all seams at once. The "
     "paper's is a "
@@ -187,8 +190,8 @@ constexpr auto about =
     "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
 
 std::string line_of(const TableScene& scene, const Measured& at, const std::string& frames) {
-    return fmt::format("| {} | {}x{}x{} | {}x{}x{} | {} | {} | {} | {} | {:.1f} | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name, scene.size.x(),
-                       scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], frames, seconds_text(at.greedy), scene.paper_greedy,
+    return fmt::format("| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name, scene.size.x(),
+                       scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames, seconds_text(at.greedy), scene.paper_greedy,
                        seconds_text(at.pyramid), at.pyramid / at.greedy, seconds_text(at.energies), seconds_text(at.remap),
                        scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole), seconds_text(at.processor), at.memory / 1e9,
                        at.disk / 1e9);

@@ -1,25 +1,19 @@
-#include "nodes/seam/search/free_line.h"
+#include "nodes/seam/search/open_line.h"
 
+#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/strip.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cmath>
 #include <limits>
 
 namespace fluidcarve {
 
 namespace {
 
-/// Decodes energy codes without marks: decode_energy() without a branch.
-FLUIDCARVE_WIDE void decode(const std::uint16_t* __restrict codes, std::size_t count, float* __restrict energies) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t code = codes[i], is_small = code < 1024 ? ~0u : 0u;
-        const auto small = std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int32_t>(code)) * 0x1p-41f);
-        energies[i] = std::bit_cast<float>((small & is_small) | ((code + (95u << 10)) << 13 & ~is_small));
-    }
-}
+FLUIDCARVE_WIDE void decode_codes(std::span<const std::uint16_t> codes, std::span<float> energies) { decode_energies(codes, energies); }
 
 /// Extends the cheapest ways to the entries of a column by the next column.
 /// @param before  costs of these ways, with an infinity before the first entry and behind the last
@@ -32,7 +26,23 @@ FLUIDCARVE_WIDE void extend(const float* __restrict energies, const double* __re
     }
 }
 
-#undef FLUIDCARVE_WIDE
+/// The same where steps cost something, as in StepCosts::lift().
+/// @param field, field_before  of the column and of the one before it; also before the first entry and behind the last
+FLUIDCARVE_WIDE void extend_by_steps(const float* __restrict energies, const double* __restrict before, const float* __restrict field,
+                                     const float* __restrict field_before, float rigidity, float weight, std::size_t count, double* __restrict now) {
+    const double* const left = before - 1;
+    const double* const right = before + 1;
+    const float* const field_left = field - 1;
+    const float* const field_right = field + 1;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double rise = left[i] + static_cast<double>(rigidity + weight * std::abs(field_left[i] - field_before[i]));
+        const double fall = right[i] + static_cast<double>(rigidity + weight * std::abs(field_right[i] - field_before[i]));
+        const double beside = rise < fall ? rise : fall;
+        now[i] = static_cast<double>(energies[i]) + (beside < before[i] ? beside : before[i]);
+    }
+}
+
+FLUIDCARVE_WIDE void decode_values(std::span<const std::uint16_t> codes, std::span<float> out) { decode_fields(codes, out); }
 
 /// Reads the energies of a window's entries, column by column.
 class Rows {
@@ -46,7 +56,7 @@ public:
         if (energy_.summed()) return energy_.cells<float>(frame) + cell;
         const auto* const codes = energy_.cells<std::uint16_t>(frame) + cell;
         if (energy_.protects() || energy_.attracts()) std::transform(codes, codes + decoded_.size(), decoded_.begin(), energy_.costs());
-        else decode(codes, decoded_.size(), decoded_.data());
+        else decode_codes({codes, decoded_.size()}, decoded_);
         return decoded_.data();
     }
 
@@ -57,10 +67,19 @@ private:
 };
 
 /// Finds the cheapest way through a line of columns.
-class FreeLine {
+class OpenLine {
 public:
-    FreeLine(const EnergyVolume& energy, Window window)
-        : rows_(energy, window), length_(energy.columns_per_frame() * energy.frames()), width_(static_cast<std::size_t>(window.size())) {}
+    OpenLine(const EnergyVolume& energy, Window window)
+        : rows_(energy, window),
+          steps_(energy.steps()),
+          in_time_(energy.frames() > 1),
+          rigidity_(energy.rigidity()[in_time_ ? 1 : 0]),
+          weight_(energy.field_weight()),
+          length_(energy.columns_per_frame() * energy.frames()),
+          width_(static_cast<std::size_t>(window.size())),
+          first_(window.first),
+          field_(width_ + 2),
+          field_before_(width_ + 2) {}
 
     /// Finds the cheapest way through all columns.
     /// @param at  becomes its entries, counted from the window's first
@@ -70,7 +89,10 @@ public:
         std::fill(before.begin() + 1, before.end() - 1, 0.0);
         kept_.resize(((length_ - 1) / apart + 1) * width_);
         for (std::size_t c = 0; c < length_; ++c) {
-            extend(rows_(c), before.data() + 1, width_, now.data() + 1);
+            read_field(c);
+            const auto* const energies = rows_(c);
+            if (!steps_ || c == 0) extend(energies, before.data() + 1, width_, now.data() + 1);
+            else extend_by_steps(energies, before.data() + 1, field_.data() + 1, field_before_.data() + 1, rigidity_, weight_, width_, now.data() + 1);
             if (c % apart == 0) std::copy_n(now.begin() + 1, width_, kept_.begin() + static_cast<std::ptrdiff_t>(c / apart * width_));
             std::swap(before, now);
         }
@@ -86,6 +108,25 @@ private:
     static constexpr double endless = std::numeric_limits<double>::infinity();
     /// Costs of the ways to those entries of a column from which the seam can be reached, with infinities around.
     using Ways = std::array<double, 2 * apart + 3>;
+
+    /// Takes the next column's field.
+    void read_field(std::size_t column) {
+        if (!steps_.has_field()) return;
+        std::swap(field_, field_before_);
+        decode_values({steps_.field(column) + first_, width_}, std::span(field_).subspan(1, width_));
+    }
+    /// Cost of the step to an entry of a column from one of the column before; entries counted from the window's first.
+    double step_cost(std::size_t column, std::ptrdiff_t entry, std::ptrdiff_t from) const {
+        return steps_ ? static_cast<double>(steps_(column, first_ + static_cast<int>(entry), column - 1, first_ + static_cast<int>(from), in_time_)) : 0;
+    }
+
+    /// Cost of a way to the entry before that a step comes from, and of the step.
+    /// @param to   costs of the ways to the column before
+    /// @param n    of the entry, in `to`, which begins at entry `low`
+    double way_from(const Ways& to, std::ptrdiff_t n, int step, std::size_t column, std::ptrdiff_t low) const {
+        const double way = to[static_cast<std::size_t>(n + step)];
+        return way < endless ? way + step_cost(column, low + n, low + n + step) : way;
+    }
 
     /// Follows the seam from its entry in a column back to the nearest column before whose ways were kept.
     void go_back(std::size_t last, int number, std::vector<std::uint16_t>& at) {
@@ -105,14 +146,15 @@ private:
                     ways[place] = kept_[first / apart * width_ + e];
                 } else {
                     const auto& to = ways_[c - first - 1];
-                    ways[place] = static_cast<double>(row[e]) + std::min({to[place - 1], to[place], to[place + 1]});
+                    const auto from = [&](int step) { return way_from(to, n, step, c, low); };
+                    ways[place] = static_cast<double>(row[e]) + std::min({from(-1), from(0), from(1)});
                 }
             }
         }
         const int side = number % 2 == 0 ? -1 : 1;
         auto n = reach + 1;
         for (auto c = last; c-- > first;) {
-            const auto way = [&](int step) { return ways_[c - first][static_cast<std::size_t>(n + step)]; };
+            const auto way = [&](int step) { return way_from(ways_[c - first], n, step, c + 1, low); };
             int best = 0;
             for (const int step : {side, -side})
                 if (way(step) < way(best)) best = step;
@@ -122,16 +164,21 @@ private:
     }
 
     Rows rows_;
-    std::size_t length_, width_;
+    const StepCosts steps_;
+    const bool in_time_;
+    const float rigidity_, weight_;
+    const std::size_t length_, width_;
+    const int first_;
+    std::vector<float> field_, field_before_;  ///< of a column and of the one before, with an entry more at both ends
     std::vector<double> kept_;  ///< `[column / apart][entry]`
     std::array<Ways, apart> ways_;
 };
 
 }  // namespace
 
-Seams::Seam free_line_seam(const EnergyVolume& energy, Window window, int number) {
+Seams::Seam open_line_seam(const EnergyVolume& energy, Window window, int number) {
     std::vector<std::uint16_t> at;
-    const auto least = FreeLine(energy, window).solve(number, at);
+    const auto least = OpenLine(energy, window).solve(number, at);
     for (auto& entry : at) entry = static_cast<std::uint16_t>(entry + window.first);
     const auto sum = energy.attracts() ? energy_of(energy, at) : least;
     return {std::move(at), sum, sum};
