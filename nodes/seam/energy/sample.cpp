@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <type_traits>
 
 namespace fluidcarve {
 
@@ -19,18 +21,57 @@ namespace {
 
 using openvdb::Vec3d;
 
+/// How values are encoded, and the message about a value that cannot be.
+struct Code {
+    std::uint16_t (*encode)(float value);
+    std::uint16_t invalid;
+    const char* what;
+    float least, most;
+};
+
 /// Reads values by voxel index. All readers move to a column and then read its entries: its vertices stand on a line at equal distances.
 class ByIndex {
 public:
     ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment, Axis axis)
         : values_(grid.getConstAccessor()), alignment_(alignment), step_(alignment.step[static_cast<std::size_t>(axis)]) {}
     void move_to(const std::array<int, 3>& first) { first_ = alignment_.voxel(first[0], first[1], first[2]); }
-    float operator()(int entry) { return values_.getValue(first_ + openvdb::Coord(entry * step_.x(), entry * step_.y(), entry * step_.z())); }
+    float operator()(int entry) { return values_.getValue(at(entry)); }
+    /// Encodes the first entries of the column: those in one leaf at once, and those outside of leaves by one value.
+    void encode(const Code& code, std::span<std::uint16_t> codes) {
+        const auto size = static_cast<int>(codes.size());
+        for (int entry = 0; entry < size;) {
+            const auto voxel = at(entry);
+            const int run = std::min(in_block(voxel), size - entry);
+            const auto out = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run));
+            if (const auto* const leaf = values_.probeConstLeaf(voxel)) {
+                const auto* value = leaf->buffer().data() + openvdb::FloatTree::LeafNodeType::coordToOffset(voxel);
+                for (auto& each : out) {
+                    each = code.encode(*value);
+                    value += offset_;
+                }
+            } else {
+                std::ranges::fill(out, code.encode(values_.getValue(voxel)));
+            }
+            entry += run;
+        }
+    }
 
 private:
+    openvdb::Coord at(int entry) const { return first_ + openvdb::Coord(entry * step_.x(), entry * step_.y(), entry * step_.z()); }
+    /// How many entries, from a voxel on, lie in its block of 8^3 voxels.
+    int in_block(const openvdb::Coord& voxel) const {
+        int out = 8;
+        for (int n = 0; n < 3; ++n) {
+            const int left = step_[n] > 0 ? 7 - (voxel[n] & 7) : voxel[n] & 7;
+            if (step_[n] != 0) out = std::min(out, left / std::abs(step_[n]) + 1);
+        }
+        return out;
+    }
+
     openvdb::FloatGrid::ConstAccessor values_;
     const Alignment& alignment_;
     const openvdb::Coord step_;
+    const std::ptrdiff_t offset_ = 64 * step_.x() + 8 * step_.y() + step_.z();  ///< from an entry to the next in a leaf
     openvdb::Coord first_;
 };
 
@@ -103,14 +144,6 @@ private:
     Vec3d first_;
 };
 
-/// How values are encoded, and the message about a value that cannot be.
-struct Code {
-    std::uint16_t (*encode)(float value);
-    std::uint16_t invalid;
-    const char* what;
-    float least, most;
-};
-
 const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; energies must be from {:g} to {:.3g}", 0,
                        decode_energy(highest_energy_code)};
 const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; a solver takes values from {:g} to {:g}; scale the field down", -highest_field,
@@ -121,10 +154,12 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
     const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     tbb::parallel_for(tbb::blocked_range<int>(0, planes.count * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
-        auto out = codes.begin() + static_cast<std::ptrdiff_t>(range.begin()) * entries;
         for (int column = range.begin(); column < range.end(); ++column) {
             read.move_to(vertex_of(axis, 0, column % laterals, planes.first + column / laterals));
-            for (int entry = 0; entry < entries; ++entry) *out++ = code.encode(read(entry));
+            const auto out = codes.subspan(static_cast<std::size_t>(column) * static_cast<std::size_t>(entries), static_cast<std::size_t>(entries));
+            if constexpr (std::is_same_v<decltype(read), ByIndex>) read.encode(code, out);
+            else
+                for (int entry = 0; entry < entries; ++entry) out[static_cast<std::size_t>(entry)] = code.encode(read(entry));
         }
     });
     // Searched serially, so that the message always names the first place.
