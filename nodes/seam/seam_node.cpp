@@ -15,9 +15,10 @@ namespace fluidcarve {
 namespace {
 
 std::string half_size_note(const CarvedSpace& space) {
-    return fmt::format("solves at half size, since a frame of the lattice has {} vertices: seams come in pairs, side by side; `finest: 1` solves at full size, and "
-                       "takes about 16 times the memory and time",
-                       fmt::join(space.lattices().front()->shape, " x "));
+    return fmt::format(
+        "solves at half size, since a frame of the lattice has {} vertices: seams come in pairs, side by side; `finest: 1` solves at full size, and "
+        "takes about 16 times the memory and time",
+        fmt::join(space.lattices().front()->shape, " x "));
 }
 
 }  // namespace
@@ -79,8 +80,8 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
         if (finest > 1) before_ = {};
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
-        found = solve_task(energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort, finest},
-                           context);
+        found = solve_task(
+            energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort, finest}, context);
     }
     if (task.count < task.asked && !falls_short(found.report)) set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);
     for (const auto& warning : seam_warnings(found.report)) context.warn(warning);

@@ -112,7 +112,8 @@ void sample_halves(const Lattice& lattice, Axis axis, const Sample& sample, Fram
         energy.resize(size * count);
         field.resize(out.field.empty() ? 0 : energy.size());
         sample(planes, energy, field);
-        const ColumnShape shape{static_cast<std::size_t>(lattice.shape[dimension(axis)]), static_cast<std::size_t>(lattice.shape[lateral_dimension(axis)]), count};
+        const ColumnShape shape{static_cast<std::size_t>(lattice.shape[dimension(axis)]), static_cast<std::size_t>(lattice.shape[lateral_dimension(axis)]),
+                                count};
         const auto halves = [&](std::vector<std::uint16_t>& codes) {
             return std::span(codes).subspan(coarse_size * static_cast<std::size_t>(first / 2), coarse_size * halved(count));
         };

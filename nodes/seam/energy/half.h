@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-/// Energies at half size: what `finest: 2` solves (METHOD 8 "Half size").
+/// Energies at half size: what `finest: 2` solves (METHOD 9 "Half size").
 namespace fluidcarve {
 
 /// Weight of the mean of two entries, against their minimum. A seam takes the cheaper entry where it can, which is mostly possible. Found

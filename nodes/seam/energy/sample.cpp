@@ -181,14 +181,16 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
 void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure,
                    std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
-    if (const auto alignment = align(lattice, energy.transform())) fill(lattice, axis, energy_code, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
+    if (const auto alignment = align(lattice, energy.transform()))
+        fill(lattice, axis, energy_code, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
     else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, codes, these, [&] { return AtVertices(energy, lattice, axis); });
     else fill(lattice, axis, energy_code, codes, these, [&] { return OverCells(energy, lattice, axis); });
 }
 
 void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
-    if (const auto alignment = align(lattice, field.transform())) fill(lattice, axis, field_code, codes, these, [&] { return ByIndex(field, *alignment, axis); });
+    if (const auto alignment = align(lattice, field.transform()))
+        fill(lattice, axis, field_code, codes, these, [&] { return ByIndex(field, *alignment, axis); });
     else fill(lattice, axis, field_code, codes, these, [&] { return AtVertices(field, lattice, axis); });
 }
 

@@ -77,7 +77,7 @@ struct Continued {
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string folder;
     std::optional<FullSize> full;  ///< if the energy is at half size; then there may be no seams `before`
-    bool best_effort = false;  ///< if protected vertices leave no way for the next seam, those found are the result, and nothing is thrown
+    bool best_effort = false;      ///< if protected vertices leave no way for the next seam, those found are the result, and nothing is thrown
 };
 
 /// Number of seams that a window has room for. An insertion stands between an entry and the next, so it cannot take the lattice's last entry.
@@ -90,7 +90,7 @@ int room_in(Seams::Kind kind, Window window, int width);
 void require_room(Seams::Kind kind, int count, Window window, int width);
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and so on. Insertions are found as removals
-/// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 8), each seam that is found
+/// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 9 "Half size"), each seam that is found
 /// stands for two of full size, side by side: interpolated to the columns, with as much of its energy and bound as a column has. The last one
 /// may stand for one.
 /// @param volume  used up

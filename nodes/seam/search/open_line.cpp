@@ -170,7 +170,7 @@ private:
     const std::size_t length_, width_;
     const int first_;
     std::vector<float> field_, field_before_;  ///< of a column and of the one before, with an entry more at both ends
-    std::vector<double> kept_;  ///< `[column / apart][entry]`
+    std::vector<double> kept_;                 ///< `[column / apart][entry]`
     std::array<Ways, apart> ways_;
 };
 

@@ -30,7 +30,7 @@ public:
     const std::vector<Ref<Lattice>>& lattices() const { return lattices_; }  ///< of the frames that were added
     /// 1, or 2 if the frames came at half size. Then two frames are one, too: their mean.
     int finest() const { return finest_; }
-    const MarkCounts& marks() const { return marks_; }                       ///< in all frames, before `after` is carved
+    const MarkCounts& marks() const { return marks_; }  ///< in all frames, before `after` is carved
     /// Requires that some active voxel lies in the lattice of its frame, if there are any.
     /// @throws Failure that says where both are
     void require_met() const;

@@ -191,8 +191,8 @@ constexpr auto about =
 
 std::string line_of(const TableScene& scene, const Measured& at, const std::string& frames) {
     return fmt::format("| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name, scene.size.x(),
-                       scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames, seconds_text(at.greedy), scene.paper_greedy,
-                       seconds_text(at.pyramid), at.pyramid / at.greedy, seconds_text(at.energies), seconds_text(at.remap),
+                       scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames, seconds_text(at.greedy),
+                       scene.paper_greedy, seconds_text(at.pyramid), at.pyramid / at.greedy, seconds_text(at.energies), seconds_text(at.remap),
                        scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole), seconds_text(at.processor), at.memory / 1e9,
                        at.disk / 1e9);
 }

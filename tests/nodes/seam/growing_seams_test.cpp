@@ -377,7 +377,8 @@ TEST_CASE("what a solver keeps of a frame depends on nothing that is asked of th
     CHECK((bytes("count: -1, finest: 2") != plain));
 
     const auto fields = seam_pyramid().digest_fields;
-    CHECK(std::set<std::string>(fields.begin(), fields.end()) == std::set<std::string>{"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"});
+    CHECK(std::set<std::string>(fields.begin(), fields.end()) ==
+          std::set<std::string>{"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"});
     for (const auto& field_name : fields) CHECK((seam_pyramid().input(field_name) || seam_pyramid().param(field_name)));
 }
 

@@ -138,7 +138,8 @@ TEST_CASE("a coarse entry has the mean cost of its columns, and the marks in and
 }
 
 TEST_CASE("two frames become their mean in either order, and a mark in one of them stays") {
-    const Codes one{encode_energy(1), protected_code, attracted_code, encode_energy(3)}, other{encode_energy(3), attracted_code, encode_energy(5), encode_energy(3)};
+    const Codes one{encode_energy(1), protected_code, attracted_code, encode_energy(3)},
+        other{encode_energy(3), attracted_code, encode_energy(5), encode_energy(3)};
     for (const bool swapped : {false, true}) {
         auto out = swapped ? one : other;
         average_energy(swapped ? other : one, out);
@@ -150,7 +151,8 @@ TEST_CASE("two frames become their mean in either order, and a mark in one of th
 }
 
 TEST_CASE("a frame sampled at half size is the halved frame, however many planes are held at once") {
-    const auto grid = energy_grid(CoordBBox(Coord(0, 0, 0), Coord(40, 30, 6)), [](const Coord& at) { return static_cast<float>(at.x() * at.y() % 17 + at.z()); });
+    const auto grid =
+        energy_grid(CoordBBox(Coord(0, 0, 0), Coord(40, 30, 6)), [](const Coord& at) { return static_cast<float>(at.x() * at.y() % 17 + at.z()); });
     const auto mask = mask_grid({Coord(3, 4, 2), Coord(20, 9, 6)});
     // Of the larger lattice, two planes fit at once.
     for (const auto& size : {std::array{42, 31, 7}, std::array{1601, 1301, 7}}) {
@@ -192,10 +194,10 @@ TEST_CASE("energies at half size are stated by column: close to those of full si
     const std::array<int, 3> shape{24, 12, 10};
     std::vector<FloatGrid::Ptr> energy;
     for (int t = 0; t < 4; ++t)
-        energy.push_back(energy_grid(CoordBBox(Coord(0), Coord(23, 11, 9)), [&](const Coord& at) {
-            return static_cast<float>(2 + std::cos(0.26 * at.x()) + 0.01 * at.y() + 0.01 * t);
-        }));
-    const auto fine = solve(seam_pyramid(), "{count: -2, finest: 1}", energy, {box(shape)}, {}, 4), coarse = solve(seam_pyramid(), stated("-2"), energy, {box(shape)}, {}, 4);
+        energy.push_back(energy_grid(CoordBBox(Coord(0), Coord(23, 11, 9)),
+                                     [&](const Coord& at) { return static_cast<float>(2 + std::cos(0.26 * at.x()) + 0.01 * at.y() + 0.01 * t); }));
+    const auto fine = solve(seam_pyramid(), "{count: -2, finest: 1}", energy, {box(shape)}, {}, 4),
+               coarse = solve(seam_pyramid(), stated("-2"), energy, {box(shape)}, {}, 4);
     CHECK(!fine.listener.entry.contains("finest"));
     CHECK(coarse.seams->seams[0].energy == Approx(fine.seams->seams[0].energy).epsilon(0.05));
     CHECK(*coarse.seams->seams[0].lower_bound <= coarse.seams->seams[0].energy);
@@ -231,7 +233,9 @@ TEST_CASE("at half size, fewer seams are the first of more, and a search that go
     std::mt19937 random(7);
     const std::array<int, 3> shape{24, 6, 6};
     const auto energy = hills(random, shape, 3);
-    const auto run = [&](const char* count, const Otherwise& otherwise = {}) { return solve(seam_pyramid(), stated(count), energy, {box(shape)}, {}, 3, {}, otherwise); };
+    const auto run = [&](const char* count, const Otherwise& otherwise = {}) {
+        return solve(seam_pyramid(), stated(count), energy, {box(shape)}, {}, 3, {}, otherwise);
+    };
     const auto four = run("-4"), three = run("-3");
     Otherwise on;
     on.before = three.seams;
