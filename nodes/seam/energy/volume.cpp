@@ -54,8 +54,10 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
         const int count = std::min(most, last - first + 1), before = std::max(first - 1, 0), behind = std::min(first + count, width_ - 1);
         decode_energies({codes + first, static_cast<std::size_t>(count)}, energies);
         // The first and the last entry of a column have themselves in place of the neighbour that is missing.
-        decode_fields({values + before, static_cast<std::size_t>(behind - before + 1)}, std::span(field).subspan(static_cast<std::size_t>(before - first + 1)));
-        if (before == first) field[0] = field[1];
+        const bool at_begin = before == first;
+        const auto there = std::span(field).subspan(at_begin ? 1 : 0);
+        decode_fields({values + before, values + behind + 1}, there);
+        if (at_begin) field[0] = field[1];
         if (behind == first + count - 1) field[static_cast<std::size_t>(count) + 1] = field[static_cast<std::size_t>(count)];
         for (int n = 0; n < count; ++n) {
             const auto at = static_cast<std::size_t>(n);
