@@ -1,7 +1,10 @@
 #include "nodes/seam/cut/cut.h"
 
+#include "graph/text/problem.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
@@ -430,8 +433,13 @@ bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
     const auto each = [&](const auto& call) { tbb::parallel_for(std::size_t{0}, count, call); };
     const auto before = [&](std::size_t n) -> std::vector<Spot>& { return regions[(n + count - 1) % count].sent()[1]; };
     const auto behind = [&](std::size_t n) -> std::vector<Spot>& { return regions[(n + 1) % count].sent()[0]; };
-    while (true) {
+    // In a group of tasks of which another one has failed, loops do nothing: the search would never end.
+    const auto go_on = [&] {
         tick();
+        if (tbb::is_current_task_group_canceling()) throw Cancelled{};
+    };
+    while (true) {
+        go_on();
         each([&](std::size_t n) { regions[n].begin_search(); });
         std::atomic<bool> more = true;
         for (Label distance = 2; more; ++distance) {
@@ -454,7 +462,7 @@ bool Cut::solve_whole(double tolerance, const std::function<void()>& tick) {
         std::vector<std::int64_t> steps(count, 0);
         bool idle = false;
         while (!idle && std::accumulate(steps.begin(), steps.end(), std::int64_t{0}) < most) {
-            tick();
+            go_on();
             for (std::size_t parity = 0; parity < 2; ++parity)
                 tbb::parallel_for(parity, count, std::size_t{2}, [&](std::size_t n) {
                     if (count > 1) {
