@@ -1,6 +1,7 @@
 #include "nodes/seam/energy/carve.h"
 
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/half.h"
 
 #include <tbb/parallel_for.h>
 
@@ -62,9 +63,9 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
     std::vector<std::uint16_t> out(size);
     const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis());
     const std::uint16_t nothing = 0;
-    const auto coarse = [&](int fine) { return (fine + finest - 1) / finest; };
-    tbb::parallel_for(0, coarse(step.slices()), [&](int k) {
-        for (int lateral = 0; lateral < coarse(step.laterals()); ++lateral) {
+    const auto [slices, laterals, unused] = gathered_shape({step.slices(), step.laterals(), 0}, finest);
+    tbb::parallel_for(0, slices, [&, laterals = laterals](int k) {
+        for (int lateral = 0; lateral < laterals; ++lateral) {
             const auto column = [&](const Places& places) {
                 return places.stride[2] * static_cast<std::size_t>(k) + places.stride[across] * static_cast<std::size_t>(lateral);
             };
@@ -93,15 +94,10 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
 template <class Mix>
 std::vector<std::uint16_t> carve(std::vector<std::uint16_t> codes, std::array<int, 3> shape, Axis axis, std::span<const CarveStep> steps, int finest,
                                  const Mix& mix) {
-    const auto stored = [&] {
-        auto out = shape;
-        for (auto& size : out) size = (size + finest - 1) / finest;
-        return out;
-    };
     for (const auto& step : steps) {
-        const Places before(stored(), axis);
+        const Places before(gathered_shape(shape, finest), axis);
         shape[static_cast<std::size_t>(step.axis())] = step.after();
-        const auto now = stored();
+        const auto now = gathered_shape(shape, finest);
         const auto size = static_cast<std::size_t>(now[0]) * static_cast<std::size_t>(now[1]) * static_cast<std::size_t>(now[2]);
         codes = carve(codes, before, Places(now, axis), size, step, finest, mix);
     }

@@ -1,34 +1,17 @@
 #pragma once
 
-#include "nodes/seam/energy/code.h"
-
-#include <bit>
-#include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace fluidcarve {
 
-// By vector instructions. Small values are converted, since floats as small as their bits are slow.
-
-/// decode_energy() of many codes.
-/// @param codes  at most highest_energy_code
+/// decode_energy() of many codes, by vector instructions.
+/// @param codes  at most highest_energy_code; others decode to numbers without meaning
 /// @param out    as many
-inline void decode_energies(std::span<const std::uint16_t> codes, std::span<float> out) {
-    for (std::size_t n = 0; n < codes.size(); ++n) {
-        const std::uint32_t code = codes[n], is_small = code < 1024 ? ~0u : 0u;
-        const auto small = std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int32_t>(code)) * 0x1p-41f);
-        out[n] = std::bit_cast<float>((small & is_small) | ((code + (95u << 10)) << 13 & ~is_small));
-    }
-}
+void decode_energies(std::span<const std::uint16_t> codes, std::span<float> out);
 
-/// decode_field() of many codes.
+/// decode_field() of many codes, by vector instructions.
 /// @param out  as many
-inline void decode_fields(std::span<const std::uint16_t> codes, std::span<float> out) {
-    for (std::size_t n = 0; n < codes.size(); ++n) {
-        const std::uint32_t code = codes[n], size = code & 0x7FFFu, is_small = size < 1024 ? ~0u : 0u;
-        const auto small = std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int32_t>(size)) * 0x1p-24f);
-        out[n] = std::bit_cast<float>((small & is_small) | ((size + (112u << 10)) << 13 & ~is_small) | (code & 0x8000u) << 16);
-    }
-}
+void decode_fields(std::span<const std::uint16_t> codes, std::span<float> out);
 
 }  // namespace fluidcarve

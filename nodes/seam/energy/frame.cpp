@@ -73,7 +73,7 @@ void read(FrameEnergy& out, BinaryReader& from) {
     out.finest = from.value<int>();
     BinaryReader::require(out.finest == 1 || out.finest == 2);
     std::size_t vertices = 1;
-    for (const int size : gathered_shape(*out.lattice, out.finest)) {
+    for (const int size : gathered_shape(out.lattice->shape, out.finest)) {
         BinaryReader::require(size >= 1);
         vertices *= static_cast<std::size_t>(size);
     }
@@ -103,7 +103,7 @@ std::size_t plane_size(const std::array<int, 3>& shape) { return static_cast<std
 template <class Sample>
 void sample_halves(const Lattice& lattice, Axis axis, const Sample& sample, FrameEnergy& out) {
     constexpr std::size_t vertices_at_once = std::size_t{1} << 22;
-    const auto size = plane_size(lattice.shape), coarse_size = plane_size(gathered_shape(lattice, 2));
+    const auto size = plane_size(lattice.shape), coarse_size = plane_size(gathered_shape(lattice.shape, 2));
     const int at_once = 2 * static_cast<int>(std::max<std::size_t>(vertices_at_once / (2 * size), 1));
     std::vector<std::uint16_t> energy, field;
     for (int first = 0; first < lattice.shape[2]; first += at_once) {
@@ -123,13 +123,6 @@ void sample_halves(const Lattice& lattice, Axis axis, const Sample& sample, Fram
 }
 
 }  // namespace
-
-std::array<int, 3> gathered_shape(const Lattice& lattice, int finest) {
-    auto out = lattice.shape;
-    if (finest == 2)
-        for (auto& size : out) size = halved(size);
-    return out;
-}
 
 void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget, int finest) {
     const double bytes_per_vertex = sizeof(std::uint16_t) * (grids.field ? 2.0 : 1.0) / (finest * finest * finest);
@@ -167,7 +160,7 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
         if (grids.protect) *out.protect += mark_vertices(*grids.protect, *lattice, axis, protected_code, energy, planes);
         if (grids.field) sample_field(*grids.field, *lattice, axis, field, planes);
     };
-    const auto shape = gathered_shape(*lattice, finest);
+    const auto shape = gathered_shape(lattice->shape, finest);
     out.energy.resize(plane_size(shape) * static_cast<std::size_t>(shape[2]));
     if (grids.field) out.field.resize(out.energy.size());
     if (finest == 1) sample({0, shape[2]}, out.energy, out.field);

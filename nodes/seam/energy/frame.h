@@ -35,13 +35,9 @@ struct FrameGrids {
     const openvdb::GridBase *protect = nullptr, *attract = nullptr;
 };
 
-/// The size at which a lattice's energies are gathered.
-/// @param finest  1 or 2
-std::array<int, 3> gathered_shape(const Lattice& lattice, int finest);
-
 /// Checks that the codes of one frame fit in memory, before room is made for them.
-/// @param finest  1 or 2
 /// @param budget  as in grid_fits
+/// @param finest  1 or 2
 /// @throws Failure naming the vertices, their memory, the voxels of the energy and a spacing that fits
 void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget, int finest = 1);
 

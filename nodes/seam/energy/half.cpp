@@ -54,27 +54,6 @@ private:
     float columns_ = 0;
 };
 
-/// The mean of the fields of some columns, at half their length.
-class MeanField {
-public:
-    explicit MeanField(std::size_t width) : width_(width), sums_(halved(width)) {}
-
-    void add(std::span<const std::uint16_t> codes) {
-        for (std::size_t n = 0; n < width_; ++n) sums_[n / 2] += decode_field(codes[n]);
-        ++columns_;
-    }
-    void end(std::span<std::uint16_t> out) {
-        for (std::size_t n = 0; n < out.size(); ++n) out[n] = encode_field(sums_[n] / (columns_ * (2 * n + 1 < width_ ? 2.0f : 1.0f)));
-        std::ranges::fill(sums_, 0.0f);
-        columns_ = 0;
-    }
-
-private:
-    std::size_t width_;
-    std::vector<float> sums_;
-    float columns_ = 0;
-};
-
 template <class Mean>
 void halve(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::span<std::uint16_t> out) {
     const auto [width, laterals, planes] = shape;
@@ -100,6 +79,20 @@ void average(std::span<const std::uint16_t> codes, std::span<std::uint16_t> out,
 }
 
 }  // namespace
+
+void MeanField::add(std::span<const std::uint16_t> codes) {
+    decode_fields(codes, values_);
+    for (std::size_t n = 0; n < codes.size() / 2; ++n) sums_[n] += values_[2 * n] + values_[2 * n + 1];
+    // The last of an odd number counts twice, and is halved with the others.
+    if (codes.size() % 2 != 0) sums_.back() += 2 * values_.back();
+    ++columns_;
+}
+
+void MeanField::end(std::span<std::uint16_t> out) {
+    for (std::size_t n = 0; n < out.size(); ++n) out[n] = encode_field(sums_[n] / (2 * columns_));
+    std::ranges::fill(sums_, 0.0f);
+    columns_ = 0;
+}
 
 void halve_energy(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::span<std::uint16_t> out) { halve<MeanEnergy>(codes, shape, out); }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 /// Energies at half size: what `finest: 2` solves (METHOD 9 "Half size").
 namespace fluidcarve {
@@ -20,8 +21,33 @@ inline float cost_of_pair(float a, float b) { return share_of_mean * 0.5f * (a +
 constexpr int halved(int size) { return (size + 1) / 2; }
 constexpr std::size_t halved(std::size_t size) { return (size + 1) / 2; }
 
+/// The size at which a lattice's energies are gathered.
+/// @param shape   I, J, K at full size
+/// @param finest  1, or 2 for half the size
+inline std::array<int, 3> gathered_shape(std::array<int, 3> shape, int finest) {
+    if (finest == 2)
+        for (auto& size : shape) size = halved(size);
+    return shape;
+}
+
 /// Entries along the axis, columns beside each other, planes.
 using ColumnShape = std::array<std::size_t, 3>;
+
+/// The mean of the fields of some columns, at half their length.
+class MeanField {
+public:
+    /// @param width  entries of a column
+    explicit MeanField(std::size_t width) : values_(width), sums_(halved(width)) {}
+
+    /// Adds the field codes of a column.
+    void add(std::span<const std::uint16_t> codes);
+    /// Takes the mean's codes, and begins anew.
+    void end(std::span<std::uint16_t> out);
+
+private:
+    std::vector<float> values_, sums_;
+    float columns_ = 0;
+};
 
 /// Restricts energy codes of one frame to half the size along all three dimensions. A coarse entry gets the mean, over its columns, of
 /// cost_of_pair(). It is protected if a vertex is protected in it or in the entries next to it along the axis: so a fine seam that is

@@ -57,10 +57,6 @@ FLUIDCARVE_WIDE float least_of(std::span<const float> values) {
     return std::ranges::min(lanes);
 }
 
-FLUIDCARVE_WIDE void decode_unmarked(std::span<const std::uint16_t> codes, std::span<float> out) { decode_energies(codes, out); }
-
-FLUIDCARVE_WIDE void decode_values(std::span<const std::uint16_t> codes, std::span<float> out) { decode_fields(codes, out); }
-
 FLUIDCARVE_WIDE void add_both(const float* __restrict one, const float* __restrict other, std::span<float> out) {
     auto* __restrict const sum = out.data();
     for (std::size_t i = 0; i < out.size(); ++i) sum[i] += one[i] + other[i];
@@ -242,7 +238,7 @@ private:
         }
         const float share = (1 - rounding) / static_cast<float>(dimensions_.size());
         multiply(work.sum, share);
-        if (energy_.has_field()) decode_values(field_of(column), work.field);
+        if (energy_.has_field()) decode_fields(field_of(column), work.field);
         auto* const part = work.part.data() + 1;
         for (const auto d : dimensions_) {
             subtract(work.sum.data(), work.ahead[d], part);
@@ -264,7 +260,7 @@ private:
         const auto* const cells = energy_.cells<Cell>(column / columns_.per_frame()) + column % columns_.per_frame() * energy_.stride() + first_;
         if constexpr (std::is_same_v<Cell, std::uint16_t>) {
             if (!energy_.protects() && !energy_.attracts()) {
-                decode_unmarked({cells, width_}, out);
+                decode_energies({cells, width_}, out);
                 return 0;
             }
         }
@@ -289,7 +285,7 @@ private:
         if (!energy_.has_field()) return pay_steps(part, price.rigidity, least, {out, width_});
         const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
         auto* const there = work.field_beside.data() + 1;
-        decode_values(field_of(forward ? column + step : column - step), {there, width_});
+        decode_fields(field_of(forward ? column + step : column - step), {there, width_});
         pay_edges(part, work.field.data(), there, price, least, {out, width_});
     }
 

@@ -1,7 +1,6 @@
 #include "nodes/seam/search/coarse.h"
 
 #include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/half.h"
 
 #include <tbb/parallel_for.h>
@@ -60,22 +59,15 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
     tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
         const auto k = row % coarse.slices(), t = row / coarse.slices();
         const auto width = static_cast<std::size_t>(window.size());
-        std::vector<float> values(width), sums(out.stride());
+        MeanField mean(width);
         for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
-            std::ranges::fill(sums, 0.0f);
-            float columns = 0;
             for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
                 for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
                     for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                         const auto first = (fl + fine.laterals() * fk) * energy.stride() + static_cast<std::size_t>(window.first);
-                        decode_fields(energy.field(ft).subspan(first, width), values);
-                        for (std::size_t n = 0; n < width / 2; ++n) sums[n] += values[2 * n] + values[2 * n + 1];
-                        // The last of an odd number counts twice, and is halved with the others.
-                        if (width % 2 != 0) sums.back() += 2 * values.back();
-                        ++columns;
+                        mean.add(energy.field(ft).subspan(first, width));
                     }
-            auto* const codes = out.field(t).data() + (lateral + coarse.laterals() * k) * out.stride();
-            for (std::size_t n = 0; n < sums.size(); ++n) codes[n] = encode_field(sums[n] / (2 * columns));
+            mean.end(out.field(t).subspan((lateral + coarse.laterals() * k) * out.stride(), out.stride()));
         }
     });
 }

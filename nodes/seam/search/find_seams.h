@@ -90,9 +90,9 @@ int room_in(Seams::Kind kind, Window window, int width);
 void require_room(Seams::Kind kind, int count, Window window, int width);
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and so on. Insertions are found as removals
-/// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 9 "Half size"), each seam that is found
-/// stands for two of full size, side by side: interpolated to the columns, with as much of its energy and bound as a column has. The last one
-/// may stand for one.
+/// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 9 "Half size"), each
+/// seam that is found stands for two of full size, side by side: interpolated to the columns, with as much of its energy and bound as a
+/// column has. The last one may stand for one.
 /// @param volume  used up
 /// @param count   number of all seams of full size, including those found before
 /// @param window  original entries at full size

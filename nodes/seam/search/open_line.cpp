@@ -13,8 +13,6 @@ namespace fluidcarve {
 
 namespace {
 
-FLUIDCARVE_WIDE void decode_codes(std::span<const std::uint16_t> codes, std::span<float> energies) { decode_energies(codes, energies); }
-
 /// Extends the cheapest ways to the entries of a column by the next column.
 /// @param before  costs of these ways, with an infinity before the first entry and behind the last
 FLUIDCARVE_WIDE void extend(const float* __restrict energies, const double* __restrict before, std::size_t count, double* __restrict now) {
@@ -42,8 +40,6 @@ FLUIDCARVE_WIDE void extend_by_steps(const float* __restrict energies, const dou
     }
 }
 
-FLUIDCARVE_WIDE void decode_values(std::span<const std::uint16_t> codes, std::span<float> out) { decode_fields(codes, out); }
-
 /// Reads the energies of a window's entries, column by column.
 class Rows {
 public:
@@ -56,7 +52,7 @@ public:
         if (energy_.summed()) return energy_.cells<float>(frame) + cell;
         const auto* const codes = energy_.cells<std::uint16_t>(frame) + cell;
         if (energy_.protects() || energy_.attracts()) std::transform(codes, codes + decoded_.size(), decoded_.begin(), energy_.costs());
-        else decode_codes({codes, decoded_.size()}, decoded_);
+        else decode_energies({codes, decoded_.size()}, decoded_);
         return decoded_.data();
     }
 
@@ -113,7 +109,7 @@ private:
     void read_field(std::size_t column) {
         if (!steps_.has_field()) return;
         std::swap(field_, field_before_);
-        decode_values({steps_.field(column) + first_, width_}, std::span(field_).subspan(1, width_));
+        decode_fields({steps_.field(column) + first_, width_}, std::span(field_).subspan(1, width_));
     }
     /// Cost of the step to an entry of a column from one of the column before; entries counted from the window's first.
     double step_cost(std::size_t column, std::ptrdiff_t entry, std::ptrdiff_t from) const {
