@@ -66,14 +66,14 @@ bool SeamNode::exhausted(const nlohmann::ordered_json& entry) { return falls_sho
 
 void SeamNode::solve(const Params& params, Ports& io, Context& context, const FindSeam& find, const StartFrom& start_from) {
     const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
-    const auto task = task_of(params, space);
+    const int finest = gathered_.finest();
+    const auto task = task_of(params, space, finest);
     const auto empty = empty_seams(params, task, space);
     ReportedSeams found{std::make_shared<Seams>(empty), empty_report(empty)};
     if (task.count > 0) {
         gathered_.require_met();
         // Before the search, which may take long.
         for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
-        const int finest = gathered_.finest();
         if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
         auto energy = gathered_.take(params, space, context);
         // Seams of full size don't tell which ones of half size they came from.

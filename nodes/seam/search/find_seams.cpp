@@ -105,14 +105,18 @@ SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
 
 }  // namespace
 
-int room_in(Seams::Kind kind, Window window, int width) { return window.size() - (ends_lattice(kind, window, width) ? 1 : 0); }
+int room_in(Seams::Kind kind, Window window, int width, int finest) {
+    if (ends_lattice(kind, window, width)) --window.last;
+    return finest == 2 ? 2 * std::max(half_window(window).size(), 0) : window.size();
+}
 
-void require_room(Seams::Kind kind, int count, Window window, int width) {
-    const int room = room_in(kind, window, width);
+void require_room(Seams::Kind kind, int count, Window window, int width, int finest) {
+    const int room = room_in(kind, window, width, finest);
     if (count <= room) return;
+    const auto at_half_size = finest == 2 ? fmt::format(" at half size; at full size (`finest: 1`) for {}", room_in(kind, window, width)) : "";
     throw Failure(
-        fmt::format("{} fit: window [{}, {}] has room to {} {}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count), window.first,
-                    window.last, to_text(kind), room == 0 ? "none" : std::to_string(room),
+        fmt::format("{} fit: window [{}, {}] has room to {} {}{}{}", count == 1 ? "1 seam does not" : fmt::format("{} seams do not", count), window.first,
+                    window.last, to_text(kind), room == 0 ? "none" : std::to_string(room), at_half_size,
                     ends_lattice(kind, window, width) ? "; a new vertex goes between two old ones, so none can follow the lattice's last vertex" : ""));
 }
 
@@ -125,15 +129,11 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
                       bool static_, const Continued& continued) {
     const auto& full = continued.full;
     const int width = full ? full->width : volume.width();
-    require_room(kind, count, window, width);
-    if (kind == Seams::Kind::insert) window.last = std::min(window.last, width - 2);
     // Seams that come of one that is found.
     const int each = full ? 2 : 1, searches = (count + each - 1) / each;
-    if (full) {
-        window = half_window(window);
-        if (searches > window.size())
-            throw Failure(fmt::format("at half size ('finest' 2) the window has room for {} seams: set 'finest' to 1", each * std::max(window.size(), 0)));
-    }
+    require_room(kind, count, window, width, each);
+    if (kind == Seams::Kind::insert) window.last = std::min(window.last, width - 2);
+    if (full) window = half_window(window);
     std::optional<EnergyVolume> sum;
     if (static_ && count > 0) sum = volume.sum();
     auto& energy = sum ? *sum : volume;

@@ -81,13 +81,14 @@ struct Continued {
 };
 
 /// Number of seams that a window has room for. An insertion stands between an entry and the next, so it cannot take the lattice's last entry.
-/// @param width  entries per column
-int room_in(Seams::Kind kind, Window window, int width);
+/// @param width   entries per column
+/// @param finest  2: at half size, where seams come in pairs that stay in the window
+int room_in(Seams::Kind kind, Window window, int width, int finest = 1);
 
 /// Requires that the window has room for `count` seams, at least 0.
-/// @param width  entries per column
+/// @param width, finest  as for room_in()
 /// @throws Failure that says how many are possible
-void require_room(Seams::Kind kind, int count, Window window, int width);
+void require_room(Seams::Kind kind, int count, Window window, int width, int finest = 1);
 
 /// The loop around a solver (METHOD 4 and METHOD 8): finds a seam, deletes it from the energy, and so on. Insertions are found as removals
 /// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 9 "Half size"), each

@@ -31,7 +31,7 @@ Window window_of(const std::string& name, const Auto<Interval>& window, Axis axi
 
 }  // namespace
 
-SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
+SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
     require_rig_stays(params, *space.lattices().front());
     SeamTask out;
     out.axis = params.axis;
@@ -45,12 +45,12 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space) {
         SeamTask::Part part{pair, kind, {}, static_};
         part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
         // One vertex stays.
-        const int room = std::min(room_in(kind, part.window, size), kind == Seams::Kind::remove ? size - 1 : size);
+        const int room = std::min(room_in(kind, part.window, size, finest), kind == Seams::Kind::remove ? size - 1 : size);
         if (params.best_effort && room < out.count) {
             out.count = room;
             out.limit = fmt::format("{}window [{}, {}]: it has room to {} {}", part.prefix(), part.window.first, part.window.last, to_text(kind), room);
         }
-        require_room(kind, out.count, part.window, size);
+        require_room(kind, out.count, part.window, size, finest);
         return part;
     };
     out.seams = part(false, kind_asked(count), params.window, params.static_);

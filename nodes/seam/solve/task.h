@@ -30,9 +30,10 @@ struct SeamTask {
 };
 
 /// The task that parameters set in a space.
+/// @param finest  2: seams are found at half size
 /// @throws Failure if the space is empty, if a window or the anchor leaves it, if a window has too little room, or as require_vertex_left() and
 /// require_rig_stays()
-SeamTask task_of(const SolverParams& params, const CarvedSpace& space);
+SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest = 1);
 
 /// Requires that removals leave a vertex along the axis; with `best_effort` the task sees to it.
 /// @param size   vertices along the axis

@@ -305,6 +305,9 @@ TEST_CASE("a window without room at half size is refused with a remedy") {
     std::mt19937 random(11);
     const auto energy = hills(random, shape, 2);
     CHECK_THROWS_WITH(solve(seam_greedy(), stated("-2", ", window: [3, 4]"), energy, {box(shape)}, {}, 2),
-                      "at half size ('finest' 2) the window has room for 0 seams: set 'finest' to 1");
+                      "2 seams do not fit: window [3, 4] has room to remove none at half size; at full size (`finest: 1`) for 2");
+    const auto some = solve(seam_greedy(), stated("-5", ", window: [3, 7], best_effort: true"), energy, {box(shape)}, {}, 2);
+    CHECK(some.seams->seams.size() == 4);
+    CHECK(some.listener.warnings == std::vector<std::string>{"finds 4 of 5 seams, as many as there is room for in window [3, 7]: it has room to remove 4"});
     CHECK(solve(seam_greedy(), "{count: -2, window: [3, 4]}", energy, {box(shape)}, {}, 2).seams->seams.size() == 2);
 }
