@@ -8,9 +8,14 @@
 #include "tests/support/synthetic_energy.h"
 
 #include <tbb/global_control.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <catch2/catch.hpp>
+
+#include <atomic>
+#include <thread>
 
 using namespace fluidcarve;
 using namespace fluidcarve::test;
@@ -316,4 +321,23 @@ TEST_CASE("energies below the paper's threshold count as none for the cut, but a
     CHECK(plain.at == SeamEntries{0, 0});
     CHECK(plain.energy == 3.5);
     CHECK(!pruned.lower_bound);
+}
+
+TEST_CASE("a cut ends when another task of its group fails meanwhile") {
+    const auto energy = SyntheticEnergy(Synthetic::noise, 1)({40, 12, 14}, 9);
+    std::atomic<bool> begun = false;
+    const auto fail = [&] {
+        while (!begun) std::this_thread::yield();
+        throw Failure("no memory");
+    };
+    const auto cut = [&] {
+        int calls = 0;
+        exact_seam(energy, {0, 39}, 0, [&] {
+            if (++calls != 3) return;
+            begun = true;
+            while (!tbb::is_current_task_group_canceling()) std::this_thread::yield();
+        });
+        begun = true;
+    };
+    CHECK_THROWS_AS(with_threads(2, [&] { tbb::parallel_invoke(fail, cut); }), Failure);
 }
