@@ -74,8 +74,9 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                "What stays in place while seams move the rest: the lattice's low end, its middle, its high end, or the content of a vertex. Content moves by "
                "whole vertices, by the same number in all frames. For a vertex, the mean position of its content counts.")
         .param("bound_passes", &Params::bound_passes, Unit::none, between(0, 10000),
-               "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes beyond the first raise the bound; "
-               "each takes as long. auto is 0, and beyond 16 million energies 2, for the first seam only. Solvers that know a better bound report that one.")
+               "Each seam is reported with a lower bound on the least energy, so that its `gap` shows how good it is. Passes raise the bound; each takes up to "
+               "twice as long as the bound without. auto is 0, and beyond 16 million energies 1, for the first seam only. Solvers that know a better bound "
+               "report that one.")
         .param("finest", &Params::finest, Unit::none, between(1, 2),
                "2: seams are found at half size along all dimensions, time included. Energies are halved while frames stream by, so they take a sixteenth of "
                "the memory, and seams of the time. Each seam that is found stands for two, side by side; its energy and bound are those at half size, by "

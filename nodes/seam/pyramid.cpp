@@ -82,7 +82,7 @@ std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, W
     if (small(energy, window, effort)) return cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at;
     std::vector<std::uint16_t> seam;
     {
-        const auto coarse = restrict_energy(energy, window);
+        const auto coarse = restrict_energy(energy, window, energy.barrier());
         tick();
         const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, large, tick);
         seam = past_protected(energy, window, prolong_seam(Columns(coarse), found, columns, window));

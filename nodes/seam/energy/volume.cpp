@@ -33,7 +33,8 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
       closed_(closed),
       around_(around),
       codes_(frames, 0, 0, ""),
-      sums_(std::move(costs)) {}
+      sums_(std::move(costs)),
+      protects_(std::ranges::any_of(sums_, [](float cost) { return std::isinf(cost); })) {}
 
 void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
     weight_ = weight;

@@ -45,7 +45,7 @@ public:
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::uint64_t memory_budget, const std::string& folder, bool closed = false,
                  bool around = false);
     /// A volume of 32-bit costs instead of codes.
-    /// @param costs  laid out as codes, frame after frame
+    /// @param costs  laid out as codes, frame after frame; infinite ones are protected
     EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around = false);
 
     /// Sets the cost of any step, in space and in time.

@@ -2,6 +2,7 @@
 
 #include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/wide.h"
+#include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seams/frame_store.h"
 
@@ -23,8 +24,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// Passes to and fro in each block.
-constexpr int usual_passes = 1;
+/// Passes to and fro at half the resolution; and how many times more at each coarser one, up to the most.
+constexpr int passes_at_half = 2, times_more = 2, most_passes = 64;
 /// Frames in a block, and entries in it, at most; but at least two frames.
 constexpr std::size_t frames_per_block = 8, entries_per_block = std::size_t{1} << 26;
 /// Columns of a row that a thread visits one after the other.
@@ -68,6 +69,32 @@ FLUIDCARVE_WIDE void multiply(std::span<float> values, float by) {
 
 FLUIDCARVE_WIDE void subtract(const float* __restrict from, std::span<const float> values, float* __restrict out) {
     for (std::size_t i = 0; i < values.size(); ++i) out[i] = from[i] - values[i];
+}
+
+/// Interpolates along the axis to twice the resolution.
+/// @param coarse  with the first value also before it, and the last also behind it
+FLUIDCARVE_WIDE void interpolate(const float* __restrict coarse, std::span<float> out) {
+    auto* __restrict const fine = out.data();
+    const auto* const coarse_before = coarse - 1;
+    for (std::size_t n = 0; n < out.size() / 2; ++n) {
+        fine[2 * n] = 0.75f * coarse[n] + 0.25f * coarse_before[n];
+        fine[2 * n + 1] = 0.75f * coarse[n] + 0.25f * coarse[n + 1];
+    }
+    if (const auto n = out.size() / 2; out.size() % 2 != 0) fine[2 * n] = 0.75f * coarse[n] + 0.25f * coarse_before[n];
+}
+
+/// Replaces infinite values by the nearest finite ones, of two by the lower, so that interpolation does not spread them.
+void fill_infinite(std::span<float> values) {
+    for (std::size_t first = 0; first < values.size(); ++first) {
+        if (!std::isinf(values[first])) continue;
+        auto behind = first;
+        while (behind < values.size() && std::isinf(values[behind])) ++behind;
+        auto value = std::numeric_limits<float>::infinity();
+        if (first > 0) value = values[first - 1];
+        if (behind < values.size()) value = std::min(value, values[behind]);
+        std::fill(values.begin() + static_cast<std::ptrdiff_t>(first), values.begin() + static_cast<std::ptrdiff_t>(behind), std::isinf(value) ? 0 : value);
+        first = behind;
+    }
 }
 
 /// What steps cost.
@@ -118,9 +145,50 @@ public:
         const auto* const bits = stores_[dimension]->entries(0).data() + at;
         for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
     }
+    /// Whether there are messages along a dimension.
+    bool has(std::size_t dimension) const { return stores_[dimension].has_value(); }
 
 private:
     std::array<std::optional<FrameStore>, 3> stores_;
+};
+
+/// Messages at half the resolution (restrict_energy()), from what lies behind each column. They are where those of the full resolution begin.
+class CoarseMessages {
+public:
+    /// @param infinite  whether some messages are: where vertices are protected
+    CoarseMessages(const Columns& columns, std::size_t width, bool infinite, Messages messages)
+        : columns_(columns), width_(width), infinite_(infinite), messages_(std::move(messages)) {}
+
+    bool has(std::size_t dimension) const { return messages_.has(dimension); }
+    /// Interpolates the message to a column of the full resolution. There, lines have twice as many columns, and pay twice as much.
+    /// @param at      lateral, k and t at the full resolution
+    /// @param buffer  for two messages
+    void get(std::size_t dimension, const Sizes& at, std::span<float> message, std::vector<float>& buffer) const {
+        buffer.resize(2 * (width_ + 2));
+        const std::span sum(buffer.data() + 1, width_), other(sum.data() + width_ + 2, width_);
+        Sizes coarse{at[0] / 2, at[1] / 2, at[2] / 2};
+        messages_.get(dimension, place(coarse), sum);
+        // The first column of two lies between this message and the one before.
+        if (at[dimension] % 2 == 0 && coarse[dimension] > 0) {
+            --coarse[dimension];
+            messages_.get(dimension, place(coarse), other);
+            for (std::size_t i = 0; i < width_; ++i) sum[i] += other[i];
+        } else {
+            for (auto& value : sum) value *= 2;
+        }
+        if (infinite_) fill_infinite(sum);
+        buffer[0] = sum.front();
+        buffer[width_ + 1] = sum.back();
+        interpolate(sum.data(), message);
+    }
+
+private:
+    std::size_t place(const Sizes& at) const { return columns_.at(at[0], at[1], at[2]) * width_; }
+
+    Columns columns_;
+    std::size_t width_;
+    bool infinite_;
+    Messages messages_;
 };
 
 /// Frames in which messages are passed to and fro, before the next ones are.
@@ -133,30 +201,34 @@ struct Block {
 template <class Cell>
 class MessagePassing {
 public:
-    MessagePassing(const EnergyVolume& energy, Window window, std::uint64_t memory_budget, const std::string& folder)
+    /// @param coarse            at half the resolution, or null
+    /// @param frames_per_block  at most
+    MessagePassing(const EnergyVolume& energy, Window window, const CoarseMessages* coarse, std::size_t frames_per_block, std::uint64_t memory_budget,
+                   const std::string& folder)
         : energy_(energy),
+          coarse_(coarse),
           columns_(energy),
           first_(static_cast<std::size_t>(window.first)),
           width_(static_cast<std::size_t>(window.size())),
           dimensions_(dimensions_of_lines(columns_)),
           size_(sizes(columns_)),
           tiles_((size_[0] + columns_per_tile - 1) / columns_per_tile),
-          frames_(std::min(size_[2], std::clamp(entries_per_block / (columns_.per_frame() * width_), std::size_t{2}, frames_per_block))),
+          frames_(std::min(size_[2], frames_per_block)),
           messages_(dimensions_, frames_, columns_.per_frame() * width_, memory_budget, folder),
           fronts_{std::vector<float>(size_[1] * frames_ * width_), std::vector<float>(size_[0] * frames_ * width_),
                   std::vector<float>(columns_.per_frame() * width_)},
           from_block_before_(fronts_[2].size()) {}
 
-    /// @param passes  to and fro
-    double run(int passes, const Tick& tick) {
-        // In a single line one pass is exact.
-        const int turns = dimensions_.size() > 1 ? 2 * passes : 1;
+    /// The bound, after a way through each block and `passes` more to and fro.
+    double bound(int passes, const Tick& tick) {
+        // In a single line the first way is exact.
+        const int turns = dimensions_.size() > 1 ? 1 + 2 * passes : 1;
         double out = 0;
         for (Block block{0, frames_}; block.begin < size_[2]; block.begin += frames_) {
             block.frames = std::min(frames_, size_[2] - block.begin);
             for (int n = 0; n < turns; ++n) {
                 const bool last = n + 1 == turns;
-                const Turn turn{block, (turns - n) % 2 != 0, n == 0, last};
+                const Turn turn{block, n % 2 == 0, n == 0, last};
                 const double sum = pass(turn, [&](double fraction) {
                     tick((static_cast<double>(block.begin) + (n + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
                 });
@@ -166,11 +238,16 @@ public:
         }
         return out;
     }
+    /// What has been passed to and fro in a single block of all frames.
+    CoarseMessages messages(int passes, const Tick& tick) && {
+        for (int n = 0; n < 2 * passes; ++n) pass({{0, size_[2]}, n % 2 == 0, n == 0, false}, [&](double) { tick(0); });
+        return {columns_, width_, energy_.protects(), std::move(messages_)};
+    }
 
 private:
     /// Buffers of a thread.
     struct Work {
-        std::vector<float> sum, part, field, field_beside;
+        std::vector<float> sum, part, field, field_beside, coarse;
         std::array<std::vector<float>, 3> ahead;
 
         explicit Work(std::size_t width) : sum(width), part(width + 2), field(width), field_beside(width + 2) {
@@ -228,10 +305,12 @@ private:
         for (const auto d : dimensions_) {
             const std::span<float> front(fronts_[d].data() + front_at[d] * width_, width_);
             const bool begins = at[d] == (turn.forward ? 0 : size[d] - 1), ends = at[d] == (turn.forward ? size[d] - 1 : 0);
-            if (begins && !(turn.forward && d == 2)) std::ranges::fill(front, 0.0f);
             auto& ahead = work.ahead[d];
+            if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, front, work);
+            else if (begins && d != 2) std::ranges::fill(front, 0.0f);
             if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
-            else if (ends || turn.first) std::ranges::fill(ahead, 0.0f);
+            else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, ahead, work);
+            else if (ends) std::ranges::fill(ahead, 0.0f);
             else messages_.get(d, in_block * width_, ahead);
             if (!turn.last) messages_.set(d, in_block * width_, front);
             add_both(front.data(), ahead.data(), work.sum);
@@ -252,6 +331,12 @@ private:
             if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, least, work, fronts_[d].data() + front_at[d] * width_);
         }
         return out;
+    }
+
+    /// The message from behind a column, as it is before one has been passed.
+    void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message, Work& work) const {
+        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message, work.coarse);
+        else std::ranges::fill(message, 0.0f);
     }
 
     /// Reads a column's costs. If some are below 0, they count from the lowest.
@@ -290,6 +375,7 @@ private:
     }
 
     const EnergyVolume& energy_;
+    const CoarseMessages* const coarse_;
     const Columns columns_;
     const std::size_t first_, width_;
     const std::vector<std::size_t> dimensions_;
@@ -300,11 +386,32 @@ private:
     std::vector<float> from_block_before_;      ///< messages to the block's first frame
 };
 
+/// Messages for an energy at half its resolution, which begin with those at a quarter, and so on. None for a single line, which needs none.
+std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget,
+                                               const std::string& folder) {
+    if (dimensions_of_lines(Columns(energy)).size() == 1) return std::nullopt;
+    tick(0);
+    const auto half = restrict_energy(energy, window, std::numeric_limits<float>::infinity());
+    const Window all{0, half.width() - 1};
+    const auto coarse = messages_at_half(half, all, std::min(times_more * passes, most_passes), tick, memory_budget, folder);
+    const auto in = [&](auto cell) {
+        return MessagePassing<decltype(cell)>(half, all, coarse ? &*coarse : nullptr, half.frames(), memory_budget, folder).messages(passes, tick);
+    };
+    return half.summed() ? in(float{}) : in(std::uint16_t{});
+}
+
 }  // namespace
 
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget, const std::string& folder) {
-    const auto in = [&](auto cell) { return MessagePassing<decltype(cell)>(energy, window, memory_budget, folder).run(usual_passes + passes, tick); };
-    return energy.summed() ? in(float{}) : in(std::uint16_t{});
+    const auto coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget / 2, folder);
+    const auto frame = energy.columns_per_frame() * static_cast<std::size_t>(window.size());
+    const auto block = std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block);
+    const auto in = [&](auto cell) {
+        return MessagePassing<decltype(cell)>(energy, window, coarse ? &*coarse : nullptr, block, memory_budget / 2, folder).bound(passes, tick);
+    };
+    const double bound = energy.summed() ? in(float{}) : in(std::uint16_t{});
+    // The guess may mislead. Only attracted vertices cost less than nothing.
+    return energy.attracts() ? bound : std::max(bound, 0.0);
 }
 
 }  // namespace fluidcarve

@@ -9,11 +9,13 @@ namespace fluidcarve {
 
 /// Lower bound on the energy of any seam in the window (METHOD 8 "A certificate"). Each column's energies are divided among the lines of
 /// columns that cross there. Each line's part is solved exactly, by dynamic programming, and the sum of the minima is a bound. Messages along
-/// the lines say how to divide: they are passed to and fro in one block of frames after the other. Rings of columns are treated as open lines.
-/// It takes up to 400 MB for messages, or what two frames need: 6 bytes per entry of the window.
+/// the lines say how to divide. They begin with those of the energy at half the resolution (restrict_energy()), and are passed on in one block
+/// of frames after the other. Rings of columns are treated as open lines.
+/// Messages take up to 400 MB, or what two frames need: 6 bytes per entry of the window; and at half the resolution 6 bytes per entry, of all
+/// frames. The energy at half the resolution comes on top.
 /// If vertices are marked, this is a bound on the cost (Costs); energy_bound() turns it into a bound on the energy.
 /// @param window         holds a seam
-/// @param passes         passes to and fro beyond the first, 0 or more; they raise the bound
+/// @param passes         passes to and fro after the first way through each block, 0 or more; they raise the bound
 /// @param memory_budget  bytes that messages may hold in memory; beyond, they are in files in `folder`
 /// @throws Failure as FrameStore
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget = ~std::uint64_t{0},

@@ -28,27 +28,40 @@ float cost_of_either(float a, float b, float barrier) {
 
 /// Restricts a row of columns along the lateral dimension, `[lateral][entry]`.
 template <class Cell, bool protects>
-void restrict_row(const EnergyVolume& energy, Window window, const Columns& coarse, std::size_t k, std::size_t t, std::vector<float>& out) {
+void restrict_row(const EnergyVolume& energy, Window window, float barrier, const Columns& coarse, std::size_t k, std::size_t t, std::vector<float>& out) {
     const Columns fine(energy);
     const auto width = static_cast<std::size_t>(window.size()), coarse_width = halved(width);
     const auto cost = energy.costs();
-    const auto barrier = energy.barrier();
     std::ranges::fill(out, 0.0f);
+    std::vector<float> closed(protects ? coarse_width : 0);  // columns in which an entry can't be taken
+    const auto add = [&](float& sum, std::size_t n, float value) {
+        if constexpr (protects) {
+            if (std::isinf(value)) {
+                ++closed[n];
+                return;
+            }
+        }
+        sum += value;
+    };
     for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
         auto* const sums = out.data() + lateral * coarse_width;
+        std::ranges::fill(closed, 0.0f);
         float count = 0;
         for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
             for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
                 for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                     const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
-                    for (std::size_t n = 0; n < width / 2; ++n) sums[n] += cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier);
+                    for (std::size_t n = 0; n < width / 2; ++n) add(sums[n], n, cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier));
                     if (width % 2 != 0) {
                         const auto last = cost(cells[width - 1]);
-                        sums[coarse_width - 1] += protects && std::isinf(last) ? barrier : last;
+                        add(sums[coarse_width - 1], coarse_width - 1, protects && std::isinf(last) ? barrier : last);
                     }
                     ++count;
                 }
-        for (std::size_t n = 0; n < coarse_width; ++n) sums[n] /= count;
+        for (std::size_t n = 0; n < coarse_width; ++n) {
+            if constexpr (protects) sums[n] = closed[n] < count ? sums[n] / (count - closed[n]) : barrier;
+            else sums[n] /= count;
+        }
     }
 }
 
@@ -73,7 +86,7 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
 }
 
 template <class Cell, bool protects>
-EnergyVolume restricted(const EnergyVolume& energy, Window window) {
+EnergyVolume restricted(const EnergyVolume& energy, Window window, float barrier) {
     const Columns fine(energy);
     const std::array<int, 3> shape{halved(window.size()), halved(energy.laterals()), halved(energy.slices())};
     const Columns coarse(shape[1], shape[2], static_cast<int>(halved(fine.frames())), energy.closed(), energy.around());
@@ -81,7 +94,7 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     const auto for_rows = [&](const auto& take) {
         tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
             std::vector<float> costs(row_size);
-            restrict_row<Cell, protects>(energy, window, coarse, row % coarse.slices(), row / coarse.slices(), costs);
+            restrict_row<Cell, protects>(energy, window, barrier, coarse, row % coarse.slices(), row / coarse.slices(), costs);
             take(row, costs);
         });
     };
@@ -96,8 +109,9 @@ EnergyVolume restricted(const EnergyVolume& energy, Window window) {
     const auto most = decode_energy(highest_energy_code);
     for_rows([&](std::size_t row, const std::vector<float>& of_row) {
         auto* const codes = out.codes(row / coarse.slices()).data() + row % coarse.slices() * row_size;
-        for (std::size_t n = 0; n < row_size; ++n) codes[n] = encode_energy(std::min(of_row[n], most));
+        for (std::size_t n = 0; n < row_size; ++n) codes[n] = std::isinf(of_row[n]) ? protected_code : encode_energy(std::min(of_row[n], most));
     });
+    if (protects && std::isinf(barrier)) out.find_marks();
     return out;
 }
 
@@ -116,10 +130,10 @@ Between between(std::size_t fine, std::size_t fine_size, bool ring) {
 
 }  // namespace
 
-EnergyVolume restrict_energy(const EnergyVolume& energy, Window window) {
+EnergyVolume restrict_energy(const EnergyVolume& energy, Window window, float barrier) {
     const auto in = [&](auto cell) {
         using Cell = decltype(cell);
-        return energy.protects() ? restricted<Cell, true>(energy, window) : restricted<Cell, false>(energy, window);
+        return energy.protects() ? restricted<Cell, true>(energy, window, barrier) : restricted<Cell, false>(energy, window, barrier);
     };
     auto out = energy.summed() ? in(float{}) : in(std::uint16_t{});
     out.set_rigidity(energy.rigidity());

@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 /// Up to this many energies, each seam gets a bound, which takes no longer than a search.
 constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
 /// Passes beyond the usual for the one bound of larger sets.
-constexpr int passes_of_large = 2;
+constexpr int passes_of_large = 1;
 
 /// A search under way: the pairs that it has found, how far it is, and when it last handed over what there was.
 class TaskSearch {

@@ -57,6 +57,7 @@ struct Measured {
     double whole = 0;                ///< seconds of the pipeline with the greedy solver
     double memory = 0, disk = 0;     ///< bytes, the most
     int finest = 1;                  ///< 2: seams were found at half size
+    double gap = 0;                  ///< of the pyramid's first seam, as a share of its lower bound
 };
 
 /// A straight line through points, at another place.
@@ -157,7 +158,8 @@ private:
                      energies.wall + greedy.wall + rest.wall,
                      0,
                      0,
-                     seams.value("finest", 1)};
+                     seams.value("finest", 1),
+                     pyramid.report.at("seams").at("seams").at("gap").front().get<double>()};
         for (const auto* const cost : {&energies, &pyramid, &greedy, &rest}) out.memory = std::max(out.memory, cost->memory);
         out.disk = static_cast<double>(made_.bytes) * frames / made_.frames + bytes_in(path("work")) + bytes_in(path("out"));
         return out;
@@ -178,7 +180,8 @@ constexpr auto about =
     "that name, by as many seams as the paper's; of the river, the water alone. Below, `paper` is what the paper states.\n\n"
     "- voxels: along x, y and z, with z up, where the paper's y is. Lattice: vertices along u, v and w; `half` where seams are found at half size, as larger "
     "lattices have it unless told otherwise.\n"
-    "- greedy, pyramid: seconds a seam, the mean of all, with the pipeline's own parameters.\n"
+    "- greedy, pyramid: seconds a seam, the mean of all, with the pipeline's own parameters. Gap: how far the pyramid's first seam is above the lower bound on "
+    "the energy of any seam, at most; at half size, of any seam of that size.\n"
     "- energies: seconds to read all frames and compute what the solver takes. Remap: seconds to read, carve and write all frames, all seams at once. The "
     "paper's is a "
     "remap alone, and one is needed for each seam.\n"
@@ -186,15 +189,15 @@ constexpr auto about =
     "- memory: the most that a run held, mapped files included; `--memory {}` was asked for. Disk: input, output and work folder.\n\n"
     "`seam.pyramid` cuts finer energies up to a million columns, vertices across u times frames. So its seconds grow faster up to there than beyond.\n\n"
     "{} threads. A row with fewer frames than the paper's has three lengths, and in the last line what a straight line through them gives for all frames.\n\n"
-    "| scene | voxels | lattice | frames | greedy | paper | pyramid | / greedy | energies | remap | paper | whole | processors | memory GB | disk GB |\n"
-    "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+    "| scene | voxels | lattice | frames | greedy | paper | pyramid | / greedy | gap | energies | remap | paper | whole | processors | memory GB | disk GB |\n"
+    "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
 
 std::string line_of(const TableScene& scene, const Measured& at, const std::string& frames) {
-    return fmt::format("| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name, scene.size.x(),
-                       scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames, seconds_text(at.greedy),
-                       scene.paper_greedy, seconds_text(at.pyramid), at.pyramid / at.greedy, seconds_text(at.energies), seconds_text(at.remap),
-                       scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole), seconds_text(at.processor), at.memory / 1e9,
-                       at.disk / 1e9);
+    return fmt::format("| {} | {}x{}x{} | {}x{}x{}{} | {} | {} | {} | {} | {:.1f} | {:.1f} % | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", scene.name,
+                       scene.size.x(), scene.size.y(), scene.size.z(), at.shape[0], at.shape[1], at.shape[2], at.finest == 2 ? " half" : "", frames,
+                       seconds_text(at.greedy), scene.paper_greedy, seconds_text(at.pyramid), at.pyramid / at.greedy, 100 * at.gap, seconds_text(at.energies),
+                       seconds_text(at.remap), scene.paper_remap > 0 ? fmt::format("{}", scene.paper_remap) : "-", seconds_text(at.whole),
+                       seconds_text(at.processor), at.memory / 1e9, at.disk / 1e9);
 }
 
 /// What lengths foretell of all frames.

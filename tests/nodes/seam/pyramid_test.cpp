@@ -144,7 +144,7 @@ TEST_CASE("a pyramid stops when it is told to") {
 TEST_CASE("half the resolution: a coarse entry costs the mean over its columns of what its two entries cost together") {
     // How much dearer than the cheaper of two entries their pair is, as a share of the difference.
     const auto pair = volume_of(ColumnGraph({1, 1, 1}), 2, [](std::size_t, int entry) { return entry == 0 ? 1.0 : 2.0; });
-    const auto halved_pair = restrict_energy(pair, {0, 1});
+    const auto halved_pair = restrict_energy(pair, {0, 1}, pair.barrier());
     const double share = energies_of(halved_pair)(0, 0) - 1;
     REQUIRE(share >= 0);
     REQUIRE(share <= 0.5);
@@ -158,7 +158,7 @@ TEST_CASE("half the resolution: a coarse entry costs the mean over its columns o
         const auto& energy = summed ? sums : codes;
         const ColumnGraph fine({graph.size[0], graph.size[1], summed ? 1 : graph.size[2]}, graph.closed, graph.around);
         const auto window = random_window(random, width);
-        const auto coarse = restrict_energy(energy, window);
+        const auto coarse = restrict_energy(energy, window, energy.barrier());
         const auto expected = halved(fine);
         REQUIRE(coarse.width() == static_cast<int>(half_of(window.size())));
         REQUIRE(coarse.laterals() == expected.size[0]);

@@ -385,7 +385,7 @@ TEST_CASE("half the resolution: a coarse field is the mean, and its edges weigh 
     std::mt19937 random(13);
     const Paid paid(random, {3, 4, 5}, false, 6, true);
     const auto volume = paid.volume();
-    const auto coarse = restrict_energy(volume, {1, 5});
+    const auto coarse = restrict_energy(volume, {1, 5}, volume.barrier());
     REQUIRE(coarse.field_weight() == volume.field_weight() / 2);
     REQUIRE(coarse.rigidity() == volume.rigidity());
     for (int t = 0; t < 3; ++t)
