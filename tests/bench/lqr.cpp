@@ -8,6 +8,8 @@
 #include "nodes/seam/dynamic.h"
 #include "nodes/seam/energy/sample.h"
 #include "tests/bench/measure.h"
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
 #include "tests/support/seams_through.h"
 
 #include <lqr.h>
@@ -21,8 +23,8 @@ namespace {
 
 constexpr int width = 1920, height = 1080, seams = 384;
 
-/// A photograph of any size, scaled to 1920 x 1080 and to whole numbers of 8 bits again.
-Image scaled(const Image& photo) {
+/// A photograph of any size, scaled, and to whole numbers of 8 bits again.
+Image scaled(const Image& photo, int width, int height) {
     auto out = photo;
     out.data = out.display = {0, 0, width, height};
     out.channels.resize(3);
@@ -79,17 +81,23 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
     return out;
 }
 
+/// A picture of 8 bits and three channels, carved by liblqr. The caller destroys it.
+LqrCarver* carver_of(const Image& image, int narrow) {
+    auto* const bytes = static_cast<guchar*>(g_malloc(image.pixels.size()));
+    std::transform(image.pixels.begin(), image.pixels.end(), bytes, [](float value) { return static_cast<guchar>(std::lround(255 * value)); });
+    auto* const carver = lqr_carver_new(bytes, image.data.width, image.data.height, 3);
+    if (!carver || lqr_carver_init(carver, 1, 0) != LQR_OK || lqr_carver_set_energy_function_builtin(carver, LQR_EF_LUMA_GRAD_SUMABS) != LQR_OK ||
+        lqr_carver_resize(carver, narrow, image.data.height) != LQR_OK)
+        throw std::runtime_error("liblqr has failed");
+    return carver;
+}
+
 Carved by_lqr(const Image& image) {
     Carved out;
     LqrCarver* carver = nullptr;
     out.seconds = seconds(3, [&] {
         if (carver) lqr_carver_destroy(carver);
-        auto* const bytes = static_cast<guchar*>(g_malloc(image.pixels.size()));
-        std::transform(image.pixels.begin(), image.pixels.end(), bytes, [](float value) { return static_cast<guchar>(std::lround(255 * value)); });
-        carver = lqr_carver_new(bytes, width, height, 3);
-        if (!carver || lqr_carver_init(carver, 1, 0) != LQR_OK || lqr_carver_set_energy_function_builtin(carver, LQR_EF_LUMA_GRAD_SUMABS) != LQR_OK ||
-            lqr_carver_resize(carver, width - seams, height) != LQR_OK)
-            throw std::runtime_error("liblqr has failed");
+        carver = carver_of(image, width - seams);
     });
     auto* const map = lqr_vmap_dump(carver);
     if (lqr_vmap_get_width(map) != width || lqr_vmap_get_height(map) != height) throw std::runtime_error("liblqr's map is of another size");
@@ -98,6 +106,40 @@ Carved by_lqr(const Image& image) {
     lqr_vmap_destroy(map);
     lqr_carver_destroy(carver);
     return out;
+}
+
+/// From a file to a narrower one, 1411 x 1411 to four fifths: how long liblqr takes, and the program with the same energy.
+void bench_whole_run(const ImageModule& images, const std::string& path) {
+    constexpr int side = 1411, narrow = 1129;
+    const Scratch scratch;
+    auto photo = scaled(images.read(path, format_of_file(path).name), side, side);
+    photo.format = "png";
+    images.write(scratch / "photo.png", photo, 100);
+    const auto theirs = seconds(3, [&] {
+        auto image = images.read(scratch / "photo.png", "png");
+        const std::unique_ptr<LqrCarver, decltype(&lqr_carver_destroy)> carver(carver_of(image, narrow), &lqr_carver_destroy);
+        image.data = image.display = {0, 0, narrow, side};
+        image.pixels.clear();
+        int x = 0, y = 0;
+        guchar* pixel = nullptr;
+        while (lqr_carver_scan(carver.get(), &x, &y, &pixel))
+            for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<float>(pixel[c]) / 255);
+        images.write(scratch / "theirs.png", image, 100);
+    });
+    scratch.write("narrow.yaml", fmt::format("fluidcarve: 1\n"
+                                             "nodes:\n"
+                                             "  photo:  {{type: image.read, path: {0}/photo.png}}\n"
+                                             "  edges:  {{type: energy.image, source: photo}}\n"
+                                             "  box:    {{type: lattice.box, fit: edges.energy}}\n"
+                                             "  seams:  {{type: seam.dynamic, energy: edges.energy, lattice: box, axis: u, count: -20%}}\n"
+                                             "  carved: {{type: remap.grids, source: photo, lattice: box, seams: seams}}\n"
+                                             "  out:    {{type: image.write, source: carved, path: {0}/ours.png}}\n",
+                                             scratch.path()));
+    const auto ours = seconds(3, [&] {
+        const auto run = fluidcarve_program("run " + (scratch / "narrow.yaml") + " --no-cache -q --progress none");
+        if (run.code != 0) throw std::runtime_error(run.err);
+    });
+    line(fmt::format("{0}x{0} PNG to {1}, whole run: liblqr / fluidcarve", side, narrow), theirs / ours, fmt::format("{:.2f} s, {:.2f} s", theirs, ours));
 }
 
 /// Eq. 6 in the untouched picture, over all that was removed: what carrying it along from seam to seam sums up to.
@@ -118,9 +160,12 @@ double energy_of(const Carved& carved, const FloatGrid& energy) {
 }  // namespace
 
 void bench_lqr() {
+    const std::string folder = SOURCE_ROOT "/tests/data/images/";
+    const auto& images = load_module<ImageModule>("images");
+    bench_whole_run(images, folder + "rocket.jpg");
     for (const auto* name : {"rocket.jpg", "chelsea.png"}) {
-        const auto path = std::string(SOURCE_ROOT "/tests/data/images/") + name;
-        const auto image = scaled(load_module<ImageModule>("images").read(path, format_of_file(path).name));
+        const auto path = folder + name;
+        const auto image = scaled(images.read(path, format_of_file(path).name), width, height);
         const auto volume = volume_of(image);
         const auto energy = image_energy(*intensity(volume));
         const auto what = fmt::format("{} at {}x{}, {} seams: ", name, width, height, seams);
