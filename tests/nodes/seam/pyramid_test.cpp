@@ -187,6 +187,34 @@ TEST_CASE("half the resolution: a coarse entry costs the mean over its columns o
     }
 }
 
+TEST_CASE("half the resolution, with a price or without: where vertices are protected") {
+    // Two columns of four entries; `x` is protected.
+    auto energy = volume_of(ColumnGraph({2, 1, 1}), 4, [](std::size_t, int) { return 1.0; });
+    const auto protect = [&](std::size_t column, std::size_t entry) { energy.codes(0)[4 * column + entry] = protected_code; };
+    // x x . .
+    // x . . x
+    protect(0, 0);
+    protect(0, 1);
+    protect(1, 0);
+    protect(1, 3);
+    energy.find_marks();
+    const auto free_somewhere = restrict_energy(energy, {0, 3}, std::numeric_limits<float>::infinity());
+    CHECK_FALSE(free_somewhere.protects());
+    CHECK(energies_of(free_somewhere)(0, 0) == 1);
+    CHECK(energies_of(free_somewhere)(0, 1) == 1);
+    CHECK(energies_of(restrict_energy(energy, {0, 3}, 7))(0, 0) == 4);
+    protect(1, 1);
+    const auto closed = restrict_energy(energy, {0, 3}, std::numeric_limits<float>::infinity());
+    CHECK(closed.protects());
+    CHECK(closed.codes(0)[0] == protected_code);
+    CHECK(energies_of(closed)(0, 1) == 1);
+    // Sums of frames have infinite costs instead of codes.
+    const auto summed = restrict_energy(energy.sum(), {0, 3}, std::numeric_limits<float>::infinity());
+    CHECK(summed.protects());
+    CHECK(std::isinf(summed.cells<float>(0)[0]));
+    CHECK(summed.cells<float>(0)[1] == 1);
+}
+
 TEST_CASE("a seam of half the resolution becomes one of the whole, twice as high, in rings of any length") {
     std::mt19937 random(9);
     for (int n = 0; n < 2000; ++n) {
