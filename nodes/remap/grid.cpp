@@ -24,17 +24,12 @@ std::optional<Alignment> one_to_one(const Lattice& lattice, const openvdb::math:
     return out;
 }
 
-bool is_staggered(const openvdb::GridBase& grid) {
-    return grid.getGridClass() == openvdb::GRID_STAGGERED && (grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>());
-}
-
 template <class GridT>
 openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const std::optional<Alignment>& alignment, const Lattice& lattice,
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
-    // If displacements are smoothed, staggered components must be sampled at their faces, and chains of steps would interpolate several
-    // times.
-    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear && !is_staggered(*grid));
+    // If displacements are smoothed, chains of steps would interpolate several times.
+    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear);
     const auto aligned = alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
     return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }

@@ -1,5 +1,6 @@
 #include "nodes/remap/voxels/aligned.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/grid_types.h"
 #include "nodes/remap/voxels/blend.h"
 #include "nodes/remap/voxels/blocks.h"
@@ -33,6 +34,7 @@ class AlignedCarve {
     using Leaf = typename TreeT::LeafNodeType;
     using Value = typename TreeT::ValueType;
     using Voxel = typename BlockWindow<TreeT>::Voxel;
+    static constexpr bool has_faces = openvdb::VecTraits<Value>::IsVec && can_blend<Value>;
 
 public:
     AlignedCarve(const GridT& grid, const Alignment& alignment, const CarveMap& map)
@@ -40,11 +42,16 @@ public:
         const auto& along = alignment.step[static_cast<std::size_t>(steps_.back().axis())];
         index_axis_ = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
         direction_ = along[index_axis_];
+        staggered_ = has_faces && steps_.back().soft() && grid.getGridClass() == openvdb::GRID_STAGGERED;
+        for (int c = 0; c < 3; ++c)
+            for (int axis = 0; axis < 3; ++axis)
+                if (const int step = alignment.step[static_cast<std::size_t>(axis)][c]; step != 0) faces_[static_cast<std::size_t>(c)] = {axis, -step};
     }
 
     bool operator()(const Coord& block, Leaf& out) {
         const auto a = alignment_.vertex(block), b = alignment_.vertex(block.offsetBy(7));
         BBoxd range(Coord::minComponent(a, b).asVec3d(), Coord::maxComponent(a, b).asVec3d());
+        if (staggered_) range.expand(0.5);
         bool frees = false;
         if (!map_.trace(range, frees)) return false;
         window_.move_to(voxels(alignment_, range));
@@ -53,7 +60,7 @@ public:
         const bool soft = steps_.back().soft() != nullptr;
         // In planes outside the lattice nothing moves. Of a block of an image, that is all but one.
         const auto held = [&](int k) { return k >= 0 && k < steps_.back().slices(); };
-        const bool within = held(a.z()) && held(b.z());
+        const bool within = staggered_ || (held(a.z()) && held(b.z()));
         if (!within) window_.read(out);
         Coord line;
         const int p = index_axis_ == 0 ? 1 : 0, q = index_axis_ == 2 ? 1 : 2;
@@ -61,59 +68,132 @@ public:
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
                 if (!within && !held(alignment_.vertex(line).z())) continue;
-                if (soft) carve_row_softly(line, out);
-                else carve_row(line, out);
+                if (!soft) {
+                    carve_row(line, out);
+                    continue;
+                }
+                if constexpr (has_faces) {
+                    if (staggered_) {
+                        carve_faces_softly(line, out);
+                        continue;
+                    }
+                }
+                carve_row_softly(line, out);
             }
         return true;
     }
 
 private:
-    /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
-    void carve_row_softly(const Coord& voxel, Leaf& out) {
-        const auto& step = steps_.back();
-        const auto& soft = *step.soft();
-        const auto vertex = alignment_.vertex(voxel);
-        const int first = vertex[step.axis()];
-        const bool carved = step.has_column(vertex[step.lateral_axis()], vertex.z());
-        const auto column = carved ? soft.column(vertex[step.lateral_axis()], vertex.z()) : std::span<const float>();
+    /// Where the content of eight points comes from, in the direction of rising entries. Each point belongs to a voxel of one line.
+    struct Sources {
         struct Source {
             int below = 0;   ///< entry
             float part = 0;  ///< of the way to the next entry, 0 to 1
             bool freed = false;
         };
-        std::array<Source, 8> sources;
-        const auto [begin, end] = carved ? step.ends(vertex.asVec3d(), 1) : CarveStep::Ends{};
-        const int step_low = step.low(), step_high = step.high(), origin = step.origin(), last_before = step.last_before(), soft_first = soft.first(),
-                  soft_last = soft.last();
-        int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
+        std::array<Source, 8> of;
+        int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();  ///< of the entries that are read
+    };
+    /// Where points stand beside their voxels.
+    struct Beside {
+        int axis;  ///< of the lattice
+        int side;  ///< half a vertex below the voxel's vertex (-1) or above it (1); 0: at the vertex
+    };
+
+    /// Finds the sources under a smoothed step.
+    /// @param vertex  of the voxel of the first point
+    Sources sources_of(const Coord& vertex, const Beside& beside) const {
+        const auto& step = steps_.back();
+        const auto& soft = *step.soft();
+        // A point between two columns, or between two entries of one, moves by their mean.
+        auto low_vertex = vertex, high_vertex = vertex;
+        if (beside.side < 0) --low_vertex[beside.axis];
+        if (beside.side > 0) ++high_vertex[beside.axis];
+        const int axis = step.axis(), lateral = step.lateral_axis(), first = vertex[axis], offset = low_vertex[axis] - first;
+        const auto carved = [&](const Coord& at) { return step.has_column(at[lateral], at.z()); };
+        const auto column_of = [&](const Coord& at) { return soft.column(at[lateral], at.z()); };
+        const bool in_columns = carved(low_vertex) && carved(high_vertex);
+        const auto a = in_columns ? column_of(low_vertex) : std::span<const float>(), b = in_columns ? column_of(high_vertex) : std::span<const float>();
+        const int next = high_vertex[axis] - low_vertex[axis];
+        const auto displacement = [&](int entry) {
+            const auto of = [&](std::span<const float> column, int at) {
+                return column[static_cast<std::size_t>(std::clamp(at, soft.first(), soft.last()) - soft.first())];
+            };
+            const float low = of(a, entry + offset);
+            return beside.side == 0 ? low : low + (of(b, entry + offset + next) - low) * 0.5f;
+        };
+        auto at = vertex.asVec3d();
+        at[beside.axis] += 0.5 * beside.side;
+        const auto [begin, end] = in_columns ? step.ends(at, 1) : CarveStep::Ends{};
+        const int step_low = step.low(), step_high = step.high(), origin = step.origin(), last_before = step.last_before();
+        Sources out;
         for (int n = 0; n < 8; ++n) {
             const int entry = first + n;
-            auto& source = sources[static_cast<std::size_t>(n)];
+            const double u = at[axis] + n;
+            auto& source = out.of[static_cast<std::size_t>(n)];
             source.below = entry;
-            if (carved && entry >= step_low && entry <= step_high) {
-                const bool held = entry >= begin && entry <= end;
-                source.freed = !held && entry >= origin && entry <= last_before;
+            if (in_columns && u >= step_low && u <= step_high) {
+                const bool held = u >= begin && u <= end;
+                source.freed = !held && u >= origin && u <= last_before;
                 if (source.freed) continue;
-                const float by = held ? column[static_cast<std::size_t>(std::clamp(entry, soft_first, soft_last) - soft_first)] : 0;
-                const float d = held ? std::clamp(by, static_cast<float>(origin - entry), static_cast<float>(last_before - entry)) : 0;
+                const float d = held ? std::clamp(displacement(entry), static_cast<float>(origin - u), static_cast<float>(last_before - u)) : 0;
                 const int towards_0 = static_cast<int>(d), below = towards_0 - (static_cast<float>(towards_0) > d ? 1 : 0);
                 source.below += below;
                 source.part = d - static_cast<float>(below);
             }
-            low = std::min(low, source.below);
-            high = std::max(high, source.below + (source.part > 0 ? 1 : 0));
+            out.low = std::min(out.low, source.below);
+            out.high = std::max(out.high, source.below + (source.part > 0 ? 1 : 0));
         }
-        if (low <= high) {
-            line_.resize(static_cast<std::size_t>(high - low) + 1);
-            auto from = voxel;
-            from[index_axis_] += direction_ * (low - first);
-            window_.read_row(from, index_axis_, direction_, line_);
-        }
+        return out;
+    }
+
+    /// Reads what sources need into line_. @param voxel  of the first point; its entry is `first`
+    void read_line(const Coord& voxel, int first, const Sources& sources) {
+        if (sources.low > sources.high) return;
+        line_.resize(static_cast<std::size_t>(sources.high - sources.low) + 1);
+        auto from = voxel;
+        from[index_axis_] += direction_ * (sources.low - first);
+        window_.read_row(from, index_axis_, direction_, line_);
+    }
+
+    /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
+    void carve_row_softly(const Coord& voxel, Leaf& out) {
+        const auto vertex = alignment_.vertex(voxel);
+        const auto sources = sources_of(vertex, {0, 0});
+        read_line(voxel, vertex[steps_.back().axis()], sources);
         auto to = Leaf::coordToOffset(voxel);
-        for (const auto& [below, part, freed] : sources) {
-            write(out, to, freed ? nothing_ : between(part, line_.data() + (below - low)));
+        for (const auto& [below, part, freed] : sources.of) {
+            write(out, to, freed ? nothing_ : between(part, line_.data() + (below - sources.low)));
             to += static_cast<openvdb::Index>(direction_ * offset_stride(index_axis_));
         }
+    }
+
+    /// The same for a staggered grid: component c stands half a voxel below its voxel's centre along index axis c.
+    void carve_faces_softly(const Coord& voxel, Leaf& out) {
+        const auto vertex = alignment_.vertex(voxel);
+        std::array<Voxel, 8> row{};
+        for (int c = 0; c < 3; ++c) {
+            const auto sources = sources_of(vertex, faces_[static_cast<std::size_t>(c)]);
+            read_line(voxel, vertex[steps_.back().axis()], sources);
+            for (std::size_t n = 0; n < row.size(); ++n) {
+                const auto& [below, part, freed] = sources.of[n];
+                const auto* const from = line_.data() + (below - sources.low);
+                row[n].value[c] = freed ? nothing_.value[c] : part == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part);
+                row[n].on = row[n].on || (!freed && from[part < 0.5f ? 0 : 1].on);
+            }
+        }
+        auto to = Leaf::coordToOffset(voxel);
+        for (const auto& each : row) {
+            write(out, to, each);
+            to += static_cast<openvdb::Index>(direction_ * offset_stride(index_axis_));
+        }
+    }
+
+    /// The value between two. @param part  of the way to the second, 0 to 1
+    template <class T>
+    static T mix(const T& from, const T& to, float part) {
+        using Weight = typename openvdb::VecTraits<T>::ElementType;
+        return T(from + (to - from) * static_cast<Weight>(part));
     }
 
     /// The voxel between one voxel of a line and the next.
@@ -121,8 +201,7 @@ private:
     static Voxel between(float part, const Voxel* line) {
         if (part == 0) return line[0];
         if constexpr (can_blend<Value>) {
-            using Weight = typename openvdb::VecTraits<Value>::ElementType;
-            return {Value(line[0].value + (line[1].value - line[0].value) * static_cast<Weight>(part)), line[part < 0.5f ? 0 : 1].on};
+            return {mix(line[0].value, line[1].value, part), line[part < 0.5f ? 0 : 1].on};
         } else {
             return line[part < 0.5f ? 0 : 1];
         }
@@ -207,7 +286,9 @@ private:
     BlockWindow<TreeT> window_;
     const Voxel nothing_;
     int index_axis_, direction_;
-    std::vector<Voxel> line_;  ///< of the line that is being carved softly
+    bool staggered_;
+    std::array<Beside, 3> faces_{};  ///< where a staggered grid's components stand
+    std::vector<Voxel> line_;        ///< of the line that is being carved softly
 };
 
 }  // namespace
@@ -215,7 +296,8 @@ private:
 template <class GridT>
 typename GridT::ConstPtr carve_aligned(const typename GridT::ConstPtr& grid, const Alignment& alignment, const CarveMap& map) {
     if (map.empty()) return grid;
-    return rewrite_blocks<GridT>(grid, voxels(alignment, map.moved()), [&] {
+    // A component's face may lie in the lattice where its voxel's centre does not.
+    return rewrite_blocks<GridT>(grid, padded(voxels(alignment, map.moved()), 1), [&] {
         return
             [worker = std::make_shared<AlignedCarve<GridT>>(*grid, alignment, map)](const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
     });

@@ -1,10 +1,12 @@
 #include "nodes/io/raw_grid.h"
+#include "nodes/lattice/alignment.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/remap/grid.h"
 #include "nodes/remap/grids.h"
 #include "tests/support/carved.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/reference_carve.h"
+#include "tests/support/warped.h"
 
 #include <catch2/catch.hpp>
 
@@ -285,6 +287,42 @@ TEST_CASE("sampling where vertices are voxels gives what copying gives") {
             equal = equal && std::abs(a.voxels[v].value - b.voxels[v].value) <= 1e-4f && a.voxels[v].on == b.voxels[v].on;
         CHECK(equal);
     }
+}
+
+TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid move from their faces as where the grid is sampled", "", openvdb::Vec3SGrid,
+                   openvdb::Vec3DGrid) {
+    using T = typename TestType::ValueType;
+    std::mt19937 random(9);
+    int moved = 0;
+    for (int n = 0; n < 40; ++n) {
+        const OnVoxels place(random);
+        const auto grid = random_grid<TestType>(random);
+        grid->setTransform(place.transform);
+        grid->setGridClass(openvdb::GRID_STAGGERED);
+        const auto axis = n % 2 ? Axis::u : Axis::v;
+        auto seams = random_seams(random, place.lattice, place.lattice.shape, axis, n % 4 < 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1});
+        if (n % 3 == 0) {
+            seams.anchor = {Anchor::At::high, 0};
+            seams.find_shifts();
+        }
+        if (n % 6 == 1)
+            seams = warped(
+                place.lattice, [](int entry, int lateral, int k, int) { return 0.2 * entry + 0.3 * std::sin(0.4 * lateral + k); }, axis);
+        const CarveMap map(place.lattice, {std::make_shared<Seams>(seams)}, 1, {}, {0.7 + n % 3, 0});
+        const auto lattice = on_voxels(map.extended(place.lattice), *align(map.extended(place.lattice), *place.transform), *place.transform);
+        const auto by_lines = carved<TestType>(grid, place.lattice, map);
+        const auto sampled = carve_sampled<TestType>(grid, Mapping(lattice, map.reach()), map, Interpolation::linear);
+        const auto box = around(place.layout, map.reach());
+        const Dense<T> before(*grid, box), a(*by_lines, box), b(*sampled, box);
+        INFO("case " << n);
+        int different = 0;
+        for (std::size_t v = 0; v < a.voxels.size(); ++v) {
+            moved += a.voxels[v].value != before.voxels[v].value;
+            different += (a.voxels[v].value - b.voxels[v].value).length() > 0.01 || a.voxels[v].on != b.voxels[v].on;
+        }
+        CHECK(different == 0);
+    }
+    CHECK(moved > 4000);
 }
 
 TEST_CASE("components of a staggered grid are carved at their faces") {
