@@ -117,7 +117,7 @@ std::string arguments_for(const TableScene& scene, const Made& made, const std::
         set("sim.translate", text(by * Vec3d(-1.1818182, -0.7818182, 0.0181818)));
         set("voxel", voxel);
         set("handle", stretched(folder + "/torch/handle.obj", by, scratch));
-        range("waves.extent_u", -by.x(), by.x());
+        range("waves.extent_u", -0.85 * by.x(), by.x());
         range("waves.extent_v", -1.1 * by.y(), 1.1 * by.y());
     } else if (scene.name == "trail") {
         out = "pipelines/trail.yaml" + out;
