@@ -1,19 +1,34 @@
 #include "nodes/seams/payload_type.h"
 
 #include "nodes/io/binary.h"
+#include "nodes/io/packed.h"
 #include "nodes/seams/seam_checksum.h"
 #include "nodes/seams/seams.h"
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <span>
 
 namespace fluidcarve {
 namespace {
 
+/// The entries of a seam as steps from column to column: most are 0, so they take little space.
+std::vector<std::uint16_t> steps_of(std::span<const std::uint16_t> entries) {
+    std::vector<std::uint16_t> out(entries.size());
+    std::adjacent_difference(entries.begin(), entries.end(), out.begin(), [](int entry, int before) { return static_cast<std::uint16_t>(entry - before); });
+    return out;
+}
+
+std::vector<std::uint16_t> entries_of(std::vector<std::uint16_t> steps) {
+    std::partial_sum(steps.begin(), steps.end(), steps.begin(), [](int sum, int step) { return static_cast<std::uint16_t>(sum + step); });
+    return steps;
+}
+
 void write_list(const std::vector<Seams::Seam>& seams, BinaryWriter& out) {
     out.value(std::uint64_t{seams.size()});
     for (const auto& seam : seams) {
-        out.list(seam.at.all());
+        write_packed(steps_of(seam.at.all()), out);
         out.value(seam.energy);
         out.optional(seam.lower_bound);
     }
@@ -58,8 +73,7 @@ std::vector<Seams::Seam> read_list(BinaryReader& in, std::uint64_t columns) {
     std::vector<Seams::Seam> out;
     for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
         auto& seam = out.emplace_back();
-        seam.at = in.list<std::uint16_t>();
-        in.require(seam.at.size() == columns);
+        seam.at = entries_of(read_packed(columns, in));
         seam.energy = in.value<double>();
         seam.lower_bound = in.optional<double>();
     }
@@ -120,7 +134,7 @@ Ref<Seams> read_all(std::istream& from) {
 
 void add_seams_payload(Registry& registry) {
     auto type = payload_type<Seams>("seams", "Seams through a lattice over all frames, in order; or a warp, which moves content smoothly instead.", &bytes_of,
-                                    {3, &write_all, &read_all});
+                                    {4, &write_all, &read_all});
     type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
     registry.add(std::move(type));
 }

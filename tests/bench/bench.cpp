@@ -2,9 +2,10 @@
 //
 //   build/bench [--large] [--keep] [--only PART]... [VORTEX_FOLDER]
 //
-// --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB); --keep: write the figures to
-// pipelines/gallery/bench.md; --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, warp or page; the folder: another
-// sequence like tests/data/vortex
+// --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB), and smoke in 1000 x 600 x 600 voxels
+// --keep: write the figures to pipelines/gallery/bench.md
+// --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, sparse, warp or page
+// the folder: another sequence like tests/data/vortex
 
 #include "graph/build_pipeline.h"
 #include "nodes/catalogue.h"
@@ -21,10 +22,12 @@
 #include "nodes/seam/greedy.h"
 #include "runtime/run/run.h"
 #include "tests/bench/cache.h"
+#include "tests/bench/copying.h"
 #include "tests/bench/cut.h"
 #include "tests/bench/lqr.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/page.h"
+#include "tests/bench/sparse.h"
 #include "tests/bench/vortex.h"
 #include "tests/bench/warp.h"
 #include "tests/support/program.h"
@@ -189,16 +192,7 @@ void bench_pipeline() {
     request.report_path = scratch / "report.json";
     request.quiet = true;
     const double run = seconds(3, [&] { run_pipeline(pipeline, registry, request, [] { return false; }); });
-    const double floor = seconds(3, [&] {
-        for (int frame = 1; frame <= frames; ++frame) {
-            openvdb::io::File from(in.at(frame));
-            from.open(false);
-            const auto grids = from.getGrids();
-            const auto metadata = from.getMetadata();
-            from.close();
-            openvdb::io::File(scratch / "floor.vdb").write(*grids, *metadata);
-        }
-    });
+    const double floor = seconds_to_copy(in, frames, scratch / "floor.vdb");
     const auto report = nlohmann::json::parse(Scratch::read(request.report_path));
     double work = 0;
     for (const auto& node : report["nodes"]) work += node["wall_s"].get<double>();
@@ -260,6 +254,7 @@ int main(int argc, char** argv) {
              bench_greedy({161, 52, 165}, 20);
              if (large) bench_greedy({322, 105, 331}, 84);
          }},
+        {"sparse", [&] { bench_sparse(large); }},
         {"warp", [&] { bench_warp(large); }},
         {"page", bench_page},
     };

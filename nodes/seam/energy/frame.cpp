@@ -3,55 +3,24 @@
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "nodes/field/dense.h"
+#include "nodes/io/packed.h"
 #include "nodes/io/transform_bytes.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/half.h"
 #include "nodes/seam/energy/marks.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/Compression.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <sstream>
 
 namespace fluidcarve {
 
 namespace {
 
-/// Highest compression ratio that is possible. A file that claims more is damaged.
-constexpr std::size_t most_packed = 4096;
-
-/// Writes codes compressed: neighbouring codes are alike, and most of them 0.
-void write_codes(const std::vector<std::uint16_t>& codes, BinaryWriter& to) {
-    std::ostringstream packed;
-    openvdb::io::bloscToStream(packed, reinterpret_cast<const char*>(codes.data()), sizeof(std::uint16_t), codes.size());
-    to.text(packed.view());
-}
-
-std::vector<std::uint16_t> read_codes(std::size_t count, BinaryReader& from) {
-    const auto packed = from.text();
-    // The library trusts the stated size: the number of bytes that follow, below 0 if they are not compressed.
-    std::int64_t size = 0;
-    BinaryReader::require(packed.size() >= sizeof size);
-    std::memcpy(&size, packed.data(), sizeof size);
-    const auto there = static_cast<std::int64_t>(packed.size() - sizeof size);
-    const auto bytes = count * sizeof(std::uint16_t);
-    BinaryReader::require(size == there ? bytes / most_packed <= packed.size() : size == -there && bytes == static_cast<std::size_t>(there));
-    std::vector<std::uint16_t> out(count);
-    std::istringstream in(packed);
-    try {
-        openvdb::io::bloscFromStream(in, reinterpret_cast<char*>(out.data()), bytes);
-    } catch (const openvdb::Exception&) {
-        BinaryReader::require(false);
-    }
-    return out;
-}
-
 void write(const FrameEnergy& frame, BinaryWriter& to) {
     to.value(frame.finest);
-    write_codes(frame.energy, to);
+    write_packed(frame.energy, to);
     to.optional(frame.protect);
     to.optional(frame.attract);
     to.optional(frame.protect_missed);
@@ -59,7 +28,7 @@ void write(const FrameEnergy& frame, BinaryWriter& to) {
     write_transform(*frame.transform, to);
     to.value(frame.field_transform != nullptr);
     if (frame.field_transform) {
-        write_codes(frame.field, to);
+        write_packed(frame.field, to);
         write_transform(*frame.field_transform, to);
     }
     to.value(frame.active.has_value());
@@ -77,14 +46,14 @@ void read(FrameEnergy& out, BinaryReader& from) {
         BinaryReader::require(size >= 1);
         vertices *= static_cast<std::size_t>(size);
     }
-    out.energy = read_codes(vertices, from);
+    out.energy = read_packed(vertices, from);
     out.protect = from.optional<std::size_t>();
     out.attract = from.optional<std::size_t>();
     out.protect_missed = from.optional<MissedRange>();
     out.attract_missed = from.optional<MissedRange>();
     out.transform = read_transform(from);
     if (from.value<bool>()) {
-        out.field = read_codes(vertices, from);
+        out.field = read_packed(vertices, from);
         out.field_transform = read_transform(from);
     }
     if (from.value<bool>()) {

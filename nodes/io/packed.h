@@ -1,0 +1,17 @@
+#pragma once
+
+#include "nodes/io/binary.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Writes 16-bit numbers compressed: less where neighbours are alike, and least where they are the same.
+void write_packed(std::span<const std::uint16_t> numbers, BinaryWriter& to);
+/// Reads what write_packed() wrote. @throws Failure if it is damaged, or of another number
+std::vector<std::uint16_t> read_packed(std::size_t count, BinaryReader& from);
+
+}  // namespace fluidcarve
