@@ -177,9 +177,13 @@ private:
             read_line(voxel, vertex[steps_.back().axis()], sources);
             for (std::size_t n = 0; n < row.size(); ++n) {
                 const auto& [below, part, freed] = sources.of[n];
+                if (freed) {
+                    row[n].value[c] = nothing_.value[c];
+                    continue;
+                }
                 const auto* const from = line_.data() + (below - sources.low);
-                row[n].value[c] = freed ? nothing_.value[c] : part == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part);
-                row[n].on = row[n].on || (!freed && from[part < 0.5f ? 0 : 1].on);
+                row[n].value[c] = part == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part);
+                row[n].on = row[n].on || from[part < 0.5f ? 0 : 1].on;
             }
         }
         auto to = Leaf::coordToOffset(voxel);
