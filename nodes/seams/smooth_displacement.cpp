@@ -87,6 +87,24 @@ private:
     int first_;
 };
 
+/// Spans without the entries at their ends where all columns of all steps are displaced alike, also once they are smoothed.
+/// @param reach  of the smoothing along the axis, entries
+std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans, int reach) {
+    int front = spans.back().entries.last, back = spans.front().entries.first;
+    for (const auto* const step : steps)
+        for (int k = 0; k < step->slices(); ++k)
+            for (int lateral = step->first_lateral(); lateral <= step->last_lateral(); ++lateral) {
+                const auto bounds = step->bounds(lateral, k);
+                front = std::min<int>(front, bounds.front());
+                back = std::max<int>(back, bounds.back());
+            }
+    std::vector<CarveStep::Span> out(spans.begin(), spans.end());
+    auto &first = out.front().entries.first, &last = out.back().entries.last;
+    first = std::max(first, front - reach - 1);
+    last = std::min(last, back + reach + 1);
+    return out;
+}
+
 }  // namespace
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int last)
@@ -139,10 +157,12 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     });
 }
 
-SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans, const Softness& softness) {
+SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows, const Softness& softness) {
     const auto& step = *steps[steps.size() / 2];
     const auto along = tent(softness.vertices), over = tent(softness.frames);
-    const int reach = static_cast<int>(along.size() / 2), first = spans.front().entries.first, last = spans.back().entries.last;
+    const int reach = static_cast<int>(along.size() / 2);
+    const auto spans = where_smoothed(steps, windows, reach);
+    const int first = spans.front().entries.first, last = spans.back().entries.last;
     SmoothDisplacement out(step, first - 1, last + 1);
     out.ends_ = {spans.front().before, spans.back().behind};
     const auto laterals = static_cast<std::size_t>(out.laterals_), size = static_cast<std::size_t>(last - first) + 3;

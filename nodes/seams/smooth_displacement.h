@@ -31,9 +31,9 @@ public:
     explicit SmoothDisplacement(const CarveStep& step);
     /// Smooths displacements by a tent in space and time. They are not scaled by a fade. Half a vertex beyond either end of a span, nothing
     /// changes: the map continues there as its own mirror image. So it squeezes the content at an end and cuts nothing off.
-    /// @param steps  the same step in neighbouring frames: an odd number, this frame in the middle
-    /// @param spans  the step's windows, rising
-    static SmoothDisplacement soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans, const Softness& softness);
+    /// @param steps    the same step in neighbouring frames: an odd number, this frame in the middle
+    /// @param windows  of the step, rising
+    static SmoothDisplacement soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows, const Softness& softness);
 
     /// Displacements of a warp: the inverse of its map from the space before to the carved one, column by column. Beyond the ends of the content the
     /// map goes on straight.

@@ -76,6 +76,9 @@ TEST_CASE("a straight seam squeezes as a tent does, and beyond its reach whole v
         CHECK(step.soft()->entry(e, 4, 4) == Approx(e < 12 ? 0 : e > 17 ? 1 : expected[static_cast<std::size_t>(e - 12)]).margin(1e-6));
     CHECK(step.soft()->entry(11, 4, 4) == 0);
     CHECK(step.soft()->entry(18, 4, 4) == 1);
+    // Nothing is stored where all columns move alike.
+    CHECK(step.soft()->first() >= 10);
+    CHECK(step.soft()->last() <= 20);
 }
 
 TEST_CASE("displacements are smoothed over frames, and the sequence's ends count as often as they are near") {
