@@ -9,9 +9,9 @@
 
 namespace fluidcarve {
 
-/// Writes 16-bit numbers compressed: less where neighbours are alike, and least where they are the same.
+/// Writes 16-bit numbers compressed. The more neighbours are alike, the fewer bytes.
 void write_packed(std::span<const std::uint16_t> numbers, BinaryWriter& to);
-/// Reads what write_packed() wrote. @throws Failure if it is damaged, or of another number
+/// Reads what write_packed() wrote. @throws Failure if it is damaged, or holds another number of them
 std::vector<std::uint16_t> read_packed(std::size_t count, BinaryReader& from);
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #include "tests/bench/large/table.h"
 
+#include "tests/bench/bytes_in.h"
 #include "tests/bench/large/scenes.h"
 #include "tests/support/program.h"
 
@@ -37,14 +38,6 @@ double processor_seconds() {
     getrusage(RUSAGE_CHILDREN, &usage);
     const auto of = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
     return of(usage.ru_utime) + of(usage.ru_stime);
-}
-
-double bytes_in(const std::string& folder) {
-    double out = 0;
-    std::error_code missing;
-    for (const auto& entry : fs::recursive_directory_iterator(folder, missing))
-        if (entry.is_regular_file()) out += static_cast<double>(entry.file_size());
-    return out;
 }
 
 /// What a row took at one length.
