@@ -36,10 +36,10 @@ public:
     };
     /// @param pipeline  one of those that ship
     Run run(const std::string& pipeline, int count) const {
-        const auto work = scratch_ / "work";
+        const auto work = scratch_ / ("work of " + pipeline);
         const auto carve = [&] {
             const auto ran =
-                fluidcarve_program(fmt::format("run {}/pipelines/{}.yaml -q --progress none --threads 2 --memory 10G --work {} --report {}/report.json "
+                fluidcarve_program(fmt::format("run {}/pipelines/{}.yaml -q --progress none --threads 2 --memory 10G --work '{}' --report {}/report.json "
                                                "--to out --set frames=1-{} --set count={} --set sim={} --set out={}/out.####.vdb",
                                                SOURCE_ROOT, pipeline, work, scratch_.path(), frames_, count, files(), scratch_.path()));
             if (ran.code != 0) throw std::runtime_error(ran.err);
