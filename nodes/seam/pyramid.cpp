@@ -11,6 +11,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -20,22 +21,17 @@ namespace {
 struct Effort {
     std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
-    std::size_t many_columns;   ///< energies of more columns are not cut: the seam of the coarser energy is close enough
-    int sweeps;                 ///< of lines, instead of those cuts
+    int passes;                 ///< of messages to and fro at the finest level; each coarser one gets twice as many, up to most_passes
 };
-constexpr Effort most_effort{std::size_t{1} << 18, 0, std::size_t{1} << 20, 1};
+constexpr Effort most_effort{std::size_t{1} << 18, 0, 8};
 /// With a field, each cut takes several times as long, and seams of less energy look no better.
-constexpr Effort effort_with_field{std::size_t{1} << 15, 0.02, std::size_t{1} << 14, 2};
+constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4};
+constexpr int most_passes = 64, passes_of_best = 16;
 
-/// Coarse energies of more columns than this are cut block by block if the finest has too many to be cut: they take most of the time there.
-constexpr std::size_t few_columns = std::size_t{1} << 14;
+/// Entries of a strip on either side of the seam that it was made around.
+constexpr int radius = StripMessages::most_entries / 2;
 
-/// Energies of more columns are swept once at most: a second sweep took as long as all else, and won less than 0.2 %.
-constexpr std::size_t most_columns_swept_again = std::size_t{1} << 18;
-
-const Effort& effort_for(const EnergyVolume& energy, Quality quality) {
-    return energy.has_field() && quality != Quality::best ? effort_with_field : most_effort;
-}
+const Effort& effort_for(bool field, Quality quality) { return field && quality != Quality::best ? effort_with_field : most_effort; }
 
 bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
     const auto columns = Columns(energy).count();
@@ -44,68 +40,57 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 
 }  // namespace
 
-void Pyramid::refine(const EnergyVolume& energy, Window window, int number, bool large, std::vector<std::uint16_t>& seam,
-                     const std::function<void()>& tick) const {
-    // The strip is as wide as all steps below together may move the seam.
-    const Strip strip(energy, Band::around(seam, 3, window));
-    const auto& effort = effort_for(energy, quality_);
-    const auto sweep = [&](int times = 1) {
-        LineSweeps sweep_lines(strip);
-        for (int turn = 0; turn < 2 * times; ++turn) {
-            tick();
-            sweep_lines(seam, turn % 2);
-        }
-    };
-    const auto cut = [&](int radius, double tolerance) { seam = cut_seam(strip, seam, radius, tolerance, number, tick).at; };
-    switch (quality_) {
-        case Quality::draft: return sweep();
-        case Quality::normal:
-            if (const auto columns = strip.columns().count(); columns > effort.many_columns)
-                return sweep(columns > most_columns_swept_again ? 1 : effort.sweeps);
-            if (large && strip.columns().count() > few_columns && !strip.steps()) {
-                for (const bool shifted : {false, true}) cut_blocks(strip, seam, shifted, 2e-3, number, tick);
-                return;
-            }
-            cut(1, 2e-3);
-            sweep();
-            return cut(1, 2e-3);
-        case Quality::best:
-            cut(2, 1e-3);
-            sweep();
-            return cut(1, 1e-4);
-    }
+int Pyramid::passes(bool field, int level) const {
+    const int finest = quality_ == Quality::draft ? 1 : quality_ == Quality::best ? passes_of_best : effort_for(field, quality_).passes;
+    return std::min(finest << std::min(level, 8), most_passes);
 }
 
-std::vector<std::uint16_t> Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, bool large, const std::function<void()>& tick) const {
+void Pyramid::refine(StripMessages& messages, int level, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+    const auto& strip = messages.strip();
+    const auto cut = [&](double tolerance) { seam = cut_seam(strip, seam, 1, tolerance, number, tick).at; };
+    messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
+    if (quality_ == Quality::best) cut(1e-3);
+    LineSweeps sweep(strip);
+    for (int turn = 0; turn < 2; ++turn) {
+        tick();
+        sweep(seam, turn);
+    }
+    if (quality_ == Quality::best) cut(1e-4);
+}
+
+Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, const std::function<void()>& tick) const {
     const Columns columns(energy);
-    const auto& effort = effort_for(energy, quality_);
-    if (small(energy, window, effort)) return cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at;
-    std::vector<std::uint16_t> seam;
+    const auto& effort = effort_for(energy.has_field(), quality_);
+    if (small(energy, window, effort)) return {cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at, std::nullopt};
+    Level out;
     {
         const auto coarse = restrict_energy(energy, window, energy.barrier());
         tick();
-        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, large, tick);
-        seam = past_protected(energy, window, prolong_seam(Columns(coarse), found, columns, window));
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, tick);
+        out.seam = past_protected(energy, window, prolong_seam(Columns(coarse), found.seam, columns, window));
+        Strip strip(energy, Band::around(out.seam, radius, window));
+        if (found.messages) out.messages.emplace(std::move(strip), window, *found.messages);
+        else out.messages.emplace(std::move(strip));
     }
-    refine(energy, window, number, large, seam, tick);
-    return seam;
+    refine(*out.messages, level, number, out.seam, tick);
+    return out;
 }
 
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
-    const bool large = Columns(energy).count() > most_effort.many_columns;
     std::vector<std::uint16_t> best;
     Seams::Seam greedy;
     // Small cuts keep one thread busy: meanwhile the others search greedily.
-    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, large, alive); },
+    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, alive).seam; },
                          [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
     const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
     if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());
-        refine(energy, window, number, large, best, alive);
+        StripMessages messages(Strip(energy, Band::around(best, radius, window)));
+        refine(messages, 0, number, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy.at.begin(), greedy.at.end());
@@ -136,16 +121,13 @@ struct PyramidNode : SeamNode {
 NodeType seam_pyramid() {
     Declare<PyramidNode> node(
         "seam.pyramid",
-        "Finds seams from coarse to fine, by minimum cuts in narrow bands. They are within half a percent of the least energy in real smoke and fire, and "
+        "Finds seams from coarse to fine, by messages in narrow bands. They are within half a percent of the least energy in real smoke and fire, and "
         "within a few percent in rougher energies. They are exact in images and small volumes, and never worse than those of `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
-               "How wide the bands are and how often they are cut. `draft` cuts only the coarsest energies and then improves the seam line by line: about 1 % "
-               "above the least energy in real smoke and fire, nearly as fast as `seam.greedy`. `normal` cuts finer energies too, up to a million columns "
-               "(vertices across the axis, times frames); beyond, it cuts coarser ones block by block, and improves the finest line by line. "
-               "`best` cuts all of them.")
+               "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(2);
+        .version(3);
 }
 
 }  // namespace fluidcarve

@@ -2,8 +2,11 @@
 
 #include "graph/types/node_type.h"
 #include "nodes/seam/search/find_seams.h"
+#include "nodes/seam/search/strip_messages.h"
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 namespace fluidcarve {
@@ -12,9 +15,9 @@ namespace fluidcarve {
 enum class Quality { draft, normal, best };
 
 /// Finds seams from coarse to fine (METHOD 8). Images and small energies are solved exactly. Others are first solved at half, a quarter,
-/// ... of the resolution. The coarsest is cut as a whole (exactly, except with a field). From there each finer one is solved in narrow
-/// bands around the coarser seam, by line sweeps (search/line_sweeps.h) and minimum cuts (cut/cut_seam.h). Never worse than seam.greedy: the greedy seam
-/// competes with the coarse one.
+/// ... of the resolution. The coarsest is cut as a whole (exactly, except with a field). From there each finer one is solved in a narrow
+/// strip around the coarser seam, by messages (search/strip_messages.h) and line sweeps (search/line_sweeps.h). Never worse than seam.greedy: the
+/// greedy seam competes with the coarse one.
 class Pyramid {
 public:
     /// @param starts  number of greedy searches
@@ -24,11 +27,19 @@ public:
     Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const;
 
 private:
-    /// @param large  whether the finest energy has more columns than are cut
-    std::vector<std::uint16_t> coarse_to_fine(const EnergyVolume& energy, Window window, int number, bool large, const std::function<void()>& tick) const;
-    /// Improves a seam within narrow bands around it.
-    /// @param large  as for coarse_to_fine()
-    void refine(const EnergyVolume& energy, Window window, int number, bool large, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
+    /// A seam at one resolution, and the messages that led to it; none if the energy was cut as a whole.
+    struct Level {
+        std::vector<std::uint16_t> seam;
+        std::optional<StripMessages> messages;
+    };
+
+    /// How often messages are passed.
+    /// @param field  whether the energy has one
+    /// @param level  0: the finest
+    int passes(bool field, int level) const;
+    Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, const std::function<void()>& tick) const;
+    /// Improves a seam within the strip of its messages.
+    void refine(StripMessages& messages, int level, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
 
     Quality quality_;
     int starts_;

@@ -20,9 +20,6 @@ constexpr float most_lift_of_range = 1024;
 /// How many times higher the figures of steps may be than those of energies.
 constexpr float room_for_lifts = 8;
 
-/// Columns along each side of a block, about: the nodes of a block fit into a core's own cache.
-constexpr std::size_t block_side = 16;
-
 /// Cost of the most expensive step in a band.
 float highest_lift(const Columns& columns, const Band& band, const StepCosts& steps) {
     if (!steps) return 0;
@@ -163,89 +160,6 @@ CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int ra
                                 static_cast<std::uint16_t>(std::min<int>(seam[c] + radius, strip[c].last))});
     return solve(
         strip.columns(), band, [&](std::size_t c, int entry) { return strip.energy(c, entry); }, strip.steps(), strip.protects(), tolerance, number, tick);
-}
-
-namespace {
-
-/// Where blocks begin along a dimension, and where the last one ends.
-/// @param size     columns
-/// @param ring     whether the last column is a neighbour of the first: then the number of blocks is even, or 1
-/// @param shifted  by half a block
-std::vector<std::size_t> block_ends(std::size_t size, bool ring, bool shifted) {
-    auto count = std::max<std::size_t>(1, (size + block_side / 2) / block_side);
-    if (ring && count > 1) count -= count % 2;
-    std::vector<std::size_t> out{0};
-    // A ring keeps its number of blocks, so that the last one and the first take turns.
-    const bool halves = shifted && count > 1;
-    for (std::size_t n = 1; n < count; ++n) out.push_back(size * (2 * n - (halves ? 1 : 0)) / (2 * count));
-    if (halves && !ring) out.push_back(size * (2 * count - 1) / (2 * count));
-    out.push_back(size);
-    return out;
-}
-
-/// Cuts one block of a strip.
-/// @param low, high  first column along lateral, k and t, and the one behind the last
-void cut_block(const Strip& strip, const std::array<std::size_t, 3>& low, const std::array<std::size_t, 3>& high, double tolerance, int number,
-               std::vector<std::uint16_t>& seam, const std::function<void()>& tick) {
-    const auto& all = strip.columns();
-    const auto whole = [&](std::size_t d) { return all.ring(d) && low[d] == 0 && high[d] == (d == 0 ? all.laterals() : all.slices()); };
-    const auto size = [&](std::size_t d) { return static_cast<int>(high[d] - low[d]); };
-    const Columns block(size(0), size(1), size(2), whole(1), whole(0));
-    std::vector<std::size_t> of(block.count());
-    for (std::size_t c = 0; c < of.size(); ++c) {
-        const auto at = block.place(c);
-        of[c] = all.at(low[0] + at.lateral, low[1] + at.k, low[2] + at.t);
-    }
-    // Columns around the block stay.
-    Band band;
-    for (std::size_t c = 0; c < of.size(); ++c) {
-        const int entry = seam[of[c]];
-        int first = std::max<int>(entry - 1, strip[of[c]].first), last = std::min<int>(entry + 1, strip[of[c]].last);
-        const auto inside = block.around(c, block.place(c)), around = all.around(of[c], all.place(of[c]));
-        for (std::size_t d = 0; d < around.size(); ++d) {
-            if (around[d] == Columns::none || inside[d] != Columns::none) continue;
-            first = std::max(first, seam[around[d]] - 1);
-            last = std::min(last, seam[around[d]] + 1);
-        }
-        band.columns.push_back({static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last)});
-    }
-    // An entry that is more than 1 outside a neighbour's interval is part of no seam.
-    for (bool again = true; again;) {
-        again = false;
-        for (std::size_t c = 0; c < of.size(); ++c)
-            for (const auto other : block.around(c, block.place(c))) {
-                if (other == Columns::none) continue;
-                auto& [first, last] = band.columns[c];
-                const auto there = band.columns[other];
-                if (there.first > first + 1) {
-                    first = static_cast<std::uint16_t>(there.first - 1);
-                    again = true;
-                }
-                if (there.last + 1 < last) {
-                    last = static_cast<std::uint16_t>(there.last + 1);
-                    again = true;
-                }
-            }
-    }
-    const auto cut = solve(
-        block, band, [&](std::size_t c, int entry) { return strip.energy(of[c], entry); }, StepCosts(), strip.protects(), tolerance, number, tick);
-    for (std::size_t c = 0; c < of.size(); ++c) seam[of[c]] = cut.at[c];
-}
-
-}  // namespace
-
-void cut_blocks(const Strip& strip, std::vector<std::uint16_t>& seam, bool shifted, double tolerance, int number, const std::function<void()>& tick) {
-    const auto& columns = strip.columns();
-    const std::array ends{block_ends(columns.laterals(), columns.ring(0), shifted), block_ends(columns.slices(), columns.ring(1), shifted),
-                          block_ends(columns.frames(), false, shifted)};
-    const std::array count{ends[0].size() - 1, ends[1].size() - 1, ends[2].size() - 1};
-    for (std::size_t colour = 0; colour < 2; ++colour)
-        tbb::parallel_for(std::size_t{0}, count[0] * count[1] * count[2], [&](std::size_t n) {
-            const std::array at{n % count[0], n / count[0] % count[1], n / count[0] / count[1]};
-            if ((at[0] + at[1] + at[2]) % 2 != colour) return;
-            cut_block(strip, {ends[0][at[0]], ends[1][at[1]], ends[2][at[2]]}, {ends[0][at[0] + 1], ends[1][at[1] + 1], ends[2][at[2] + 1]}, tolerance, number,
-                      seam, tick);
-        });
 }
 
 }  // namespace fluidcarve

@@ -35,10 +35,4 @@ Seams::Seam keyframed_seam(const EnergyVolume& energy, Window window, int number
 /// The same in the part of a strip within `radius` entries of a seam.
 CutSeam cut_seam(const Strip& strip, std::span<const std::uint16_t> seam, int radius, double tolerance, int number, const std::function<void()>& tick);
 
-/// Improves a seam block by block: in each block of columns a minimum cut finds the best entries within 1 of the seam, while the columns
-/// around it stay. Neighbouring blocks take turns. Takes a fraction of the time of one cut of all columns. Steps must be free.
-/// @param seam     feasible, in the strip, of finite cost; stays so
-/// @param shifted  by half a block, so that a call with false and one with true reach across all borders but those where rings close
-void cut_blocks(const Strip& strip, std::vector<std::uint16_t>& seam, bool shifted, double tolerance, int number, const std::function<void()>& tick);
-
 }  // namespace fluidcarve

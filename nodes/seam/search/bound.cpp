@@ -4,9 +4,8 @@
 #include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"
+#include "nodes/seam/search/wavefront.h"
 #include "nodes/seams/frame_store.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -197,7 +196,7 @@ struct Block {
 };
 
 /// Passes messages through blocks of frames (sequential tree-reweighted message passing, Kolmogorov 2006). A tile of columns waits for those
-/// before it along each dimension: tiles whose indices have the same sum are visited at once.
+/// before it along each dimension.
 template <class Cell>
 class MessagePassing {
 public:
@@ -266,31 +265,20 @@ private:
         const auto& block = turn.block;
         std::vector<double> bounds(tiles_ * size_[1] * block.frames);
         if (turn.forward) fronts_[2] = from_block_before_;
-        const auto diagonals = tiles_ + size_[1] + block.frames - 2;
-        for (std::size_t n = 0; n < diagonals; ++n) {
-            tick(static_cast<double>(n) / static_cast<double>(diagonals));
-            visit_diagonal(turn, n, bounds);
-        }
+        in_wavefront(
+            {tiles_, size_[1], block.frames},
+            [&](std::span<const Sizes> tiles) {
+                Work work(width_);
+                const auto in_turn = [&](std::size_t n, std::size_t size) { return turn.forward ? n : size - 1 - n; };
+                for (const auto& [tile, k, t] : tiles) {
+                    double bound = 0;
+                    for (auto lateral = tile * columns_per_tile; lateral < std::min((tile + 1) * columns_per_tile, size_[0]); ++lateral)
+                        bound += visit(turn, {in_turn(lateral, size_[0]), in_turn(k, size_[1]), in_turn(t, block.frames)}, work);
+                    bounds[tile + tiles_ * (k + size_[1] * t)] = bound;
+                }
+            },
+            tick);
         return std::accumulate(bounds.begin(), bounds.end(), 0.0);
-    }
-
-    /// Visits the tiles whose indices in the pass's direction sum up to `sum`.
-    void visit_diagonal(const Turn& turn, std::size_t sum, std::vector<double>& bounds) {
-        std::vector<Sizes> tiles;
-        for (std::size_t t = 0; t < std::min(turn.block.frames, sum + 1); ++t)
-            for (std::size_t tile = 0; tile < std::min(tiles_, sum - t + 1); ++tile)
-                if (const auto k = sum - t - tile; k < size_[1]) tiles.push_back({tile, k, t});
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size()), [&](const tbb::blocked_range<std::size_t>& range) {
-            Work work(width_);
-            const auto in_turn = [&](std::size_t n, std::size_t size) { return turn.forward ? n : size - 1 - n; };
-            for (auto n = range.begin(); n < range.end(); ++n) {
-                const auto [tile, k, t] = tiles[n];
-                double bound = 0;
-                for (auto lateral = tile * columns_per_tile; lateral < std::min((tile + 1) * columns_per_tile, size_[0]); ++lateral)
-                    bound += visit(turn, {in_turn(lateral, size_[0]), in_turn(k, size_[1]), in_turn(t, turn.block.frames)}, work);
-                bounds[tile + tiles_ * (k + size_[1] * t)] = bound;
-            }
-        });
     }
 
     /// Takes the messages to a column, divides its costs, and sends messages to the columns that come next.

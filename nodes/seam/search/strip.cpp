@@ -64,15 +64,28 @@ double Strip::energy(std::span<const std::uint16_t> seam) const {
 
 double cost_of_steps(const Columns& columns, const StepCosts& steps, std::span<const std::uint16_t> seam) {
     if (!steps) return 0;
-    return sum_over(seam.size(), [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (auto c = begin; c < end; ++c) {
-            const auto around = columns.around(c, columns.place(c));
-            for (std::size_t d = 1; d < around.size(); d += 2)
-                if (around[d] != Columns::none) sum += static_cast<double>(steps(c, seam[c], around[d], seam[around[d]], d / 2 == 2));
-        }
-        return sum;
-    });
+    const auto laterals = columns.laterals(), rows = columns.slices() * columns.frames();
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, rows, std::max<std::size_t>(grain / laterals, 1)), 0.0,
+        [&](const tbb::blocked_range<std::size_t>& range, double sum) {
+            for (auto row = range.begin(); row < range.end(); ++row) {
+                const auto first = row * laterals;
+                const auto around = columns.around(first, columns.place(first));
+                // To the next row and to the next frame it is equally far from all columns of a row.
+                const auto next_row = around[3], next_frame = around[5];
+                const auto add = [&](std::size_t c, std::size_t other, bool in_time) {
+                    if (seam[c] != seam[other]) sum += static_cast<double>(steps(c, seam[c], other, seam[other], in_time));
+                };
+                for (std::size_t n = 0; n < laterals; ++n) {
+                    if (n + 1 < laterals) add(first + n, first + n + 1, false);
+                    else if (columns.ring(0)) add(first + n, first, false);
+                    if (next_row != Columns::none) add(first + n, next_row + n, false);
+                    if (next_frame != Columns::none) add(first + n, next_frame + n, true);
+                }
+            }
+            return sum;
+        },
+        std::plus<>());
 }
 
 double cost_of(const EnergyVolume& energy, std::span<const std::uint16_t> seam) {

@@ -21,6 +21,7 @@ public:
     const Columns& columns() const { return columns_; }
     Band::Column operator[](std::size_t column) const { return band_.columns[column]; }
     const Band& band() const { return band_; }
+    std::size_t width() const { return width_; }  ///< entries of a column
     /// The energies of a column, from its interval's first entry on.
     const float* energies(std::size_t column) const { return energies_.data() + margin + column * width_; }
     float energy(std::size_t column, int entry) const { return energies(column)[entry - band_.columns[column].first]; }
@@ -32,6 +33,8 @@ public:
     const StepCosts& steps() const { return steps_; }
     /// The field, if steps have one, from one entry before a column's interval to one behind it.
     float field(std::size_t column, int entry) const { return fields_[field_place(column, entry)]; }
+    /// The field of a column, likewise.
+    const float* fields(std::size_t column) const { return fields_.data() + margin + column * (width_ + 2); }
     /// The same of four entries, as for energies().
     Lanes fields(std::size_t column, int entry) const { return load_values(fields_.data() + field_place(column, entry)); }
     bool protects() const { return protects_; }

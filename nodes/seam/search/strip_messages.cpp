@@ -1,0 +1,326 @@
+#include "nodes/seam/search/strip_messages.h"
+
+#include "nodes/seam/energy/wide.h"
+#include "nodes/seam/search/wavefront.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+// Vectors of eight never leave this file's inlined functions, so how they are handed over does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace fluidcarve {
+
+namespace {
+
+using Eight = StripMessages::Eight;
+using Mask = std::int32_t __attribute__((vector_size(32)));
+using Messages = StripMessages::Messages;
+
+// A call would leave the wide vectors: g++ compiles what is not inlined for any machine.
+#define FLUIDCARVE_INLINED __attribute__((always_inline))
+#define FLUIDCARVE_INLINE inline FLUIDCARVE_INLINED
+
+/// Stands for an infinite cost; sums and differences of it stay finite.
+constexpr float endless = 1e30f;
+/// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
+constexpr float least_gain = 1e-5f;
+/// Columns along each dimension that one thread visits in turn.
+constexpr std::array<std::size_t, 3> block{16, 8, 4};
+
+FLUIDCARVE_INLINE Eight all(float value) { return Eight{} + value; }
+FLUIDCARVE_INLINE Eight load(const float* values) {
+    Eight out;
+    std::memcpy(&out, values, sizeof out);
+    return out;
+}
+FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
+FLUIDCARVE_INLINE Eight size_of(Eight values) { return std::bit_cast<Eight>(std::bit_cast<Mask>(values) & 0x7FFFFFFF); }
+/// The values of the entries before, and of those behind.
+FLUIDCARVE_INLINE Eight raised(Eight values) { return __builtin_shufflevector(values, all(endless), 8, 0, 1, 2, 3, 4, 5, 6); }
+FLUIDCARVE_INLINE Eight lowered(Eight values) { return __builtin_shufflevector(values, all(endless), 1, 2, 3, 4, 5, 6, 7, 8); }
+FLUIDCARVE_INLINE Mask where(bool condition) { return Mask{} - (condition ? 1 : 0); }
+
+/// What a pass works on.
+struct Pass {
+    const Columns& columns;
+    const Band::Column* band;  ///< `[column]`
+    const float* energies;     ///< `[column][entry]`, `width` entries in a column
+    const float* fields;       ///< `[column][entry]`, with one entry more before and behind those of the strip
+    std::size_t width;
+    float weight;                           ///< cost per unit by which the field changes across a new edge
+    std::array<float, 3> rigidity;          ///< of a step along each dimension
+    std::array<std::size_t, 3> size, step;  ///< columns along each dimension, and from one to the next
+    float lines;                            ///< dimensions of more than one column: so many lines go through a column
+    bool rings;                             ///< whether some of them close
+    bool holes;                             ///< whether some entries can't be taken
+    bool forward;
+    const std::uint16_t* seam;  ///< `[column]`
+    std::uint16_t* taken;       ///< likewise; null: no seam is wanted
+    Messages* messages;         ///< `[column]`
+};
+
+/// What each entry of a column pays for the cheapest way from a neighbour, including the step (StepCosts).
+/// @param costs  of the neighbour's entries
+template <bool edges>
+FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t from, std::size_t to, std::size_t along) {
+    const int off = static_cast<int>(pass.band[from].first) - static_cast<int>(pass.band[to].first);
+    const Mask above = where(off > 0), below = where(off < 0);
+    const auto up = raised(costs), down = lowered(costs);
+    const auto stay = above ? up : (below ? down : costs);
+    auto rise = above ? raised(up) : (below ? costs : up), fall = above ? costs : (below ? lowered(down) : down);
+    const auto rigidity = all(pass.rigidity[along]);
+    if constexpr (!edges) return least(stay, least(rise, fall) + rigidity);
+    const auto* const there = pass.fields + to * (pass.width + 2);
+    const auto here = load(pass.fields + from * (pass.width + 2) + 1 - off), weight = all(pass.weight);
+    rise += rigidity + weight * size_of(here - load(there));
+    fall += rigidity + weight * size_of(here - load(there + 2));
+    return least(stay, least(rise, fall));
+}
+
+/// Costs that only one entry of a column does without.
+FLUIDCARVE_INLINE Eight only_at(const Pass& pass, std::size_t column, std::uint16_t entry) {
+    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
+    return places == entry - pass.band[column].first ? Eight{} : all(endless);
+}
+
+/// A column and the one that closes a ring with it: the ring's first and last columns are neighbours, too.
+struct Closing {
+    bool is = false;
+    bool ahead = false;  ///< whether the pass visits the other one later
+    std::size_t other = 0;
+    std::size_t owner = 0;  ///< the column that the message between both belongs to: the ring's last
+};
+
+FLUIDCARVE_INLINE Closing closing_of(const Pass& pass, std::size_t column, std::size_t place, std::size_t d) {
+    const bool first = place == 0, last = place + 1 == pass.size[d];
+    if (!pass.columns.ring(d) || !(first || last)) return {};
+    const auto around = pass.step[d] * (pass.size[d] - 1);
+    return {true, first == pass.forward, first ? column + around : column - around, first ? column + around : column};
+}
+
+/// Where a seam may be in a column so that the ring still closes: within a cone around its entry in the ring's first column.
+/// @param place  of the column in the ring
+FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t place, std::size_t d) {
+    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
+    const int off = pass.band[column].first - pass.taken[column - place * pass.step[d]], left = static_cast<int>(pass.size[d] - place);
+    return (places + off > left) | (places + off < -left) ? all(endless) : Eight{};
+}
+
+/// Passes messages through the columns of a row.
+/// @param begin, end  along the lateral dimension, in the order of the pass
+/// @param k, t        of the row, likewise
+template <bool edges, bool forward>
+FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
+    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
+    const Mask outside = places >= static_cast<std::int32_t>(pass.width);
+    const auto in_order = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED { return forward ? at : pass.size[d] - 1 - at; };
+    std::array<std::size_t, 3> place{0, in_order(1, k), in_order(2, t)};
+    const auto row = pass.columns.at(0, place[1], place[2]);
+    // Whether there are neighbours that the pass has visited before and that it visits later.
+    std::array<bool, 3> before{false, k > 0, t > 0}, ahead{false, k + 1 < pass.size[1], t + 1 < pass.size[2]};
+    for (auto lateral = begin; lateral < end; ++lateral) {
+        place[0] = in_order(0, lateral);
+        before[0] = lateral > 0;
+        ahead[0] = lateral + 1 < pass.size[0];
+        const auto column = row + place[0];
+        const auto beside = [&](std::size_t d, bool later) FLUIDCARVE_INLINED { return later == forward ? column + pass.step[d] : column - pass.step[d]; };
+        // A message belongs to the lower of two columns.
+        const auto message = [&](std::size_t d, bool later)
+                                 FLUIDCARVE_INLINED -> Eight& { return pass.messages[later == forward ? column : column - pass.step[d]].along[d]; };
+        std::array<Closing, 2> closings;
+        float lines = pass.lines;
+        if (pass.rings)
+            for (std::size_t d = 0; d < 2; ++d) {
+                closings[d] = closing_of(pass, column, place[d], d);
+                lines += closings[d].is ? 1 : 0;
+            }
+        auto sum = least(load(pass.energies + column * pass.width), all(endless)), choice = sum;
+#pragma GCC unroll 3
+        for (std::size_t d = 0; d < 3; ++d) {
+            if (before[d]) sum += message(d, false);
+            if (!ahead[d]) continue;
+            const auto from_ahead = message(d, true);
+            sum += from_ahead;
+            choice += from_ahead;
+        }
+        if (pass.rings)
+            for (std::size_t d = 0; d < 2; ++d) {
+                if (!closings[d].is) continue;
+                const auto& closing = pass.messages[closings[d].owner].along[d];
+                sum += closing;
+                if (closings[d].ahead) choice += closing;
+            }
+        const int first = pass.band[column].first, own = pass.seam[column] - first;
+        if (pass.taken != nullptr) {
+            const auto add_step = [&](std::size_t other, std::size_t d)
+                                      FLUIDCARVE_INLINED { choice += sent<edges>(pass, only_at(pass, other, pass.taken[other]), other, column, d); };
+            for (std::size_t d = 0; d < 3; ++d)
+                if (before[d]) add_step(beside(d, false), d);
+            if (pass.rings)
+                for (std::size_t d = 0; d < 2; ++d) {
+                    if (pass.columns.ring(d) && place[d] > 0) choice += cone(pass, column, place[d], d);
+                    if (closings[d].is && !closings[d].ahead) add_step(closings[d].other, d);
+                }
+            int best = own;
+            float cheapest = choice[own] - least_gain * std::abs(choice[own]);
+            for (int n = 0; n < static_cast<int>(pass.width); ++n)
+                if (choice[n] < cheapest) {
+                    best = n;
+                    cheapest = choice[n];
+                }
+            pass.taken[column] = static_cast<std::uint16_t>(first + best);
+        }
+        const Mask closed = outside | (sum > 0.5f * endless);
+        const auto shared = sum * (1 / lines);
+        const auto send = [&](Eight& to, std::size_t other, std::size_t d) FLUIDCARVE_INLINED {
+            auto part = shared - to;
+            // Any free entry may be the one that counts as 0.
+            int zero = own;
+            if (pass.holes) {
+                part = closed ? all(endless) : part;
+                for (int n = 0; n < 8; ++n)
+                    if (part[n] < part[zero]) zero = n;
+            }
+            part = closed ? all(endless) : part - part[zero];
+            to = least(sent<edges>(pass, part, column, other, d), all(endless));
+        };
+#pragma GCC unroll 3
+        for (std::size_t d = 0; d < 3; ++d)
+            if (ahead[d]) send(message(d, true), beside(d, true), d);
+        if (pass.rings)
+            for (std::size_t d = 0; d < 2; ++d)
+                if (closings[d].is && closings[d].ahead) send(pass.messages[closings[d].owner].along[d], closings[d].other, d);
+    }
+}
+
+FLUIDCARVE_WIDE void pass_free(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
+    if (pass.forward) pass_row<false, true>(pass, begin, end, k, t);
+    else pass_row<false, false>(pass, begin, end, k, t);
+}
+FLUIDCARVE_WIDE void pass_edges(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
+    if (pass.forward) pass_row<true, true>(pass, begin, end, k, t);
+    else pass_row<true, false>(pass, begin, end, k, t);
+}
+
+/// A message at half the resolution, interpolated along the axis to the entries of a finer column.
+class Finer {
+public:
+    /// @param width  of the coarse strip
+    /// @param first  its first entry
+    FLUIDCARVE_INLINE Finer(Eight coarse, std::size_t width, int first) : first_(first) {
+        for (auto n = static_cast<int>(width); n < 8; ++n) coarse[n] = coarse[n - 1];
+        const auto before = __builtin_shufflevector(coarse, coarse, 0, 0, 1, 2, 3, 4, 5, 6),
+                   behind = __builtin_shufflevector(coarse, coarse, 1, 2, 3, 4, 5, 6, 7, 7);
+        // Every second entry is nearer to the coarse entry before.
+        const Eight even = 0.75f * coarse + 0.25f * before, odd = 0.75f * coarse + 0.25f * behind;
+        set(0, all(coarse[0]));
+        set(8, __builtin_shufflevector(even, odd, 0, 8, 1, 9, 2, 10, 3, 11));
+        set(16, __builtin_shufflevector(even, odd, 4, 12, 5, 13, 6, 14, 7, 15));
+        set(24, all(coarse[7]));
+    }
+    /// Eight entries of the finer column, from one on that is counted from the window's first.
+    FLUIDCARVE_INLINE Eight from(int entry) const { return load(values_.data() + std::clamp(entry - 2 * first_ + 8, 0, 24)); }
+
+private:
+    FLUIDCARVE_INLINE void set(std::size_t at, Eight values) { std::memcpy(values_.data() + at, &values, sizeof values); }
+
+    int first_;
+    std::array<float, 32> values_;  ///< from eight entries before the strip's first on
+};
+
+/// Interpolates the messages to the finer columns that a coarse one stands for. There, lines have twice as many columns, and pay twice as much.
+FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const Messages* coarse_messages, const Columns::Place& at, const Strip& fine, int window_first,
+                                 Messages* out) {
+    const auto &few = coarse.columns(), &many = fine.columns();
+    const auto column = few.at(at.lateral, at.k, at.t);
+    const std::array<std::size_t, 3> place{at.lateral, at.k, at.t}, step{1, few.laterals(), few.per_frame()},
+        size{many.laterals(), many.slices(), many.frames()};
+    for (std::size_t d = 0; d < 3; ++d) {
+        const auto of = [&](std::size_t c) FLUIDCARVE_INLINED { return Finer(coarse_messages[c].along[d], coarse.width(), coarse[c].first); };
+        // The first column of two lies between this message and the one before.
+        const auto here = of(column), before = of(place[d] > 0 ? column - step[d] : column);
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            std::array<std::size_t, 3> to;
+            bool inside = true;
+            for (std::size_t n = 0; n < 3; ++n) {
+                to[n] = 2 * place[n] + (corner >> n & 1);
+                inside = inside && to[n] < size[n];
+            }
+            if (!inside) continue;
+            // The message that closes a ring belongs to another column.
+            if (many.ring(d) && to[d] + 1 == size[d]) continue;
+            const auto c = many.at(to[0], to[1], to[2]);
+            const int first = fine[c].first - window_first;
+            out[c].along[d] = here.from(first) + (corner >> d & 1 ? here : before).from(first);
+        }
+    }
+}
+
+}  // namespace
+
+StripMessages::StripMessages(Strip strip) : strip_(std::move(strip)), messages_(strip_.columns().count()) {}
+
+StripMessages::StripMessages(Strip strip, Window window, const StripMessages& coarse) : StripMessages(std::move(strip)) {
+    const auto& few = coarse.strip_.columns();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, few.count(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
+        for (auto c = range.begin(); c < range.end(); ++c)
+            interpolate(coarse.strip_, coarse.messages_.data(), few.place(c), strip_, window.first, messages_.data());
+    });
+}
+
+void StripMessages::pass(bool forward, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick) {
+    const auto& columns = strip_.columns();
+    const auto& steps = strip_.steps();
+    const std::array size{columns.laterals(), columns.slices(), columns.frames()};
+    const float in_space = steps.lift(false, 0, 0), in_time = steps.lift(true, 0, 0);
+    const Pass work{columns,
+                    strip_.band().columns.data(),
+                    strip_.energies(0),
+                    steps.has_field() ? strip_.fields(0) : nullptr,
+                    strip_.width(),
+                    steps.has_field() ? steps.lift(false, 1, 0) - in_space : 0,
+                    {in_space, in_space, in_time},
+                    size,
+                    {1, columns.laterals(), columns.per_frame()},
+                    static_cast<float>(std::max<std::ptrdiff_t>(std::ranges::count_if(size, [](std::size_t n) { return n > 1; }), 1)),
+                    columns.ring(0) || columns.ring(1),
+                    strip_.protects(),
+                    forward,
+                    seam.data(),
+                    taken != nullptr ? taken->data() : nullptr,
+                    messages_.data()};
+    std::array<std::size_t, 3> blocks;
+    for (std::size_t d = 0; d < 3; ++d) blocks[d] = (size[d] + block[d] - 1) / block[d];
+    in_wavefront(
+        blocks,
+        [&](std::span<const std::array<std::size_t, 3>> some) {
+            for (const auto& at : some) {
+                const auto end = [&](std::size_t d) { return std::min((at[d] + 1) * block[d], size[d]); };
+                for (auto t = at[2] * block[2]; t < end(2); ++t)
+                    for (auto k = at[1] * block[1]; k < end(1); ++k) {
+                        const auto begin = at[0] * block[0];
+                        if (work.fields != nullptr) pass_edges(work, begin, end(0), k, t);
+                        else pass_free(work, begin, end(0), k, t);
+                    }
+            }
+        },
+        [&](double) { tick(); });
+}
+
+void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on, const std::function<void()>& tick) {
+    auto found = seam;
+    for (int n = 0; n < passes; ++n) {
+        const bool last = n + 1 == passes;
+        pass(true, seam, last ? &found : nullptr, tick);
+        if (!last || goes_on) pass(false, seam, nullptr, tick);
+    }
+    if (strip_.energy(found) < strip_.energy(seam)) seam = std::move(found);
+}
+
+}  // namespace fluidcarve
