@@ -27,8 +27,8 @@ namespace {
 constexpr int passes_at_half = 2, times_more = 2, most_passes = 64;
 /// Frames in a block, and entries in it, at most; but at least two frames.
 constexpr std::size_t frames_per_block = 8, entries_per_block = std::size_t{1} << 26;
-/// Columns of a row that a thread visits one after the other.
-constexpr std::size_t columns_per_tile = 16;
+/// Columns along each dimension that a thread visits one after the other.
+constexpr std::array<std::size_t, 3> box_of_columns{16, 4, 2};
 /// Share of a column's costs that is left out of the bound, since sums of floats are rounded. In each column some ten roundings, each by at
 /// most 2^-24 of a sum of terms above 0, could divide more among the lines than there is.
 constexpr float rounding = 0x1p-19f;
@@ -195,7 +195,7 @@ struct Block {
     std::size_t begin, frames;
 };
 
-/// Passes messages through blocks of frames (sequential tree-reweighted message passing, Kolmogorov 2006). A tile of columns waits for those
+/// Passes messages through blocks of frames (sequential tree-reweighted message passing, Kolmogorov 2006). A column waits for those
 /// before it along each dimension.
 template <class Cell>
 class MessagePassing {
@@ -211,7 +211,6 @@ public:
           width_(static_cast<std::size_t>(window.size())),
           dimensions_(dimensions_of_lines(columns_)),
           size_(sizes(columns_)),
-          tiles_((size_[0] + columns_per_tile - 1) / columns_per_tile),
           frames_(std::min(size_[2], frames_per_block)),
           messages_(dimensions_, frames_, columns_.per_frame() * width_, memory_budget, folder),
           fronts_{std::vector<float>(size_[1] * frames_ * width_), std::vector<float>(size_[0] * frames_ * width_),
@@ -263,19 +262,17 @@ private:
     /// @return what the block adds to the bound
     double pass(const Turn& turn, const Tick& tick) {
         const auto& block = turn.block;
-        std::vector<double> bounds(tiles_ * size_[1] * block.frames);
+        const Sizes size{size_[0], size_[1], block.frames};
+        std::vector<double> bounds(columns_.per_frame() * block.frames);
         if (turn.forward) fronts_[2] = from_block_before_;
+        const auto in_turn = [&](std::size_t n, std::size_t size) { return turn.forward ? n : size - 1 - n; };
         in_wavefront(
-            {tiles_, size_[1], block.frames},
-            [&](std::span<const Sizes> tiles) {
-                Work work(width_);
-                const auto in_turn = [&](std::size_t n, std::size_t size) { return turn.forward ? n : size - 1 - n; };
-                for (const auto& [tile, k, t] : tiles) {
-                    double bound = 0;
-                    for (auto lateral = tile * columns_per_tile; lateral < std::min((tile + 1) * columns_per_tile, size_[0]); ++lateral)
-                        bound += visit(turn, {in_turn(lateral, size_[0]), in_turn(k, size_[1]), in_turn(t, block.frames)}, work);
-                    bounds[tile + tiles_ * (k + size_[1] * t)] = bound;
-                }
+            size, box_of_columns, [&] { return Work(width_); },
+            [&](const Box& box, Work& work) {
+                for (auto t = box.begin[2]; t < box.end[2]; ++t)
+                    for (auto k = box.begin[1]; k < box.end[1]; ++k)
+                        for (auto lateral = box.begin[0]; lateral < box.end[0]; ++lateral)
+                            bounds[columns_.at(lateral, k, t)] = visit(turn, {in_turn(lateral, size[0]), in_turn(k, size[1]), in_turn(t, size[2])}, work);
             },
             tick);
         return std::accumulate(bounds.begin(), bounds.end(), 0.0);
@@ -368,7 +365,7 @@ private:
     const std::size_t first_, width_;
     const std::vector<std::size_t> dimensions_;
     const Sizes size_;
-    const std::size_t tiles_, frames_;  ///< tiles in a row of columns, frames in a block
+    const std::size_t frames_;  ///< in a block
     Messages messages_;
     std::array<std::vector<float>, 3> fronts_;  ///< for each dimension, the messages to the columns that come next
     std::vector<float> from_block_before_;      ///< messages to the block's first frame

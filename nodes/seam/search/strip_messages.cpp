@@ -30,8 +30,8 @@ using Messages = StripMessages::Messages;
 constexpr float endless = 1e30f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
 constexpr float least_gain = 1e-5f;
-/// Columns along each dimension that one thread visits in turn.
-constexpr std::array<std::size_t, 3> block{16, 8, 4};
+/// Columns along each dimension that a thread visits one after the other.
+constexpr std::array<std::size_t, 3> box_of_messages{16, 8, 4};
 
 FLUIDCARVE_INLINE Eight all(float value) { return Eight{} + value; }
 FLUIDCARVE_INLINE Eight load(const float* values) {
@@ -295,20 +295,14 @@ void StripMessages::pass(bool forward, const std::vector<std::uint16_t>& seam, s
                     seam.data(),
                     taken != nullptr ? taken->data() : nullptr,
                     messages_.data()};
-    std::array<std::size_t, 3> blocks;
-    for (std::size_t d = 0; d < 3; ++d) blocks[d] = (size[d] + block[d] - 1) / block[d];
     in_wavefront(
-        blocks,
-        [&](std::span<const std::array<std::size_t, 3>> some) {
-            for (const auto& at : some) {
-                const auto end = [&](std::size_t d) { return std::min((at[d] + 1) * block[d], size[d]); };
-                for (auto t = at[2] * block[2]; t < end(2); ++t)
-                    for (auto k = at[1] * block[1]; k < end(1); ++k) {
-                        const auto begin = at[0] * block[0];
-                        if (work.fields != nullptr) pass_edges(work, begin, end(0), k, t);
-                        else pass_free(work, begin, end(0), k, t);
-                    }
-            }
+        size, box_of_messages, [] { return 0; },
+        [&](const Box& box, int) {
+            for (auto t = box.begin[2]; t < box.end[2]; ++t)
+                for (auto k = box.begin[1]; k < box.end[1]; ++k) {
+                    if (work.fields != nullptr) pass_edges(work, box.begin[0], box.end[0], k, t);
+                    else pass_free(work, box.begin[0], box.end[0], k, t);
+                }
         },
         [&](double) { tick(); });
 }
