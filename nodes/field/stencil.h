@@ -2,9 +2,11 @@
 
 #include "nodes/field/dense.h"
 #include "nodes/field/extent.h"
+#include "nodes/field/neighbourhood.h"
 #include "nodes/payloads.h"
 
 #include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <mutex>
@@ -55,26 +57,49 @@ inline void require_stencil_fits(const openvdb::GridBase& grid, double value_byt
 }
 
 namespace detail {
-/// Sets the active values of `tree` to `op(accessor of in, voxel)`; calls it once per tile.
-/// @param tree  with the active voxels of `in`
-template <class Out, class In, class Op>
+
+/// Leaves of more active voxels are read with their neighbours at once.
+constexpr openvdb::Index few_voxels = 64;
+
+/// Sets the active values of `tree` to `op(reader of in, voxel)`; calls it once per tile.
+/// @tparam beside  whether `op` reads neighbours
+/// @param tree     with the active voxels of `in`
+template <class Out, bool beside, class In, class Op>
 typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, const Op& op) {
     using Tree = typename Out::TreeType;
+    using Leaf = typename Tree::LeafNodeType;
     std::mutex mutex;
     std::optional<openvdb::Coord> lowest;
-    const auto value_at = [&](auto& accessor, const openvdb::Coord& at) {
-        const auto out = op(accessor, at);
-        if (!openvdb::math::isFinite(out) || !openvdb::math::isFinite(accessor.getValue(at))) {
+    const auto value_at = [&](const auto& reader, const openvdb::Coord& at) {
+        const auto out = op(reader, at);
+        if (!openvdb::math::isFinite(out) || !openvdb::math::isFinite(reader.getValue(at))) {
             const std::lock_guard lock(mutex);
             if (!lowest || at < *lowest) lowest = at;
         }
         return out;
     };
-    openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](typename Tree::LeafNodeType& leaf, std::size_t) {
-        auto accessor = in.getConstUnsafeAccessor();
-        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) voxel.setValue(value_at(accessor, voxel.getCoord()));
+    const auto fill = [&](Leaf& leaf, const auto& reader) {
+        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) voxel.setValue(value_at(reader, voxel.getCoord()));
+    };
+    const openvdb::tree::LeafManager<Tree> leaves(*tree);
+    tbb::parallel_for(leaves.leafRange(), [&](const auto& range) {
+        const auto accessor = in.getConstUnsafeAccessor();
+        Neighbourhood<typename In::TreeType> all;
+        for (auto leaf = range.begin(); leaf; ++leaf) {
+            if constexpr (beside) {
+                if (leaf->onVoxelCount() > few_voxels) {
+                    all.move_to(accessor, leaf->origin());
+                    fill(*leaf, all);
+                    continue;
+                }
+            } else if (const auto* const same = accessor.probeConstLeaf(leaf->origin())) {
+                fill(*leaf, *same);
+                continue;
+            }
+            fill(*leaf, accessor);
+        }
     });
-    auto accessor = in.getConstUnsafeAccessor();
+    const auto accessor = in.getConstUnsafeAccessor();
     auto tile = tree->beginValueOn();
     tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
     for (; tile; ++tile) tile.setValue(value_at(accessor, tile.getCoord()));
@@ -86,8 +111,8 @@ typename Out::Ptr filled(const typename Out::TreeType::Ptr& tree, const In& in, 
 }
 }  // namespace detail
 
-/// A grid with the active voxels and transform of `in`: active values are `op(accessor of in, voxel)`, the background is `background`.
-/// @param op  called from many threads; may read the 26 neighbours. Called once for the inside of an active tile, where all
+/// A grid with the active voxels and transform of `in`: active values are `op(reader of in, voxel)`, the background is `background`.
+/// @param op  called from many threads with an accessor or a Neighbourhood; may read the 26 neighbours. Called once for the inside of an active tile, where all
 ///            neighbourhoods are equal
 /// @throws Failure as refuse_not_finite if an active value of `in` or a result is not finite
 template <class Out, class In, class Op>
@@ -95,14 +120,14 @@ typename Out::Ptr map_stencil(const In& in, const typename Out::ValueType& backg
     using Tree = typename Out::TreeType;
     const auto tree = std::make_shared<Tree>(in.tree(), background, openvdb::TopologyCopy());
     open_tile_borders(*tree);
-    return detail::filled<Out>(tree, in, op);
+    return detail::filled<Out, true>(tree, in, op);
 }
 
 /// The same for an `op(value)` that needs only the voxel's own value. Tiles stay tiles.
 template <class Out, class In, class Op>
 typename Out::Ptr map_values(const In& in, const typename Out::ValueType& background, const Op& op) {
     const auto tree = std::make_shared<typename Out::TreeType>(in.tree(), background, openvdb::TopologyCopy());
-    return detail::filled<Out>(tree, in, [&op](auto& accessor, const openvdb::Coord& at) { return op(accessor.getValue(at)); });
+    return detail::filled<Out, false>(tree, in, [&op](const auto& reader, const openvdb::Coord& at) { return op(reader.getValue(at)); });
 }
 
 }  // namespace fluidcarve
