@@ -1,5 +1,6 @@
 #include "nodes/field/filter.h"
 
+#include "nodes/field/box_mean.h"
 #include "nodes/field/extent.h"
 #include "nodes/field/stencil.h"
 
@@ -14,20 +15,24 @@ namespace {
 using Tree = openvdb::FloatTree;
 
 bool all_finite(const Tree& tree) {
-    const auto finite = [](auto value) {
-        for (; value; ++value)
-            if (!std::isfinite(*value)) return false;
-        return true;
+    if (!std::isfinite(tree.background())) return false;
+    auto tile = tree.cbeginValueAll();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        if (!std::isfinite(*tile)) return false;
+    const auto finite = [](const Tree::LeafNodeType& leaf) {
+        // Of values that are finite, none times 0 is anything else.
+        const auto* const values = leaf.buffer().data();
+        float sum = 0;
+        for (openvdb::Index n = 0; n < Tree::LeafNodeType::SIZE; ++n) sum += values[n] * 0;
+        return sum == 0;
     };
-    auto tiles = tree.cbeginValueAll();
-    tiles.setMaxDepth(decltype(tiles)::LEAF_DEPTH - 1);
-    if (!std::isfinite(tree.background()) || !finite(tiles)) return false;
     using Leaves = openvdb::tree::LeafManager<const Tree>;
     const Leaves leaves(tree);
     return tbb::parallel_reduce(
         leaves.leafRange(), true,
         [&](const Leaves::LeafRange& range, bool so_far) {
-            for (auto leaf = range.begin(); leaf && so_far; ++leaf) so_far = finite(leaf->cbeginValueAll());
+            for (auto leaf = range.begin(); leaf && so_far; ++leaf) so_far = finite(*leaf);
             return so_far;
         },
         [](bool a, bool b) { return a && b; });
@@ -80,11 +85,12 @@ FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width
     };
     refuse(width);
     openvdb::tools::Filter<FloatGrid> filter(*out);
-    switch (mode) {
-        case FilterMode::mean: filter.mean(width, iterations); break;
-        case FilterMode::median: filter.median(width, iterations); break;
-        case FilterMode::gaussian: filter.gaussian(width, iterations); break;
-    }
+    // A Gaussian is four means in a row, as openvdb::tools::Filter has it.
+    const bool narrow = width <= most_box_width;
+    if (mode == FilterMode::median) filter.median(width, iterations);
+    else if (narrow) box_mean(out->tree(), width, mode == FilterMode::gaussian ? 4 * iterations : iterations);
+    else if (mode == FilterMode::gaussian) filter.gaussian(width, iterations);
+    else filter.mean(width, iterations);
     refuse(0);
     out->setName(ParamTraits<FilterMode>::text(mode) + " of " + field.getName());
     return out;

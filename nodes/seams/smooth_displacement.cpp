@@ -3,6 +3,8 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace fluidcarve {
 
@@ -122,7 +124,8 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int las
 void SmoothDisplacement::resize(int last) {
     last_ = last;
     row_ = padded(static_cast<std::size_t>(last_ - first_) + 1);
-    entries_.assign(row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_), 0);
+    const auto count = row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
+    entries_ = std::make_shared<FloatFrameStore>(1, count, std::numeric_limits<std::uint64_t>::max(), "");
 }
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplacement(step, 0, 0) {
@@ -150,7 +153,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
             }
             for (int e = first_; e <= last_; ++e) {
                 const int beside = std::min({reach, e - step.start(), step.last() - e});
-                entries_[column * row_ + static_cast<std::size_t>(e - first_)] =
+                entries()[column * row_ + static_cast<std::size_t>(e - first_)] =
                     static_cast<float>(0.5 * (sum(e + beside + 1) - sum(e - beside)) / (2 * beside + 1));
             }
         }
@@ -178,7 +181,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
                 over, [&](std::size_t n) { return frames.data() + n * row; }, size, now.data());
             now.front() = static_cast<float>(out.ends_->first);
             now[size - 1] = static_cast<float>(out.ends_->second);
-            auto* const to = out.entries_.data() + column * out.row_;
+            auto* const to = out.entries() + column * out.row_;
             std::copy_n(now.data(), size, to);
             const Mirrored mirrored(now, first - 1);
             for (const auto& span : spans) {
@@ -219,7 +222,7 @@ SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& war
                     const double change = shift(low + 1) - shift(low), part = (to - low - shift(low)) / (1 + change);
                     // Subtracted from 0, so that no displacement is -0.
                     const double d = 0 - (shift(low) + part * change), whole = std::round(d);
-                    out.entries_[column * out.row_ + static_cast<std::size_t>(e - out.first_)] = static_cast<float>(std::abs(d - whole) < snap ? whole : d);
+                    out.entries()[column * out.row_ + static_cast<std::size_t>(e - out.first_)] = static_cast<float>(std::abs(d - whole) < snap ? whole : d);
                 }
             }
         });
@@ -236,7 +239,7 @@ void SmoothDisplacement::smooth_across(std::span<const float> weights, bool alon
     tbb::parallel_for(tbb::blocked_range<int>(0, along_w ? laterals_ : slices_), [&](const tbb::blocked_range<int>& lines) {
         std::vector<float> copy(row_ * static_cast<std::size_t>(count));
         for (int line = lines.begin(); line < lines.end(); ++line) {
-            auto* const first = entries_.data() + static_cast<std::size_t>(line) * between;
+            auto* const first = entries() + static_cast<std::size_t>(line) * between;
             for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) std::copy_n(first + n * stride, row_, copy.data() + n * row_);
             for (int at = 0; at < count; ++at) {
                 const auto row = [&](std::size_t n) {

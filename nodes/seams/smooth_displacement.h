@@ -1,12 +1,14 @@
 #pragma once
 
 #include "nodes/seams/carve_step.h"
+#include "nodes/seams/frame_store.h"
 
 #include <openvdb/Types.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -50,7 +52,7 @@ public:
     std::span<const float> column(int lateral, int k) const {
         const auto size = static_cast<std::size_t>(last_ - first_) + 1;
         const auto column = static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k);
-        return {entries_.data() + column * row_, size};
+        return {entries_->entries(0).data() + column * row_, size};
     }
     int first() const { return first_; }  ///< entries below it move as it does
     int last() const { return last_; }    ///< entries above it move as it does
@@ -69,6 +71,7 @@ private:
     SmoothDisplacement(const CarveStep& step, int first, int last);
     /// Makes room for entries first_ to `last`, all 0.
     void resize(int last);
+    float* entries() { return entries_->entries(0).data(); }
     /// Replaces each value by a weighted sum over its neighbours across the axis.
     /// @param weights  an odd number; the middle one is for the value itself
     /// @param along_w  true: along w; false: along the lateral axis
@@ -80,7 +83,7 @@ private:
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond these entries; set if the map is mirrored there
     int first_, last_;                               ///< displacements are constant along the axis below first_ and above last_
     std::size_t row_;                                ///< floats per column in entries_: one per entry, then zeros
-    std::vector<float> entries_;                     ///< `[column][entry]`, entries first_ to last_, vertices
+    std::shared_ptr<FloatFrameStore> entries_;       ///< `[column][entry]`, entries first_ to last_, vertices; copies share it
 };
 
 /// Smooths a step's displacements in space and time.
