@@ -80,7 +80,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("finest", &Params::finest, Unit::none, between(1, 2),
                "2: seams are found at half size along all dimensions, time included. Energies are halved while frames stream by, so they take a sixteenth of "
                "the memory, and seams of the time. Each seam that is found stands for two, side by side; its energy and bound are those at half size, by "
-               "column. Passages between protected vertices count from seven vertices on. 1: at full size. auto is 2 for lattices of more than 16.8 million "
+               "column. Passages between protected vertices count from seven vertices on. 1: at full size. auto is 2 for lattices of more than 12 million "
                "vertices in a frame, and says so; else 1. Images are solved at full size.")
         .output("seams", &Ports::seams, "The seams, in the order in which they were found.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis", "measure", "finest"})

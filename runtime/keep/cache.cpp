@@ -34,23 +34,36 @@ constexpr std::size_t seal_size = 16;
 
 Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
 
-/// An output buffer whose bytes can be used without a copy, unlike those of a string stream.
+/// An output buffer whose bytes can be used without a copy, unlike those of a string stream. It grows by parts, so that none moves.
 class Bytes : public std::streambuf {
 public:
-    std::vector<char> data;
+    std::size_t size() const { return parts_.empty() ? 0 : (parts_.size() - 1) * part_size + parts_.back().size(); }
+    const std::vector<std::vector<char>>& parts() const { return parts_; }
 
 protected:
     int_type overflow(int_type c) override {
-        if (!traits_type::eq_int_type(c, traits_type::eof())) data.push_back(traits_type::to_char_type(c));
+        const char one = traits_type::to_char_type(c);
+        if (!traits_type::eq_int_type(c, traits_type::eof())) xsputn(&one, 1);
         return traits_type::not_eof(c);
     }
     std::streamsize xsputn(const char* from, std::streamsize count) override {
-        data.insert(data.end(), from, from + count);
+        for (auto left = static_cast<std::size_t>(count); left > 0;) {
+            if (parts_.empty() || parts_.back().size() == part_size) parts_.emplace_back().reserve(part_size);
+            auto& part = parts_.back();
+            const auto some = std::min(left, part_size - part.size());
+            part.insert(part.end(), from, from + some);
+            from += some;
+            left -= some;
+        }
         return count;
     }
     pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-        return from == std::ios_base::cur && offset == 0 ? pos_type(static_cast<off_type>(data.size())) : pos_type(off_type(-1));
+        return from == std::ios_base::cur && offset == 0 ? pos_type(static_cast<off_type>(size())) : pos_type(off_type(-1));
     }
+
+private:
+    static constexpr std::size_t part_size = std::size_t{1} << 20;
+    std::vector<std::vector<char>> parts_;
 };
 
 /// An input buffer over bytes in memory, without a copy.
@@ -94,7 +107,7 @@ bool read_all(int file, char* into, std::size_t size) {
     return true;
 }
 
-void write_all(const std::string& path, std::initializer_list<std::span<const char>> parts) {
+void write_all(const std::string& path, std::span<const std::span<const char>> parts) {
     const Descriptor file{open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC)};
     for (auto part : parts)
         while (!part.empty()) {
@@ -229,25 +242,31 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
                 continue;
             }
             const auto& type = registry_.payload(output.type());
-            const auto begin = body.data.size();
+            const auto begin = body.size();
             type.write(output, out);
-            header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.data.size() - begin}});
+            header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
         }
         const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
         std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
         append(head, static_cast<std::uint64_t>(text.size()));
-        append(head, static_cast<std::uint64_t>(body.data.size()));
+        append(head, static_cast<std::uint64_t>(body.size()));
         append(head, checksum(text.data(), text.size()));
         head.insert(head.end(), text.begin(), text.end());
-        append(seal, ContentHash().bytes(head.data(), head.size()).bytes(body.data.data(), body.data.size()).digest());
+        std::vector<std::span<const char>> parts{head};
+        parts.insert(parts.end(), body.parts().begin(), body.parts().end());
+        ContentHash hash;
+        for (const auto& part : parts) hash.bytes(part.data(), part.size());
+        append(seal, hash.digest());
+        parts.emplace_back(seal);
         // What has a file stays in it: a file is found before a record.
-        if (head.size() + body.data.size() + seal.size() <= packed_ && access(path_of(key).c_str(), F_OK) != 0) {
-            for (const auto* const part : {&body.data, &seal}) head.insert(head.end(), part->begin(), part->end());
-            packs_.add(key, head);
+        if (head.size() + body.size() + seal.size() <= packed_ && access(path_of(key).c_str(), F_OK) != 0) {
+            std::vector<char> record;
+            for (const auto& part : parts) record.insert(record.end(), part.begin(), part.end());
+            packs_.add(key, record);
             return true;
         }
         OutputFile file(path_of(key));
-        write_all(file.aside(), {head, body.data, seal});
+        write_all(file.aside(), parts);
         file.commit();
         return true;
     } catch (const std::exception& error) {

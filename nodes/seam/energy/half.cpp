@@ -54,6 +54,17 @@ private:
     float columns_ = 0;
 };
 
+/// Whether all codes are 0, as in empty space, which is most of many lattices.
+bool all_zero(std::span<const std::uint16_t> codes) {
+    constexpr std::size_t at_once = 64;
+    for (std::size_t n = 0; n < codes.size(); n += at_once) {
+        unsigned any = 0;
+        for (const auto code : codes.subspan(n, std::min(at_once, codes.size() - n))) any |= code;
+        if (any != 0) return false;
+    }
+    return true;
+}
+
 template <class Mean>
 void halve(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::span<std::uint16_t> out) {
     const auto [width, laterals, planes] = shape;
@@ -63,10 +74,19 @@ void halve(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::
                           Mean mean(width);
                           for (auto c = range.begin(); c < range.end(); ++c) {
                               const auto lateral = 2 * (c % coarse_laterals), k = 2 * (c / coarse_laterals);
+                              const auto coarse = out.subspan(c * coarse_width, coarse_width);
+                              bool empty = true;
+                              for (auto fk = k; fk < std::min(k + 2, planes); ++fk)
+                                  empty =
+                                      empty && all_zero(codes.subspan((lateral + laterals * fk) * width, width * (std::min(lateral + 2, laterals) - lateral)));
+                              if (empty) {
+                                  std::ranges::fill(coarse, std::uint16_t{0});
+                                  continue;
+                              }
                               for (auto fk = k; fk < std::min(k + 2, planes); ++fk)
                                   for (auto fl = lateral; fl < std::min(lateral + 2, laterals); ++fl)
                                       mean.add(codes.subspan((fl + laterals * fk) * width, width));
-                              mean.end(out.subspan(c * coarse_width, coarse_width));
+                              mean.end(coarse);
                           }
                       });
 }

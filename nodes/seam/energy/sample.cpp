@@ -21,12 +21,20 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// How values are encoded, and the message about a value that cannot be.
-struct Code {
-    std::uint16_t (*encode)(float value);
-    std::uint16_t invalid;
-    const char* what;
-    float least, most;
+// How values are encoded, and the message about a value that cannot be.
+struct EnergyCode {
+    static std::uint16_t encode(float value) { return encode_energy(value); }
+    static constexpr std::uint16_t invalid = invalid_energy_code;
+    static constexpr auto what = "the energy is {} at {}; energies must be from {:g} to {:.3g}";
+    static float least() { return 0; }
+    static float most() { return decode_energy(highest_energy_code); }
+};
+struct FieldCode {
+    static std::uint16_t encode(float value) { return encode_field(value); }
+    static constexpr std::uint16_t invalid = invalid_field_code;
+    static constexpr auto what = "the field is {} at {}; a solver takes values from {:g} to {:g}; scale the field down";
+    static float least() { return -highest_field; }
+    static float most() { return highest_field; }
 };
 
 /// Reads values by voxel index. All readers move to a column and then read its entries: its vertices stand on a line at equal distances.
@@ -37,7 +45,8 @@ public:
     void move_to(const std::array<int, 3>& first) { first_ = alignment_.voxel(first[0], first[1], first[2]); }
     float operator()(int entry) { return values_.getValue(at(entry)); }
     /// Encodes the first entries of the column: those in one leaf at once, and those outside of leaves by one value.
-    void encode(const Code& code, std::span<std::uint16_t> codes) {
+    template <class Code>
+    void encode(std::span<std::uint16_t> codes) {
         const auto size = static_cast<int>(codes.size());
         for (int entry = 0; entry < size;) {
             const auto voxel = at(entry);
@@ -46,11 +55,11 @@ public:
             if (const auto* const leaf = values_.probeConstLeaf(voxel)) {
                 const auto* value = leaf->buffer().data() + openvdb::FloatTree::LeafNodeType::coordToOffset(voxel);
                 for (auto& each : out) {
-                    each = code.encode(*value);
+                    each = Code::encode(*value);
                     value += offset_;
                 }
             } else {
-                std::ranges::fill(out, code.encode(values_.getValue(voxel)));
+                std::ranges::fill(out, Code::encode(values_.getValue(voxel)));
             }
             entry += run;
         }
@@ -144,26 +153,21 @@ private:
     Vec3d first_;
 };
 
-const Code energy_code{encode_energy, invalid_energy_code, "the energy is {} at {}; energies must be from {:g} to {:.3g}", 0,
-                       decode_energy(highest_energy_code)};
-const Code field_code{encode_field, invalid_field_code, "the field is {} at {}; a solver takes values from {:g} to {:g}; scale the field down", -highest_field,
-                      highest_field};
-
-template <class MakeReader>
-void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::uint16_t> codes, const Planes& planes, MakeReader&& make_reader) {
+template <class Code, class MakeReader>
+void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, const Planes& planes, MakeReader&& make_reader) {
     const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
     tbb::parallel_for(tbb::blocked_range<int>(0, planes.count * laterals, 16), [&](const tbb::blocked_range<int>& range) {
         auto read = make_reader();
         for (int column = range.begin(); column < range.end(); ++column) {
             read.move_to(vertex_of(axis, 0, column % laterals, planes.first + column / laterals));
             const auto out = codes.subspan(static_cast<std::size_t>(column) * static_cast<std::size_t>(entries), static_cast<std::size_t>(entries));
-            if constexpr (std::is_same_v<decltype(read), ByIndex>) read.encode(code, out);
+            if constexpr (std::is_same_v<decltype(read), ByIndex>) read.template encode<Code>(out);
             else
-                for (int entry = 0; entry < entries; ++entry) out[static_cast<std::size_t>(entry)] = code.encode(read(entry));
+                for (int entry = 0; entry < entries; ++entry) out[static_cast<std::size_t>(entry)] = Code::encode(read(entry));
         }
     });
     // Searched serially, so that the message always names the first place.
-    const auto bad = std::find(codes.begin(), codes.end(), code.invalid);
+    const auto bad = std::find(codes.begin(), codes.end(), Code::invalid);
     if (bad == codes.end()) return;
     const auto place = bad - codes.begin();
     const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
@@ -171,9 +175,9 @@ void fill(const Lattice& lattice, Axis axis, const Code& code, std::span<std::ui
     const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
     auto read = make_reader();
     read.move_to(vertex_of(axis, 0, lateral, at[2]));
-    throw Failure(fmt::format(fmt::runtime(code.what), read(entry),
-                              fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]), code.least,
-                              code.most));
+    throw Failure(fmt::format(fmt::runtime(Code::what), read(entry),
+                              fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]), Code::least(),
+                              Code::most()));
 }
 
 }  // namespace
@@ -182,16 +186,16 @@ void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axi
                    std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
     if (const auto alignment = align(lattice, energy.transform()))
-        fill(lattice, axis, energy_code, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
-    else if (measure == Measure::vertex || lattice.is_box()) fill(lattice, axis, energy_code, codes, these, [&] { return AtVertices(energy, lattice, axis); });
-    else fill(lattice, axis, energy_code, codes, these, [&] { return OverCells(energy, lattice, axis); });
+        fill<EnergyCode>(lattice, axis, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
+    else if (measure == Measure::vertex || lattice.is_box()) fill<EnergyCode>(lattice, axis, codes, these, [&] { return AtVertices(energy, lattice, axis); });
+    else fill<EnergyCode>(lattice, axis, codes, these, [&] { return OverCells(energy, lattice, axis); });
 }
 
 void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
     if (const auto alignment = align(lattice, field.transform()))
-        fill(lattice, axis, field_code, codes, these, [&] { return ByIndex(field, *alignment, axis); });
-    else fill(lattice, axis, field_code, codes, these, [&] { return AtVertices(field, lattice, axis); });
+        fill<FieldCode>(lattice, axis, codes, these, [&] { return ByIndex(field, *alignment, axis); });
+    else fill<FieldCode>(lattice, axis, codes, these, [&] { return AtVertices(field, lattice, axis); });
 }
 
 }  // namespace fluidcarve

@@ -13,7 +13,7 @@ namespace fluidcarve {
 namespace {
 
 /// Lattices of more vertices are solved at half size, unless told otherwise.
-constexpr std::size_t most_vertices_solved = std::size_t{1} << 24;
+constexpr std::size_t most_vertices_solved = 12'000'000;
 
 }  // namespace
 

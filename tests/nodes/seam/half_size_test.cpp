@@ -284,7 +284,7 @@ TEST_CASE("seams after others at half size see what those leave") {
         for (const auto entry : seam.at) CHECK(entry == 16);
 }
 
-TEST_CASE("half size is for volumes of more than 16.8 million vertices, unless stated") {
+TEST_CASE("half size is for volumes of more than 12 million vertices, unless stated") {
     SolverParams params;
     Lattice lattice;
     const auto chosen = [&](const std::array<int, 3>& shape) {
