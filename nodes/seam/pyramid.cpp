@@ -23,10 +23,13 @@ struct Effort {
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
     int passes;                 ///< of messages to and fro at the finest level; each coarser one gets twice as many, up to most_passes
 };
-constexpr Effort most_effort{std::size_t{1} << 18, 0, 8};
+constexpr Effort most_effort{std::size_t{1} << 18, 0, 20};
 /// With a field, each cut takes several times as long, and seams of less energy look no better.
 constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4};
-constexpr int most_passes = 64, passes_of_best = 16;
+constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes = 64;
+
+/// Sweeps along all lines of columns; in rings each is opened elsewhere.
+constexpr int turns_of_sweep = 4;
 
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = StripMessages::most_entries / 2;
@@ -41,24 +44,27 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 }  // namespace
 
 int Pyramid::passes(bool field, int level) const {
-    const int finest = quality_ == Quality::draft ? 1 : quality_ == Quality::best ? passes_of_best : effort_for(field, quality_).passes;
+    const int finest = quality_ == Quality::draft ? passes_of_draft : quality_ == Quality::best ? passes_of_best : effort_for(field, quality_).passes;
     return std::min(finest << std::min(level, 8), most_passes);
 }
 
-void Pyramid::refine(StripMessages& messages, int level, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+void Pyramid::refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) { seam = cut_seam(strip, seam, 1, tolerance, number, tick).at; };
-    messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
-    if (quality_ == Quality::best) cut(1e-3);
+    // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it.
+    const bool cuts = quality_ == Quality::best || attracts;
+    if (!attracts) messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
+    if (cuts) cut(1e-3);
     LineSweeps sweep(strip);
-    for (int turn = 0; turn < 2; ++turn) {
+    for (int turn = 0; turn < turns_of_sweep; ++turn) {
         tick();
         sweep(seam, turn);
     }
-    if (quality_ == Quality::best) cut(1e-4);
+    if (cuts) cut(1e-4);
 }
 
-Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, const std::function<void()>& tick) const {
+Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, bool attracts,
+                                       const std::function<void()>& tick) const {
     const Columns columns(energy);
     const auto& effort = effort_for(energy.has_field(), quality_);
     if (small(energy, window, effort)) return {cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at, std::nullopt};
@@ -66,13 +72,13 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
     {
         const auto coarse = restrict_energy(energy, window, energy.barrier());
         tick();
-        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, tick);
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, attracts, tick);
         out.seam = past_protected(energy, window, prolong_seam(Columns(coarse), found.seam, columns, window));
         Strip strip(energy, Band::around(out.seam, radius, window));
         if (found.messages) out.messages.emplace(std::move(strip), window, *found.messages);
         else out.messages.emplace(std::move(strip));
     }
-    refine(*out.messages, level, number, out.seam, tick);
+    refine(*out.messages, level, attracts, number, out.seam, tick);
     return out;
 }
 
@@ -83,14 +89,14 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     std::vector<std::uint16_t> best;
     Seams::Seam greedy;
     // Small cuts keep one thread busy: meanwhile the others search greedily.
-    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, alive).seam; },
+    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam; },
                          [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
     const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
     if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window)));
-        refine(messages, 0, number, best, alive);
+        refine(messages, 0, energy.attracts(), number, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy.at.begin(), greedy.at.end());
@@ -121,8 +127,8 @@ struct PyramidNode : SeamNode {
 NodeType seam_pyramid() {
     Declare<PyramidNode> node(
         "seam.pyramid",
-        "Finds seams from coarse to fine, by messages in narrow bands. They are within half a percent of the least energy in real smoke and fire, and "
-        "within a few percent in rougher energies. They are exact in images and small volumes, and never worse than those of `seam.greedy`.");
+        "Finds seams from coarse to fine, by messages in narrow strips. They are within half a percent of the least energy in real smoke and fire, and "
+        "within one or two percent in rougher energies. They are exact in images and small volumes, and never worse than those of `seam.greedy`.");
     return declare_solver(node)
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")

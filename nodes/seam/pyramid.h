@@ -37,9 +37,10 @@ private:
     /// @param field  whether the energy has one
     /// @param level  0: the finest
     int passes(bool field, int level) const;
-    Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, const std::function<void()>& tick) const;
+    Level coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, bool attracts, const std::function<void()>& tick) const;
     /// Improves a seam within the strip of its messages.
-    void refine(StripMessages& messages, int level, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
+    /// @param attracts  whether seams are to take marked vertices
+    void refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const;
 
     Quality quality_;
     int starts_;

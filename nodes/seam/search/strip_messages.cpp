@@ -1,6 +1,7 @@
 #include "nodes/seam/search/strip_messages.h"
 
 #include "nodes/seam/energy/wide.h"
+#include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/wavefront.h"
 
 #include <tbb/parallel_for.h>
@@ -10,9 +11,6 @@
 #include <cmath>
 #include <cstring>
 #include <utility>
-
-// Vectors of eight never leave this file's inlined functions, so how they are handed over does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace fluidcarve {
 
@@ -28,6 +26,8 @@ using Messages = StripMessages::Messages;
 
 /// Stands for an infinite cost; sums and differences of it stay finite.
 constexpr float endless = 1e30f;
+/// What a hole costs where a seam must go on: less than a step that is none.
+constexpr float hole = 1e20f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
 constexpr float least_gain = 1e-5f;
 /// Columns along each dimension that a thread visits one after the other.
@@ -158,6 +158,8 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
             }
         const int first = pass.band[column].first, own = pass.seam[column] - first;
         if (pass.taken != nullptr) {
+            // Holes may leave no way on. Then the seam passes some, and is moved aside later.
+            if (pass.holes) choice = least(choice, all(hole));
             const auto add_step = [&](std::size_t other, std::size_t d)
                                       FLUIDCARVE_INLINED { choice += sent<edges>(pass, only_at(pass, other, pass.taken[other]), other, column, d); };
             for (std::size_t d = 0; d < 3; ++d)
@@ -314,6 +316,9 @@ void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool g
         pass(true, seam, last ? &found : nullptr, tick);
         if (!last || goes_on) pass(false, seam, nullptr, tick);
     }
+    if (strip_.protects())
+        found = moved_aside(
+            strip_.columns(), found, strip_.band(), [&](std::size_t c, int entry) { return strip_.energy(c, entry); }, strip_.steps());
     if (strip_.energy(found) < strip_.energy(seam)) seam = std::move(found);
 }
 

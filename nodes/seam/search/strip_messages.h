@@ -44,7 +44,7 @@ private:
     /// Passes messages through all columns.
     /// @param forward  in the order of columns; else against it
     /// @param seam     as for improve()
-    /// @param taken    becomes the seam that the messages lead to; null: none is wanted
+    /// @param taken    becomes the seam that the messages lead to, which may pass protected vertices; null: none is wanted
     void pass(bool forward, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
 
     Strip strip_;

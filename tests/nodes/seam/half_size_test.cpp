@@ -291,8 +291,8 @@ TEST_CASE("half size is for volumes of more than 12 million vertices, unless sta
         lattice.shape = shape;
         return finest_for(params, lattice);
     };
-    CHECK(chosen({256, 256, 256}) == 1);
-    CHECK(chosen({257, 256, 256}) == 2);
+    CHECK(chosen({300, 200, 200}) == 1);
+    CHECK(chosen({301, 200, 200}) == 2);
     CHECK(chosen({5000, 5000, 1}) == 1);
     params.finest = 2;
     CHECK(chosen({8, 8, 8}) == 2);
