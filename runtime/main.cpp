@@ -1,31 +1,13 @@
 #include "nodes/catalogue.h"
+#include "runtime/run/freed_memory.h"
 #include "runtime/run/run.h"
 #include "runtime/verbs/commands.h"
 
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
-
-#include <climits>
 #include <cstdio>
 #include <exception>
 
-namespace {
-
-/// Frames come and go, each in thousands of small pieces. Memory that one leaves is kept for the next: giving it back to the system and
-/// asking for it again took a fifth of a run.
-void keep_freed_memory() {
-#if defined(__GLIBC__)
-    mallopt(M_TRIM_THRESHOLD, INT_MAX);
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TOP_PAD, 16 << 20);
-#endif
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
-    keep_freed_memory();
+    fluidcarve::keep_freed_memory();
     int code = fluidcarve::exit_code::node_failed;
     try {
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());

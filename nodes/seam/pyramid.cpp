@@ -25,7 +25,7 @@ struct Effort {
 };
 constexpr Effort most_effort{std::size_t{1} << 18, 0, 20};
 /// With a field, each cut takes several times as long, and seams of less energy look no better.
-constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4};
+constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 6};
 constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes = 64;
 
 /// Sweeps along all lines of columns; in rings each is opened elsewhere.

@@ -4,7 +4,7 @@
 //
 // --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB), and smoke in 1000 x 600 x 600 voxels
 // --keep: write the figures to pipelines/gallery/bench.md
-// --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, sparse, warp or page
+// --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, pyramid, sparse, warp or page
 // the folder: another sequence like tests/data/vortex
 
 #include "graph/build_pipeline.h"
@@ -20,6 +20,8 @@
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seam/greedy.h"
+#include "nodes/seam/pyramid.h"
+#include "runtime/run/freed_memory.h"
 #include "runtime/run/run.h"
 #include "tests/bench/cache.h"
 #include "tests/bench/copying.h"
@@ -32,6 +34,7 @@
 #include "tests/bench/warp.h"
 #include "tests/support/program.h"
 #include "tests/support/seams_through.h"
+#include "tests/support/synthetic_energy.h"
 
 #include <openvdb/tools/GridTransformer.h>
 
@@ -163,6 +166,19 @@ void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
     if (shape[0] == 322) line(fmt::format("{}: the paper's 3.7 s on eight cores / seam.greedy", name), 3.7 / two);
 }
 
+/// The first seam through synthetic smoke.
+void bench_pyramid(const std::array<int, 3>& shape, std::size_t frames) {
+    const auto energy = test::SyntheticEnergy(test::Synthetic::smoke, 3)(shape, frames);
+    const Window window{0, shape[0] - 1};
+    const Tick nobody = [](double) {};
+    const auto find = [&](Quality quality) { return Pyramid(quality, 16)(energy, window, 0, nobody).energy; };
+    const auto name = fmt::format("smoke {}x{}x{} x {}", shape[0], shape[1], shape[2], frames);
+    double found = 0;
+    const double greedy = seconds(3, [&] { greedy_seam(energy, window, 0, 16, nobody); }), pyramid = seconds(3, [&] { found = find(Quality::normal); });
+    line(name + ": seam.pyramid / seam.greedy", pyramid / greedy, fmt::format("{:.2f} s, {:.2f} s", pyramid, greedy), Better::lower);
+    line(name + ": energy of seam.pyramid / with quality: best", found / find(Quality::best), "", Better::lower);
+}
+
 /// The frames of tests/data/plume forth and back, as a sequence of `count` in a folder.
 PathPattern looped_plume(const Scratch& scratch, int count) {
     for (int frame = 1; frame <= count; ++frame) {
@@ -223,6 +239,7 @@ void bench_memory() {
 }  // namespace
 
 int main(int argc, char** argv) {
+    keep_freed_memory();
     openvdb::initialize();
     bool large = false, keep = false;
     std::string vortex = SOURCE_ROOT "/tests/data/vortex";
@@ -253,6 +270,11 @@ int main(int argc, char** argv) {
          [&] {
              bench_greedy({161, 52, 165}, 20);
              if (large) bench_greedy({322, 105, 331}, 84);
+         }},
+        {"pyramid",
+         [&] {
+             bench_pyramid({161, 52, 165}, 20);
+             if (large) bench_pyramid({322, 105, 331}, 84);
          }},
         {"sparse", [&] { bench_sparse(large); }},
         {"warp", [&] { bench_warp(large); }},

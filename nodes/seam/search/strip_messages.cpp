@@ -56,6 +56,7 @@ struct Pass {
     float weight;                           ///< cost per unit by which the field changes across a new edge
     std::array<float, 3> rigidity;          ///< of a step along each dimension
     std::array<std::size_t, 3> size, step;  ///< columns along each dimension, and from one to the next
+    std::array<std::size_t, 3> origin;      ///< the first column of each ring; 0 of other lines
     float lines;                            ///< dimensions of more than one column: so many lines go through a column
     bool rings;                             ///< whether some of them close
     bool holes;                             ///< whether some entries can't be taken
@@ -89,6 +90,16 @@ FLUIDCARVE_INLINE Eight only_at(const Pass& pass, std::size_t column, std::uint1
     return places == entry - pass.band[column].first ? Eight{} : all(endless);
 }
 
+/// The neighbours of a column along a dimension, in the order of columns. In a ring they go round.
+struct Neighbours {
+    std::size_t previous, next;
+};
+
+FLUIDCARVE_INLINE Neighbours neighbours_of(const Pass& pass, std::size_t column, std::size_t place, std::size_t d) {
+    const auto step = pass.step[d], around = step * (pass.size[d] - 1);
+    return {place == 0 ? column + around : column - step, place + 1 == pass.size[d] ? column - around : column + step};
+}
+
 /// A column and the one that closes a ring with it: the ring's first and last columns are neighbours, too.
 struct Closing {
     bool is = false;
@@ -97,18 +108,19 @@ struct Closing {
     std::size_t owner = 0;  ///< the column that the message between both belongs to: the ring's last
 };
 
-FLUIDCARVE_INLINE Closing closing_of(const Pass& pass, std::size_t column, std::size_t place, std::size_t d) {
-    const bool first = place == 0, last = place + 1 == pass.size[d];
+/// @param at  the column's place in the ring, from its first on
+FLUIDCARVE_INLINE Closing closing_of(const Pass& pass, std::size_t column, const Neighbours& beside, std::size_t at, std::size_t d) {
+    const bool first = at == 0, last = at + 1 == pass.size[d];
     if (!pass.columns.ring(d) || !(first || last)) return {};
-    const auto around = pass.step[d] * (pass.size[d] - 1);
-    return {true, first == pass.forward, first ? column + around : column - around, first ? column + around : column};
+    return {true, first == pass.forward, first ? beside.previous : beside.next, first ? beside.previous : column};
 }
 
 /// Where a seam may be in a column so that the ring still closes: within a cone around its entry in the ring's first column.
-/// @param place  of the column in the ring
-FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t place, std::size_t d) {
+/// @param at     the column's place in the ring, from its first on
+/// @param first  the ring's first column
+FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t at, std::size_t first, std::size_t d) {
     constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
-    const int off = pass.band[column].first - pass.taken[column - place * pass.step[d]], left = static_cast<int>(pass.size[d] - place);
+    const int off = pass.band[column].first - pass.taken[first], left = static_cast<int>(pass.size[d] - at);
     return (places + off > left) | (places + off < -left) ? all(endless) : Eight{};
 }
 
@@ -119,25 +131,33 @@ template <bool edges, bool forward>
 FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
     constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
     const Mask outside = places >= static_cast<std::int32_t>(pass.width);
+    // Places from a ring's first column on, and from column 0 on.
     const auto in_order = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED { return forward ? at : pass.size[d] - 1 - at; };
-    std::array<std::size_t, 3> place{0, in_order(1, k), in_order(2, t)};
+    const auto turned = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED {
+        const auto place = at + pass.origin[d];
+        return place < pass.size[d] ? place : place - pass.size[d];
+    };
+    std::array<std::size_t, 3> at{0, in_order(1, k), in_order(2, t)}, place{0, turned(1, at[1]), at[2]};
     const auto row = pass.columns.at(0, place[1], place[2]);
     // Whether there are neighbours that the pass has visited before and that it visits later.
     std::array<bool, 3> before{false, k > 0, t > 0}, ahead{false, k + 1 < pass.size[1], t + 1 < pass.size[2]};
     for (auto lateral = begin; lateral < end; ++lateral) {
-        place[0] = in_order(0, lateral);
+        at[0] = in_order(0, lateral);
+        place[0] = turned(0, at[0]);
         before[0] = lateral > 0;
         ahead[0] = lateral + 1 < pass.size[0];
         const auto column = row + place[0];
-        const auto beside = [&](std::size_t d, bool later) FLUIDCARVE_INLINED { return later == forward ? column + pass.step[d] : column - pass.step[d]; };
-        // A message belongs to the lower of two columns.
+        const std::array neighbours{neighbours_of(pass, column, place[0], 0), neighbours_of(pass, column, place[1], 1),
+                                    neighbours_of(pass, column, place[2], 2)};
+        const auto beside = [&](std::size_t d, bool later) FLUIDCARVE_INLINED { return later == forward ? neighbours[d].next : neighbours[d].previous; };
+        // A message belongs to the earlier of two columns, in the order of columns.
         const auto message = [&](std::size_t d, bool later)
-                                 FLUIDCARVE_INLINED -> Eight& { return pass.messages[later == forward ? column : column - pass.step[d]].along[d]; };
+                                 FLUIDCARVE_INLINED -> Eight& { return pass.messages[later == forward ? column : neighbours[d].previous].along[d]; };
         std::array<Closing, 2> closings;
         float lines = pass.lines;
         if (pass.rings)
             for (std::size_t d = 0; d < 2; ++d) {
-                closings[d] = closing_of(pass, column, place[d], d);
+                closings[d] = closing_of(pass, column, neighbours[d], at[d], d);
                 lines += closings[d].is ? 1 : 0;
             }
         auto sum = least(load(pass.energies + column * pass.width), all(endless)), choice = sum;
@@ -166,7 +186,8 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 if (before[d]) add_step(beside(d, false), d);
             if (pass.rings)
                 for (std::size_t d = 0; d < 2; ++d) {
-                    if (pass.columns.ring(d) && place[d] > 0) choice += cone(pass, column, place[d], d);
+                    const auto first_of_ring = column + pass.origin[d] * pass.step[d] - place[d] * pass.step[d];
+                    if (pass.columns.ring(d) && at[d] > 0) choice += cone(pass, column, at[d], first_of_ring, d);
                     if (closings[d].is && !closings[d].ahead) add_step(closings[d].other, d);
                 }
             int best = own;
@@ -276,7 +297,8 @@ StripMessages::StripMessages(Strip strip, Window window, const StripMessages& co
     });
 }
 
-void StripMessages::pass(bool forward, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick) {
+void StripMessages::pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken,
+                         const std::function<void()>& tick) {
     const auto& columns = strip_.columns();
     const auto& steps = strip_.steps();
     const std::array size{columns.laterals(), columns.slices(), columns.frames()};
@@ -290,6 +312,7 @@ void StripMessages::pass(bool forward, const std::vector<std::uint16_t>& seam, s
                     {in_space, in_space, in_time},
                     size,
                     {1, columns.laterals(), columns.per_frame()},
+                    {origin[0], origin[1], 0},
                     static_cast<float>(std::max<std::ptrdiff_t>(std::ranges::count_if(size, [](std::size_t n) { return n > 1; }), 1)),
                     columns.ring(0) || columns.ring(1),
                     strip_.protects(),
@@ -309,12 +332,34 @@ void StripMessages::pass(bool forward, const std::vector<std::uint16_t>& seam, s
         [&](double) { tick(); });
 }
 
+void StripMessages::forget(const Origin& origin) {
+    const auto& columns = strip_.columns();
+    const std::array size{columns.laterals(), columns.slices()};
+    for (std::size_t d = 0; d < 2; ++d) {
+        if (!columns.ring(d)) continue;
+        const auto last = (origin[d] + size[d] - 1) % size[d];
+        for (std::size_t c = 0; c < messages_.size(); ++c)
+            if (const auto at = columns.place(c); (d == 0 ? at.lateral : at.k) == last) messages_[c].along[d] = Eight{};
+    }
+}
+
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on, const std::function<void()>& tick) {
+    const auto& columns = strip_.columns();
+    if (!columns.ring(0) && !columns.ring(1)) return improve(seam, passes, {0, 0}, goes_on, tick);
+    // A seam is worst where it closes. So rings begin at their middle, then at column 0.
+    const Origin middle{columns.ring(0) ? columns.laterals() / 2 : 0, columns.ring(1) ? columns.slices() / 2 : 0};
+    improve(seam, passes, middle, true, tick);
+    forget(middle);
+    forget({0, 0});
+    improve(seam, passes, {0, 0}, goes_on, tick);
+}
+
+void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on, const std::function<void()>& tick) {
     auto found = seam;
     for (int n = 0; n < passes; ++n) {
         const bool last = n + 1 == passes;
-        pass(true, seam, last ? &found : nullptr, tick);
-        if (!last || goes_on) pass(false, seam, nullptr, tick);
+        pass(true, origin, seam, last ? &found : nullptr, tick);
+        if (!last || goes_on) pass(false, origin, seam, nullptr, tick);
     }
     if (strip_.protects())
         found = moved_aside(

@@ -41,11 +41,17 @@ public:
     void improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on, const std::function<void()>& tick);
 
 private:
+    /// Where rings begin, along lateral and k.
+    using Origin = std::array<std::size_t, 2>;
+
+    void improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on, const std::function<void()>& tick);
+    /// Clears the messages that close rings: if rings begin elsewhere, these go the other way.
+    void forget(const Origin& origin);
     /// Passes messages through all columns.
     /// @param forward  in the order of columns; else against it
     /// @param seam     as for improve()
     /// @param taken    becomes the seam that the messages lead to, which may pass protected vertices; null: none is wanted
-    void pass(bool forward, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
+    void pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
 
     Strip strip_;
     std::vector<Messages> messages_;  ///< `[column]`
