@@ -47,11 +47,11 @@ public:
                 const auto* const from = all_.data() + (side + place + n) * area;
                 for (std::size_t line = 0; line < area; ++line) sum[line] += from[line];
             }
-            for (int a = 0; a < side; ++a)
-                for (int b = 0; b < side; ++b) {
-                    const int to = axis == 0 ? area * place + side * a + b : axis == 1 ? area * a + side * place + b : area * a + side * b + place;
-                    out[to] = sum[static_cast<std::size_t>(side * a + b)] * share;
-                }
+            for (int line = 0; line < area; ++line) {
+                const int a = line / side, b = line % side;
+                const int to = axis == 0 ? area * place + line : axis == 1 ? area * a + side * place + b : area * a + side * b + place;
+                out[to] = sum[static_cast<std::size_t>(line)] * share;
+            }
         }
     }
 

@@ -25,10 +25,10 @@ public:
                 for (at.z() = 0; at.z() < 3; ++at.z()) read_block(accessor, origin + openvdb::Coord(8 * (at.x() - 1), 8 * (at.y() - 1), 8 * (at.z() - 1)), at);
     }
 
-    const ValueType& getValue(const openvdb::Coord& at) const { return values_[place(at - low_)]; }
+    const ValueType& getValue(const openvdb::Coord& at) const { return values_[place(at - low_, side)]; }
     bool isValueOn(const openvdb::Coord& at) const {
         const auto off = at - low_;
-        const auto& block = blocks_[static_cast<std::size_t>(9 * block_of(off.x()) + 3 * block_of(off.y()) + block_of(off.z()))];
+        const auto& block = blocks_[place({block_of(off.x()), block_of(off.y()), block_of(off.z())}, 3)];
         return block.leaf ? block.leaf->isValueOn(at) : block.on;
     }
     bool probeValue(const openvdb::Coord& at, ValueType& value) const {
@@ -38,34 +38,39 @@ public:
 
 private:
     using Leaf = typename Tree::LeafNodeType;
-    static constexpr int side = 10;
+    static constexpr std::size_t side = 10;
+    static constexpr int last = 9;
     struct Block {
         const Leaf* leaf;
         bool on;  ///< if there is no leaf
     };
 
-    static std::size_t place(const openvdb::Coord& off) { return static_cast<std::size_t>((off.x() * side + off.y()) * side + off.z()); }
+    /// Index in a cube of `size` entries a side.
+    static std::size_t place(const openvdb::Coord& at, std::size_t size) {
+        const std::array off{static_cast<std::size_t>(at.x()), static_cast<std::size_t>(at.y()), static_cast<std::size_t>(at.z())};
+        return (off[0] * size + off[1]) * size + off[2];
+    }
     /// 0 before the leaf, 1 in it, 2 behind it.
-    static int block_of(int off) { return off == 0 ? 0 : off == side - 1 ? 2 : 1; }
+    static int block_of(int off) { return off == 0 ? 0 : off == last ? 2 : 1; }
 
     /// @param at  the block's place: 0 to 2 along each axis
     template <class Accessor>
     void read_block(const Accessor& accessor, const openvdb::Coord& origin, const openvdb::Coord& at) {
         const auto* const leaf = accessor.probeConstLeaf(origin);
-        blocks_[static_cast<std::size_t>(9 * at.x() + 3 * at.y() + at.z())] = {leaf, !leaf && accessor.isValueOn(origin)};
+        blocks_[place(at, 3)] = {leaf, !leaf && accessor.isValueOn(origin)};
         // The part of the block that is needed: from its voxel `from` on, to `to` here.
         std::array<int, 3> from, to, count;
         for (int n = 0; n < 3; ++n) {
             const auto d = static_cast<std::size_t>(n);
             from[d] = at[n] == 0 ? 7 : 0;
-            to[d] = at[n] == 0 ? 0 : at[n] == 1 ? 1 : side - 1;
+            to[d] = at[n] == 0 ? 0 : at[n] == 1 ? 1 : last;
             count[d] = at[n] == 1 ? 8 : 1;
         }
         const auto tile = leaf ? ValueType() : accessor.getValue(origin);
         const auto* const values = leaf ? leaf->buffer().data() : nullptr;
         for (int x = 0; x < count[0]; ++x)
             for (int y = 0; y < count[1]; ++y) {
-                auto* const out = values_.data() + place({to[0] + x, to[1] + y, to[2]});
+                auto* const out = values_.data() + place({to[0] + x, to[1] + y, to[2]}, side);
                 if (values) std::copy_n(values + 64 * (from[0] + x) + 8 * (from[1] + y) + from[2], count[2], out);
                 else std::fill_n(out, count[2], tile);
             }

@@ -7,7 +7,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -40,7 +39,7 @@ FLUIDCARVE_INLINE Eight load(const float* values) {
     return out;
 }
 FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
-FLUIDCARVE_INLINE Eight size_of(Eight values) { return std::bit_cast<Eight>(std::bit_cast<Mask>(values) & 0x7FFFFFFF); }
+FLUIDCARVE_INLINE Eight size_of(Eight values) { return values < 0 ? -values : values; }
 /// The values of the entries before, and of those behind.
 FLUIDCARVE_INLINE Eight raised(Eight values) { return __builtin_shufflevector(values, all(endless), 8, 0, 1, 2, 3, 4, 5, 6); }
 FLUIDCARVE_INLINE Eight lowered(Eight values) { return __builtin_shufflevector(values, all(endless), 1, 2, 3, 4, 5, 6, 7, 8); }
