@@ -31,6 +31,9 @@ constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes = 64;
 /// Sweeps along all lines of columns; in rings each is opened elsewhere.
 constexpr int turns_of_sweep = 4;
 
+/// Energies of more columns with protected vertices are cut by the best quality only.
+constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
+
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = StripMessages::most_entries / 2;
 
@@ -51,8 +54,10 @@ int Pyramid::passes(bool field, int level) const {
 void Pyramid::refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) { seam = cut_seam(strip, seam, 1, tolerance, number, tick).at; };
-    // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it.
-    const bool cuts = quality_ == Quality::best || attracts;
+    // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it. Around protected vertices a seam that messages lead
+    // to is moved aside, where it may be dear.
+    const bool guarded = strip.protects() && strip.columns().count() <= most_columns_cut;
+    const bool cuts = quality_ == Quality::best || attracts || (guarded && quality_ != Quality::draft);
     if (!attracts) messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
     if (cuts) cut(1e-3);
     LineSweeps sweep(strip);
