@@ -15,7 +15,7 @@ namespace {
 
 /// Why a path could not be opened. @param error  an errno
 std::string fault_of_opening(int error, const FileUse& use) {
-    if (error == ENOENT || error == ENOTDIR) return std::string(use.missing);
+    if (error == ENOENT || error == ENOTDIR) return "does not exist";
     if (error == ENXIO) return fmt::format("is a socket or a device; {} is read from a regular file", use.what);
     return fmt::format("can't be opened: {}", std::strerror(error));
 }

@@ -20,10 +20,10 @@ public:
 struct FileUse {
     static constexpr auto any_size = ~std::uint64_t{0};
 
-    std::string_view what;                                                ///< for messages: "a mesh"
-    std::uint64_t most = any_size;                                        ///< bytes that the file may hold
-    std::string_view missing = "does not exist", folder = "is a folder";  ///< faults of a path that leads to nothing, or to a folder
-    bool anywhere = false;                                                ///< also outside of --confine: the user named it
+    std::string_view what;                    ///< for messages: "a mesh"
+    std::uint64_t most = any_size;            ///< bytes that the file may hold
+    std::string_view folder = "is a folder";  ///< the fault of a path that leads to a folder
+    bool anywhere = false;                    ///< also outside of --confine: the user named it
 };
 
 /// A regular file, open for reading. Nothing else is opened: a pipe would keep the program waiting for its writer, a device may have no end.

@@ -43,7 +43,7 @@ std::optional<std::size_t> comments_at(const std::string& path, const std::strin
 
 /// @param most  reads only so many bytes from the beginning
 FileText text_of_mesh(const std::string& path, std::size_t most = FileText::all) {
-    FileText out(InputFile(path, {.what = "a mesh", .missing = "can't be opened"}), most);
+    FileText out(InputFile(path, {.what = "a mesh"}), most);
     if (out.left() == 0) out.fault_in_all("the file is empty");
     return out;
 }

@@ -177,7 +177,7 @@ std::vector<Vec3d> read_curve(const std::string& path) {
     const auto ending = ending_of(path);
     if (ending != ".obj" && ending != ".ply" && ending != ".csv")
         throw Failure(fmt::format("{}: a curve is read from .obj, .ply or .csv, not from '{}'", path, ending), Failure::Kind::input);
-    FileText file(InputFile(path, {.what = "a curve", .most = most_bytes, .missing = "can't be opened"}));
+    FileText file(InputFile(path, {.what = "a curve", .most = most_bytes}));
     return ending == ".obj" ? read_obj(file) : ending == ".ply" ? read_ply(file) : read_csv(file);
 }
 

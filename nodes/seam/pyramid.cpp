@@ -22,14 +22,12 @@ struct Effort {
     std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
     int passes;                 ///< of messages to and fro at the finest level; each coarser one gets twice as many, up to most_passes
+    int sweeps;                 ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
-constexpr Effort most_effort{std::size_t{1} << 18, 0, 20};
-/// With a field, each cut takes several times as long, and seams of less energy look no better.
-constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 6};
+constexpr Effort most_effort{std::size_t{1} << 18, 0, 20, 4};
+/// With a field, each cut and sweep takes several times as long, and seams of less energy look no better.
+constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 2};
 constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes = 64;
-
-/// Sweeps along all lines of columns; in rings each is opened elsewhere.
-constexpr int turns_of_sweep = 4;
 
 /// Energies of more columns with protected vertices are cut by the best quality only.
 constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
@@ -61,7 +59,7 @@ void Pyramid::refine(StripMessages& messages, int level, bool attracts, int numb
     if (!attracts) messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
     if (cuts) cut(1e-3);
     LineSweeps sweep(strip);
-    for (int turn = 0; turn < turns_of_sweep; ++turn) {
+    for (int turn = 0; turn < effort_for(strip.steps().has_field(), quality_).sweeps; ++turn) {
         tick();
         sweep(seam, turn);
     }

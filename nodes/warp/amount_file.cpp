@@ -81,7 +81,7 @@ private:
 WarpAmount read_amounts(const std::string& path) {
     if (const auto ending = ending_of(path); ending != ".csv")
         throw Failure(fmt::format("{}: amounts are read from .csv, not from '{}'", path, ending), Failure::Kind::input);
-    FileText file(InputFile(path, {.what = "amounts", .most = most_amount_bytes, .missing = "can't be opened"}));
+    FileText file(InputFile(path, {.what = "amounts", .most = most_amount_bytes}));
     std::optional<AmountLines> lines;
     while (file.next()) {
         const auto words = words_of(file.line().substr(0, file.line().find('#')), ",; \t");

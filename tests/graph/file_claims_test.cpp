@@ -55,7 +55,7 @@ TEST_CASE("claims meet where the paths of their frames do, whatever their patter
     }
 }
 
-TEST_CASE("what a link leads to is read, too, over several links; a circle of links leads nowhere") {
+TEST_CASE("what a link leads to is read, too, over several links, and a circle of links leads nowhere") {
     const Scratch scratch;
     fs::create_directories(scratch / "real");
     fs::create_symlink("real/in.3", scratch / "near.3");

@@ -108,7 +108,7 @@ TEST_CASE("a text to a regular file is there as a whole, also over a former one"
           "cannot write /proc/nowhere/r.json: the folder /proc/nowhere cannot be made: No such file or directory");
 }
 
-TEST_CASE("with sync a file is flushed before it has its name, and then its folder; a disk that fails is told") {
+TEST_CASE("with sync a file is flushed before it has its name, and then its folder, and a disk that fails is told") {
     const Scratch scratch;
     const auto root = std::filesystem::canonical(scratch.path()).string(), path = root + "/new/r.json";
     OutputFile::write(path, "unsynced");

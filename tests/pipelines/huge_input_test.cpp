@@ -16,9 +16,9 @@ using openvdb::Coord;
 namespace {
 
 /// A file with one grid, `density`, and a pipeline that reads it and has these further nodes.
-class Shot {
+class HugeShot {
 public:
-    Shot(const FloatGrid::Ptr& grid, const std::string& nodes) {
+    HugeShot(const FloatGrid::Ptr& grid, const std::string& nodes) {
         grid->setName("density");
         write_vdb(scratch_ / "in.vdb", {{grid}, {}, {}});
         CHECK(std::filesystem::file_size(scratch_ / "in.vdb") < 40000);
@@ -45,7 +45,7 @@ constexpr int lowest = std::numeric_limits<int>::min(), highest = std::numeric_l
 
 TEST_CASE("voxels at both ends of index space end a run with a message") {
     const auto refused = [](const std::string& nodes, const std::string& message) {
-        const auto ran = Shot(voxels_at({{lowest, 0, 0}, {highest, 0, 0}}), nodes).call("run", "--progress none");
+        const auto ran = HugeShot(voxels_at({{lowest, 0, 0}, {highest, 0, 0}}), nodes).call("run", "--progress none");
         INFO(nodes << ran.err);
         CHECK(ran.code == 3);
         CHECK(ran.err.find(message) != std::string::npos);
@@ -59,11 +59,11 @@ TEST_CASE("voxels at both ends of index space end a run with a message") {
 }
 
 TEST_CASE("a carve passes by voxels at both ends of index space") {
-    const Shot shot(voxels_at({Coord(lowest), {2, 2, 2}, Coord(highest)}),
-                    "  box: {type: lattice.box, min: [0, 0, 0], max: [7, 7, 7], spacing: 1}\n"
-                    "  seams: {type: seam.pyramid, energy: sim.density, lattice: box, axis: u, count: -2}\n"
-                    "  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}\n"
-                    "  out: {type: vdb.write, source: carved, path: \"${to}/out.vdb\"}\n");
+    const HugeShot shot(voxels_at({Coord(lowest), {2, 2, 2}, Coord(highest)}),
+                        "  box: {type: lattice.box, min: [0, 0, 0], max: [7, 7, 7], spacing: 1}\n"
+                        "  seams: {type: seam.pyramid, energy: sim.density, lattice: box, axis: u, count: -2}\n"
+                        "  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}\n"
+                        "  out: {type: vdb.write, source: carved, path: \"${to}/out.vdb\"}\n");
     const auto ran = shot.call("run", "--progress none");
     INFO(ran.err);
     CHECK(ran.code == 0);
@@ -72,7 +72,7 @@ TEST_CASE("a carve passes by voxels at both ends of index space") {
 TEST_CASE("a tile of 4096^3 voxels is forecast as voxels, and refused as such") {
     const auto grid = FloatGrid::create();
     grid->tree().root().addTile(Coord(0), 1.0f, true);
-    const Shot shot(grid, "  energy: {type: energy.gradient, field: sim.density}\n  out: {type: vdb.write, source: energy, path: \"${to}/out.vdb\"}\n");
+    const HugeShot shot(grid, "  energy: {type: energy.gradient, field: sim.density}\n  out: {type: vdb.write, source: energy, path: \"${to}/out.vdb\"}\n");
     const auto planned = shot.call("plan", "--json");
     REQUIRE(planned.code == 0);
     CHECK(nlohmann::json::parse(planned.out).at("bytes").get<double>() > 2.7e11);

@@ -69,7 +69,7 @@ TEST_CASE("a grid that a carved volume does not have is told before the first fr
                                                    " has the grid 'velocity' as vec3s, but 'slope' takes smooth.velocity as float\n"));
 }
 
-TEST_CASE("where no header tells, the first frame does; and only volumes have grids") {
+TEST_CASE("where no header tells, the first frame does, and only volumes have grids") {
     const Scratch scratch;
     const auto lone = scratch.write("lone.yaml",
                                     "fluidcarve: 1\nframes: 51-51\nnodes:\n"

@@ -15,7 +15,7 @@ using nlohmann::json;
 namespace {
 
 const std::string source_root = SOURCE_ROOT;
-constexpr int first = 41, last = 44;
+constexpr int first_kept = 41, last_kept = 44;
 
 /// Four frames of the vortex in a folder of their own, with pipelines/vortex.yaml.
 struct Shot {
@@ -25,11 +25,11 @@ struct Shot {
 
     Shot() {
         fs::create_directories(folder + "/sim");
-        for (int frame = first; frame <= last; ++frame) fs::copy_file(data(frame), input(frame));
+        for (int frame = first_kept; frame <= last_kept; ++frame) fs::copy_file(data(frame), input(frame));
         auto text = Scratch::read(source_root + "/pipelines/vortex.yaml");
         const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
         replace("tests/data/vortex/", "sim/");
-        replace("frames: 41-46", fmt::format("frames: {}-{}", first, last));
+        replace("frames: 41-46", fmt::format("frames: {}-{}", first_kept, last_kept));
         replace("show: render", "show: maximum");  // quicker
         std::ofstream(folder + "/p.yaml") << text;
     }
@@ -68,7 +68,7 @@ std::string results(const std::string& folder) {
     openvdb::initialize();
     std::string out;
     std::vector<std::string> files{folder + "/out/vortex_seams.vdb"};
-    for (int frame = first; frame <= last; ++frame) files.push_back(fmt::format("{}/out/vortex.{:04}.vdb", folder, frame));
+    for (int frame = first_kept; frame <= last_kept; ++frame) files.push_back(fmt::format("{}/out/vortex.{:04}.vdb", folder, frame));
     for (const auto& file : files)
         for (const auto& grid : read_vdb(file).grids) out += grid->getName() + test::bytes(grid->constBaseTree()) + test::bytes(grid->transform());
     return out;
@@ -108,7 +108,7 @@ TEST_CASE("of the vortex, only what changed is computed, and the plan says so be
     // One frame of the input: its own work, and what gathers it.
     shot.run();
     CHECK(results(shot.folder) == whole);
-    fs::copy_file(Shot::data(last + 1), shot.input(43), fs::copy_options::overwrite_existing);
+    fs::copy_file(Shot::data(last_kept + 1), shot.input(43), fs::copy_options::overwrite_existing);
     auto replaced = bent;
     replaced.insert({{"edges", 1}});
     CHECK(shot.run() == replaced);

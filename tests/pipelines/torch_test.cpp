@@ -18,7 +18,7 @@ using namespace fluidcarve;
 
 namespace {
 
-constexpr int first = 36, last = 47;
+constexpr int first_frame = 36, last_frame = 47;
 
 FloatGrid::ConstPtr flame_in(const std::string& path) { return openvdb::gridConstPtrCast<FloatGrid>(read_vdb(path).find("flame")); }
 
@@ -37,7 +37,7 @@ struct CarvedTorch {
         INFO(ran.err);
         REQUIRE(ran.code == 0);
         report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
-        for (int frame = first; frame <= last; ++frame) {
+        for (int frame = first_frame; frame <= last_frame; ++frame) {
             before.push_back(flame_in(fmt::format("{}/torch/torch.{:04}.vdb", TEST_DATA, frame)));
             after.push_back(flame_in(fmt::format("{}.{:04}.vdb", scratch / "fire", frame)));
         }
@@ -94,7 +94,7 @@ void check_waving(const CarvedTorch& carved) {
 /// Below the lattice all stays bit for bit: the flame's foot, and the handle.
 void check_foot(const CarvedTorch& carved) {
     const auto handle = read_mesh(TEST_DATA "/torch/handle.obj").mesh;
-    for (int frame = first; frame <= last; ++frame) CHECK(carved.handle(frame).points == handle.points);
+    for (int frame = first_frame; frame <= last_frame; ++frame) CHECK(carved.handle(frame).points == handle.points);
     for (std::size_t t = 0; t < carved.before.size(); ++t) {
         std::size_t different = 0, there = 0;
         for (auto voxel = carved.before[t]->cbeginValueOn(); voxel; ++voxel)

@@ -66,7 +66,7 @@ TEST_CASE("diff --json says the same for programs") {
     CHECK(part["worst"]["b"] == nlohmann::json::array({1.0, 0.0, 0.5}));
 }
 
-TEST_CASE("frames and files that one side lacks are differences; those asked for and missing end with 3") {
+TEST_CASE("frames and files that one side lacks are differences, and those asked for and missing end with 3") {
     const Scratch scratch;
     write_lines(scratch);
     fs::remove(scratch / "b.0001.csv");

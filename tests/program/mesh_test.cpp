@@ -23,7 +23,7 @@ Called run(const Scratch& scratch, const std::string& text) { return fluidcarve_
 
 }  // namespace
 
-TEST_CASE("a mesh is carved by the seams of a volume; of one frame, with or without a frame token") {
+TEST_CASE("a mesh is carved by the seams of a volume, of one frame with or without a frame token") {
     const Scratch scratch;
     scratch.write("in.obj", triangle);
     for (const std::string out : {"out.obj", "out.##.obj"}) {

@@ -19,7 +19,7 @@ const std::string beside =
 
 }  // namespace
 
-TEST_CASE("a lattice beside the data is told by plan, and by run before the first frame; no seam is looked for in it") {
+TEST_CASE("a lattice beside the data is told by plan, and by run before the first frame, and no seam is looked for in it") {
     const Scratch scratch;
     const auto planned = fluidcarve_program("plan" + vortex_into(scratch) + " --set rig.radius=5");
     CHECK(planned.err == beside);

@@ -198,7 +198,7 @@ TEST_CASE("small entries lie many to a file, a large one in its own, and all are
     CHECK(later.damaged() == 0);
 }
 
-TEST_CASE("an entry that has a file keeps it, whichever version wrote it; one that grows gets one") {
+TEST_CASE("an entry that has a file keeps it, whichever version wrote it, and one that grows gets one") {
     const Scratch scratch;
     const auto registry = toy::registry();
     Cache(registry, scratch.path(), in_files).store(key_of(1), {}, {number(1)});
@@ -213,7 +213,7 @@ TEST_CASE("an entry that has a file keeps it, whichever version wrote it; one th
     CHECK(value_of(Cache(registry, scratch.path()).load(key_of(2))->outputs.at(0)) == 4);
 }
 
-TEST_CASE("a damaged entry of a pack is noticed, counted, and stored again; the others stay") {
+TEST_CASE("a damaged entry of a pack is noticed, counted, and stored again, and the others stay") {
     const Scratch scratch;
     const auto registry = toy::registry();
     {

@@ -97,7 +97,7 @@ TEST_CASE("a run knows a file as it first read it, until it asks anew") {
     CHECK(files.of(file)->size == 3);
 }
 
-TEST_CASE("keys are written as 32 digits and read back; anything else is a key of nothing") {
+TEST_CASE("keys are written as 32 digits and read back, and anything else is a key of nothing") {
     const auto key = ContentHash().text("a").digest();
     CHECK(key.text().size() == 32);
     CHECK(Key::parse(key.text()) == key);

@@ -165,7 +165,7 @@ TEST_CASE("paths may hold line breaks and backslashes") {
     CHECK(Scratch::read(scratch / "m") == head + smoke + "a\\\\n\\nb\n");
 }
 
-TEST_CASE("a manifest that can't be written is told at once; one that lists all may stay out of reach") {
+TEST_CASE("a manifest that can't be written is told at once, and one that lists all may stay out of reach") {
     CHECK_THROWS_WITH(Manifest("/proc/nowhere/m"), Catch::StartsWith("cannot write /proc/nowhere/m: "));
     const Scratch scratch;
     fs::create_directory(scratch / "m");

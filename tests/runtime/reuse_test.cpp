@@ -221,7 +221,7 @@ TEST_CASE("a growing result answers smaller counts, and larger ones continue it"
     CHECK(shot.run() == saves);
 }
 
-TEST_CASE("an output that is missing, or was changed, is written again; the others stay as they are") {
+TEST_CASE("an output that is missing, or was changed, is written again, and the others stay as they are") {
     Shot shot;
     shot.run();
     const auto stays = fs::last_write_time(shot.folder + "/out/out.01");

@@ -19,7 +19,7 @@ namespace fluidcarve {
 namespace {
 
 /// How many nodes may be visited between two searches, as a share of all nodes.
-constexpr double steps_per_search = 2;
+constexpr double steps_per_search = 1;
 constexpr std::size_t most_layers = 16;
 
 std::int64_t steps_between_searches(std::size_t nodes) { return static_cast<std::int64_t>(steps_per_search * static_cast<double>(nodes)) + 64; }

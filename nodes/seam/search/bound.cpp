@@ -159,11 +159,32 @@ public:
         : columns_(columns), width_(width), infinite_(infinite), messages_(std::move(messages)) {}
 
     bool has(std::size_t dimension) const { return messages_.has(dimension); }
+    /// Deletes an entry of each column at the full resolution, `[t][column]`, counted from the window's first.
+    void remove(std::vector<std::uint16_t> entries) { removed_.push_back(std::move(entries)); }
     /// Interpolates the message to a column of the full resolution. There, lines have twice as many columns, and pay twice as much.
     /// @param at      lateral, k and t at the full resolution
-    /// @param buffer  for two messages
-    void get(std::size_t dimension, const Sizes& at, std::span<float> message, std::vector<float>& buffer) const {
-        buffer.resize(2 * (width_ + 2));
+    /// @param column  the same as a number
+    /// @param buffer  for three messages
+    void get(std::size_t dimension, const Sizes& at, std::size_t column, std::span<float> message, std::vector<float>& buffer) const {
+        if (removed_.empty()) return interpolate_to(dimension, at, message, buffer);
+        const auto size = message.size() + removed_.size();
+        buffer.resize(2 * (width_ + 2) + size);
+        // Behind what interpolation needs, as it has the same buffer.
+        const std::span whole(buffer.data() + 2 * (width_ + 2), size);
+        interpolate_to(dimension, at, whole, buffer);
+        auto left = whole;
+        for (const auto& entries : removed_) {
+            std::copy(left.begin() + entries[column] + 1, left.end(), left.begin() + entries[column]);
+            left = left.first(left.size() - 1);
+        }
+        std::ranges::copy(left, message.begin());
+    }
+
+private:
+    /// The message to a column as it was before entries were deleted.
+    /// @param buffer  its first parts are used, as far as it must grow for them
+    void interpolate_to(std::size_t dimension, const Sizes& at, std::span<float> message, std::vector<float>& buffer) const {
+        buffer.resize(std::max(buffer.size(), 2 * (width_ + 2)));
         const std::span sum(buffer.data() + 1, width_), other(sum.data() + width_ + 2, width_);
         Sizes coarse{at[0] / 2, at[1] / 2, at[2] / 2};
         messages_.get(dimension, place(coarse), sum);
@@ -180,14 +201,13 @@ public:
         buffer[width_ + 1] = sum.back();
         interpolate(sum.data(), message);
     }
-
-private:
     std::size_t place(const Sizes& at) const { return columns_.at(at[0], at[1], at[2]) * width_; }
 
     Columns columns_;
     std::size_t width_;
     bool infinite_;
     Messages messages_;
+    std::vector<std::vector<std::uint16_t>> removed_;  ///< for each seam; each counts what is left by those before it
 };
 
 /// Frames in which messages are passed to and fro, before the next ones are.
@@ -291,10 +311,10 @@ private:
             const std::span<float> front(fronts_[d].data() + front_at[d] * width_, width_);
             const bool begins = at[d] == (turn.forward ? 0 : size[d] - 1), ends = at[d] == (turn.forward ? size[d] - 1 : 0);
             auto& ahead = work.ahead[d];
-            if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, front, work);
+            if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, column, front, work);
             else if (begins && d != 2) std::ranges::fill(front, 0.0f);
             if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
-            else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, ahead, work);
+            else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, column, ahead, work);
             else if (ends) std::ranges::fill(ahead, 0.0f);
             else messages_.get(d, in_block * width_, ahead);
             if (!turn.last) messages_.set(d, in_block * width_, front);
@@ -319,8 +339,8 @@ private:
     }
 
     /// The message from behind a column, as it is before one has been passed.
-    void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message, Work& work) const {
-        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message, work.coarse);
+    void from_behind(std::size_t dimension, const Sizes& at, std::size_t column, std::span<float> message, Work& work) const {
+        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, column, message, work.coarse);
         else std::ranges::fill(message, 0.0f);
     }
 
@@ -385,18 +405,51 @@ std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Windo
     return half.summed() ? in(float{}) : in(std::uint16_t{});
 }
 
-}  // namespace
-
-double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget, const std::string& folder) {
-    const auto coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget / 2, folder);
+/// The bound, with messages at half the resolution that are given.
+double bound_with(const std::optional<CoarseMessages>& coarse, const EnergyVolume& energy, Window window, int passes, const Tick& tick,
+                  std::uint64_t memory_budget, const std::string& folder) {
     const auto frame = energy.columns_per_frame() * static_cast<std::size_t>(window.size());
     const auto block = std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block);
     const auto in = [&](auto cell) {
-        return MessagePassing<decltype(cell)>(energy, window, coarse ? &*coarse : nullptr, block, memory_budget / 2, folder).bound(passes, tick);
+        return MessagePassing<decltype(cell)>(energy, window, coarse ? &*coarse : nullptr, block, memory_budget, folder).bound(passes, tick);
     };
     const double bound = energy.summed() ? in(float{}) : in(std::uint16_t{});
     // The guess may mislead. Only attracted vertices cost less than nothing.
     return energy.attracts() ? bound : std::max(bound, 0.0);
+}
+
+}  // namespace
+
+double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget, const std::string& folder) {
+    return ConsecutiveBounds(memory_budget, folder)(energy, window, 0, passes, tick);
+}
+
+struct ConsecutiveBounds::Kept {
+    std::optional<CoarseMessages> coarse;
+    int first_entry;  ///< of the window
+    int first_seam;   ///< number of the first seam that shares these messages
+};
+
+ConsecutiveBounds::ConsecutiveBounds(std::uint64_t memory_budget, std::string folder) : memory_budget_(memory_budget), folder_(std::move(folder)) {}
+
+ConsecutiveBounds::~ConsecutiveBounds() = default;
+
+void ConsecutiveBounds::prepare(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+    if (kept_ && kept_->first_seam == first_with(number)) return;
+    kept_.reset();
+    kept_ = std::make_unique<Kept>(messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_), window.first, first_with(number));
+}
+
+double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick) {
+    prepare(energy, window, number, tick);
+    return bound_with(kept_->coarse, energy, window, passes, tick, memory_budget_ / 2, folder_);
+}
+
+void ConsecutiveBounds::follow(std::span<const std::uint16_t> at, int number) {
+    if (!kept_ || !kept_->coarse || kept_->first_seam != first_with(number + 1)) return;
+    std::vector<std::uint16_t> entries(at.begin(), at.end());
+    for (auto& entry : entries) entry = static_cast<std::uint16_t>(entry - kept_->first_entry);
+    kept_->coarse->remove(std::move(entries));
 }
 
 }  // namespace fluidcarve

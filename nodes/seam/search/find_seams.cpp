@@ -157,7 +157,10 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
             out.blocked.push_back(met.blocked);
             out.attracted_left.push_back(energy.attracted() - met.attracted);
         }
-        if (number + 1 < searches) energy.remove(at, {window.first, window.last - number});
+        if (number + 1 == searches) return;
+        const Window left{window.first, window.last - number};
+        if (continued.follow) continued.follow(energy, left, at, number);
+        energy.remove(at, left);
     };
     // A seam that was found becomes seams of the set.
     const auto add = [&](Seams::Seam seam, int number, double seconds) {

@@ -29,6 +29,12 @@ using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window wi
 /// @param number  as for FindSeam
 using BoundEnergy = std::function<std::optional<double>(const EnergyVolume& energy, Window window, const Seams::Seam& seam, int number, const Tick& tick)>;
 
+/// Follows a seam that is about to be deleted from the energy.
+/// @param window  what earlier seams left of it
+/// @param at      its entry in each column of the energy
+/// @param number  of seams before it
+using FollowSeam = std::function<void(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> at, int number)>;
+
 /// Moves a found seam to where it is kept; null: seams stay in memory.
 using KeepSeam = std::function<SeamEntries(SeamEntries)>;
 
@@ -71,6 +77,7 @@ struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
     BoundEnergy bound;                ///< called for each new seam whose solver gives no lower bound; null: they get none
+    FollowSeam follow;                ///< called for each seam, found before or now, when it is deleted; null: nobody follows
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.

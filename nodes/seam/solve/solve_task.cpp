@@ -88,12 +88,22 @@ private:
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
         if (setup_.finest > 1) continued.full = FullSize{all_columns(), task_.shape[dimension(task_.axis)]};
+        ConsecutiveBounds bounds(continued.memory_budget, continued.folder);
+        const auto few = [](const EnergyVolume& energy, Window now) {
+            return Columns(energy).count() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
+        };
         continued.bound = [&](const EnergyVolume& energy, Window now, const Seams::Seam& seam, int number, const Tick& tell) -> std::optional<double> {
-            const bool few = seam.at.size() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
-            if (!setup_.bound_passes && !few && number > 0) return std::nullopt;
-            const auto cost =
-                lower_bound(energy, now, setup_.bound_passes.value_or(few ? 0 : passes_of_large), tell, continued.memory_budget, continued.folder);
-            return energy_bound(energy, seam.at, cost);
+            if (few(energy, now)) return energy_bound(energy, seam.at, bounds(energy, now, number, setup_.bound_passes.value_or(0), tell));
+            if (!setup_.bound_passes && number > 0) return std::nullopt;
+            const int passes = setup_.bound_passes.value_or(passes_of_large);
+            return energy_bound(energy, seam.at, lower_bound(energy, now, passes, tell, continued.memory_budget, continued.folder));
+        };
+        // Bounds after seams that were found before are the same as in one go.
+        const int before = static_cast<int>(continued.before.size()), first_followed = ConsecutiveBounds::first_with(before);
+        continued.follow = [&](const EnergyVolume& energy, Window now, std::span<const std::uint16_t> at, int number) {
+            if (number < first_followed || !few(energy, now)) return;
+            if (number < before) bounds.prepare(energy, now, number, [&](double) { context_.check_cancelled(); });
+            bounds.follow(at, number);
         };
         try {
             auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep, part.static_, continued);

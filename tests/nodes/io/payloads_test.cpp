@@ -17,7 +17,7 @@ Registry payloads() {
 
 }  // namespace
 
-TEST_CASE("a volume input takes any one grid, a grid input any typed one; nothing converts back") {
+TEST_CASE("a volume input takes any one grid, a grid input any typed one, and nothing converts back") {
     const auto registry = payloads();
     CHECK(registry.accepted_names(typeid(Volume)) == "volume, float, vector, mask or grid");
     CHECK(registry.accepted_names(typeid(AnyGrid)) == "grid, float, vector or mask");

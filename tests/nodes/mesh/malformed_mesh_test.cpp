@@ -62,7 +62,7 @@ TEST_CASE("malformed OBJ files are refused with line and reason") {
     CHECK(fault(three + "vt 0 0\nl 1/-1 2/-1\n") == "5: '-1' counts back from the last UV, which can't be kept in lines");
     CHECK(fault(three + "f 1 2 \\\n3\n") == "4: a statement that is continued in the next line, by a '\\' at the end, can't be read; join the lines");
     CHECK(fault("\x89PNG\n") == "1: '?PNG' is no statement that can be kept: a mesh is made of v, vt, vn, f, l and p");
-    CHECK_THROWS_WITH(read_mesh(scratch / "none.obj"), scratch / "none.obj" + " can't be opened");
+    CHECK_THROWS_WITH(read_mesh(scratch / "none.obj"), scratch / "none.obj" + " does not exist");
     CHECK_THROWS_WITH(read_mesh(scratch.path()), scratch.path() + ": a mesh is a .obj, .ply, .off or .stl file, not ''");
 }
 

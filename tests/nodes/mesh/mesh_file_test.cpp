@@ -185,7 +185,7 @@ TEST_CASE("whole colours of OFF keep their meaning: 1.0 stays full light, and 1 
     CHECK(read_mesh(scratch / "c.ply").mesh.attributes.at(0).values == std::vector<double>{70000});
 }
 
-TEST_CASE("integer colours reach to their type's maximum, in whatever format they are written; only OBJ's own weights become w") {
+TEST_CASE("integer colours reach to their type's maximum, in whatever format they are written, and only OBJ's own weights become w") {
     const Scratch scratch;
     const auto mesh = read(scratch, "a.ply",
                            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
@@ -245,7 +245,7 @@ TEST_CASE("a number of PLY's faces that is called like their list is an attribut
     CHECK(listed.losses == std::vector<std::string>{"the list 'x' of element 'vertex' is left out"});
 }
 
-TEST_CASE("PLY's whole coordinates stay whole where vertices stay, and keep their fractions where they move; types that differ lose nothing") {
+TEST_CASE("PLY's whole coordinates stay whole where vertices stay, and keep their fractions where they move, and types that differ lose nothing") {
     const Scratch scratch;
     const auto head = [](const std::string& x, const std::string& z) {
         return "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty " + x + " x\nproperty " + x + " y\nproperty " + z + " z\n" +
@@ -290,7 +290,7 @@ TEST_CASE("a probe reads the head alone, and asks for a regular file") {
     CHECK_THROWS_WITH(probe_mesh(pipe), pipe + " is a pipe or a device; a mesh is read from a regular file");
 }
 
-TEST_CASE("STL's triangles without an area have a normal of nan, which comes back; of the tiniest others one is computed") {
+TEST_CASE("STL's triangles without an area have a normal of nan, which comes back, and of the tiniest others one is computed") {
     const Scratch scratch;
     const std::string text = "solid\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid\n";
     CHECK(written(scratch, "a.stl", read(scratch, "a.stl", text)).text == text);
@@ -383,7 +383,7 @@ TEST_CASE("a placement is undone to the file's own numbers, and moved vertices g
     CHECK(written(scratch, "d.obj", cube(2), &other).text.starts_with("v -0.5 0 0\nv 0.5 0 0\n"));
 }
 
-TEST_CASE("mesh.read warns of what is unusual, places, and holds or misses frames; mesh.write wants an ending that it knows") {
+TEST_CASE("mesh.read warns of what is unusual, places, and holds or misses frames, and mesh.write wants an ending that it knows") {
     const Scratch scratch;
     const auto path = scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n");
     test::NodeBench bench(mesh_read(), "{path: " + path + ", translate: [1, 0, 0], scale: 2}");

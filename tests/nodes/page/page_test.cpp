@@ -125,7 +125,7 @@ TEST_CASE("the page needs no mouse, asks for no file, and says what to type", "[
     CHECK(seen["views"] == 4);
 }
 
-TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost; without WebGL2 there are slices", "[browser]") {
+TEST_CASE("a volume is drawn, lit by WebGL2, and again after its context is lost, and without WebGL2 there are slices", "[browser]") {
     if (!browser_is_there()) return;
     const Scratch scratch;
     const auto page = page_of(frame_of(16, 6));

@@ -199,7 +199,7 @@ TEST_CASE("points.read looks at its files before a run") {
     CHECK(reader.run({}, Context(host, frames).at(1)).at("points").as<Points>()->size() == 3);
 }
 
-TEST_CASE("a frame without particles is a list of none; a file without points is refused") {
+TEST_CASE("a frame without particles is a list of none, and a file without points is refused") {
     const Scratch scratch;
     auto volume = read_vdb(river_43);
     for (auto& grid : volume.grids)

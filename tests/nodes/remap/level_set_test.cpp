@@ -185,7 +185,7 @@ TEST_CASE("what a carve cuts off gets a narrow band of its own") {
     CHECK(banded > cut / 2);
 }
 
-TEST_CASE("level sets that no seam changes, or that are left alone, stay the carve's; what can't be renormalised is said") {
+TEST_CASE("level sets that no seam changes, or that are left alone, stay the carve's, and what can't be renormalised is said") {
     const auto lattice = turned(make_box(Vec3d(-10), {20, 20, 20}, 1.0, {0, 1, 2}), 0.2);
     const auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::remove, 9, 3, 1)});
     const auto far = FloatGrid::ConstPtr(ball(Vec3d(50, 0, 0), 10));

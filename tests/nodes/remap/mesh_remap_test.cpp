@@ -184,7 +184,7 @@ TEST_CASE("chains of carves move vertices first carve first, as sets found after
     }
 }
 
-TEST_CASE("vertices beside the lattice, or where nothing moves, are the same to the last bit; a set without seams is the mesh itself") {
+TEST_CASE("vertices beside the lattice, or where nothing moves, are the same to the last bit, and a set without seams is the mesh itself") {
     const auto lattice = ring(Vec3d(0), {10, 8, 40}, 0.1, {0.2, 0});
     auto seams = straight_seams(lattice, Axis::u, Kind::remove, {6, 6});
     Mesh mesh;

@@ -152,7 +152,7 @@ TEST_CASE("points right on vertices, and half a vertex from a seam, stay whole")
     CHECK(places(inserted, 29) == std::vector{31.0});
 }
 
-TEST_CASE("where insertions extend the lattice they write over what was there; beyond, nothing changes") {
+TEST_CASE("where insertions extend the lattice they write over what was there, and beyond, nothing changes") {
     const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {3, 9, 12}));
     CHECK(places_of(inserted, Vec3d(29.01, 3, 4)).empty());
     CHECK(places_of(inserted, Vec3d(32, 3, 4)).empty());
@@ -362,7 +362,7 @@ TEST_CASE("copies stand off by their point's id alone, and by no more than the j
         if (std::abs(off.at(id).x() - 1) < 0.04) CHECK((by - off.at(id)).length() < 1e-9);
 }
 
-TEST_CASE("points of both kinds of file carve alike; without seams they are the very same, and threads change nothing") {
+TEST_CASE("points of both kinds of file carve alike, and without seams they are the very same, and threads change nothing") {
     const auto positions = scattered(BBoxd(Vec3d(-2, -2, -2), Vec3d(33, 13, 15)), 30000, 16);
     const auto list = points_at(positions), grid = in_vdb(list);
     const auto lattice = std::make_shared<Lattice>(points_box);

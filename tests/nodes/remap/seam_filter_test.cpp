@@ -150,7 +150,7 @@ TEST_CASE("filter.seam gives voxels along any seam of a chain what the filter gi
     }
 }
 
-TEST_CASE("in bent lattices filter.seam finds the cells of seams by position, across the closing too; components by their faces") {
+TEST_CASE("in bent lattices filter.seam finds the cells of seams by position, across the closing too, and components by their faces") {
     std::mt19937 random(4);
     for (const auto& lattice : {ring(Vec3d(0.2, 0.1, 0.3), {15, 9, 60}, 1.0, Vec2d(-7, -4)), helix({13, 9, 70}, 1.0, 14, 6)}) {
         const std::vector<Seams> sets{wavy_seams(lattice, Axis::u, Seams::Kind::remove, 6, 3, 1), [&] {
@@ -214,7 +214,7 @@ TEST_CASE("filter.seam takes the seams of the frame") {
     }
 }
 
-TEST_CASE("filter.seam keeps states, inactive voxels, names and what can't be averaged; active tiles open only where something differs") {
+TEST_CASE("filter.seam keeps states, inactive voxels, names and what can't be averaged, and active tiles open only where something differs") {
     std::mt19937 random(6);
     const auto lattice = make_box(Vec3d(0), {30, 16, 16}, 1.0, {0, 1, 2});
     const auto seams = std::make_shared<Seams>(wavy_seams(lattice, Axis::u, Seams::Kind::remove, 12, 3, 1));

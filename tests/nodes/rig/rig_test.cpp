@@ -161,7 +161,7 @@ TEST_CASE("a curve that can't be read names file and line") {
     CHECK(fault_in(folder, "a.csv", "# nothing\n") == ": there are no points in it");
     CHECK(fault_in(folder, "a.txt", "1 2 3\n") == ": a curve is read from .obj, .ply or .csv, not from '.txt'");
     const auto absent = folder / "absent.csv";
-    CHECK(failure_of([&] { read_curve(absent); }) == absent + " can't be opened");
+    CHECK(failure_of([&] { read_curve(absent); }) == absent + " does not exist");
 }
 
 TEST_CASE("a curve is read from a regular file of a bounded size, and nothing keeps it waiting") {
@@ -268,7 +268,7 @@ TEST_CASE("rig.curve with a frame token reads a file per frame, and says before 
     CHECK(NodeBench(rig_curve(), "{path: " + (folder / "c.0009.csv") + "}").survey({3, 4}).absent.at(3) == (folder / "c.0009.csv") + " does not exist");
 }
 
-TEST_CASE("rig.transform smooths, scales about its pivot, moves and extends; a circle stays one unless it is smoothed") {
+TEST_CASE("rig.transform smooths, scales about its pivot, moves and extends, and a circle stays one unless it is smoothed") {
     const auto line = std::make_shared<Rig>(through({{0, 0, 0}, {3, 3, 0}, {6, 0, 0}}));
     const auto run = [](const std::string& yaml, const std::shared_ptr<Rig>& rig) {
         return *NodeBench(rig_transform(), yaml).run({{"rig", {Payload(rig)}}}).at("rig").as<Rig>();

@@ -115,6 +115,38 @@ TEST_CASE("the bound comes near the least energy beside protected vertices, too"
     }
 }
 
+TEST_CASE("bounds of one seam after the other are bounds, too, and messages follow what seams delete") {
+    std::mt19937 random(7);
+    for (int n = 0; n < 100; ++n) {
+        const ColumnGraph graph(random_size(random, 12), n % 2 == 0, n % 3 == 0);
+        auto energy = random_volume(random, graph, 8);
+        ConsecutiveBounds bounds;
+        for (int number = 0; number < 6; ++number) {
+            const Window window{1, 7 - number};
+            INFO("case " << n << ", seam " << number);
+            REQUIRE(bounds(energy, window, number, n % 2, nobody) <= brute_force(graph, Band::whole(graph.count(), window), energies_of(energy)).cost);
+            const auto seam = random_seam(random, graph, window);
+            bounds.follow(seam, number);
+            energy.remove(seam, window);
+        }
+    }
+    // Seams that lie low: above them all entries move.
+    auto energy = SyntheticEnergy(Synthetic::smoke, 5)({40, 12, 16}, 6);
+    const std::vector<std::uint16_t> low(energy.columns_per_frame() * energy.frames(), 2);
+    ConsecutiveBounds following, staying;
+    for (int number = 0; number < 5; ++number) {
+        const Window window{0, 39 - number};
+        const double bound = following(energy, window, number, 0, nobody), stayed = staying(energy, window, number, 0, nobody);
+        const double fresh = lower_bound(energy, window, 0, nobody);
+        INFO("seam " << number);
+        if (number % 4 == 0) CHECK(bound == fresh);
+        else CHECK(bound > 0.98 * fresh);
+        if (number == 3) CHECK(stayed < bound);
+        following.follow(low, number);
+        energy.remove(low, window);
+    }
+}
+
 TEST_CASE("every seam of a small volume is reported with a bound, of a large one the first, or all if passes are stated") {
     const auto bounded = [](int frames, const std::string& more) {
         const auto energy = energy_grid(openvdb::CoordBBox({0, 0, 0}, {255, 31, 31}),

@@ -107,7 +107,7 @@ TEST_CASE("masks are seen from bent lattices and through their transform, tiles 
     }
 }
 
-TEST_CASE("the active voxels of any grid are a mask, whatever their value; points are none") {
+TEST_CASE("the active voxels of any grid are a mask, whatever their value, and points are none") {
     const auto lattice = box({4, 4, 4});
     const auto want = marked(*mask_grid({Coord(1, 2, 3)}), lattice);
     const auto check = [&](auto grid) {
@@ -174,7 +174,7 @@ TEST_CASE("a mask that misses the lattice, and attraction that seams do not reac
     CHECK(run("{count: -3}", {{"attract", {mask_grid({Coord(2, 0, 0), Coord(4, 0, 0)})}}}).empty());
 }
 
-TEST_CASE("masks travel with what earlier seams carved; a new vertex is marked if either neighbour is") {
+TEST_CASE("masks travel with what earlier seams carved, and a new vertex is marked if either neighbour is") {
     std::mt19937 random(14);
     const std::vector<int> frames{5, 6, 7};
     const Layout layout{Coord(0), {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}};

@@ -201,7 +201,7 @@ TEST_CASE("seams and warps chain in their order") {
           }) == "seam set 2 of 2 carves 30 x 5 x 4 vertices, but set 1 leaves 16 x 5 x 4; list the sets in the order in which they were found");
 }
 
-TEST_CASE("a warp is carved whole or, with a count of 0, not at all; softness leaves it as it is") {
+TEST_CASE("a warp is carved whole or, with a count of 0, not at all, and softness leaves it as it is") {
     const auto lattice = box({20, 4, 3});
     const std::vector<std::shared_ptr<const Seams>> sets{std::make_shared<Seams>(warped(lattice, evenly(lattice, -4)))};
     CHECK(carve_map(lattice, sets, Count{0}, 1).empty());

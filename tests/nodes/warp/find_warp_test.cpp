@@ -166,7 +166,7 @@ TEST_CASE("as long as it is monotone, one warp answers all amounts by its scale"
     CHECK(most_linear(one.warp, 1) > 1e5);
 }
 
-TEST_CASE("nothing moves below a window, and all moves alike above it; a second window undoes that") {
+TEST_CASE("nothing moves below a window, and all moves alike above it, and a second window undoes that") {
     Found found({30, 4, 3, 2}, noise(7));
     found.task.window = {5, 12};
     found.find(-2);
