@@ -437,7 +437,7 @@ ConsecutiveBounds::~ConsecutiveBounds() = default;
 void ConsecutiveBounds::prepare(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
     if (kept_ && kept_->first_seam == first_with(number)) return;
     kept_.reset();
-    kept_ = std::make_unique<Kept>(messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_), window.first, first_with(number));
+    kept_ = std::make_unique<Kept>(Kept{messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_), window.first, first_with(number)});
 }
 
 double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick) {
