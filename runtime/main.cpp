@@ -1,5 +1,4 @@
 #include "nodes/catalogue.h"
-#include "runtime/run/freed_memory.h"
 #include "runtime/run/run.h"
 #include "runtime/verbs/commands.h"
 
@@ -7,7 +6,6 @@
 #include <exception>
 
 int main(int argc, char** argv) {
-    fluidcarve::keep_freed_memory();
     int code = fluidcarve::exit_code::node_failed;
     try {
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());

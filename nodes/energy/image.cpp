@@ -1,5 +1,6 @@
 #include "nodes/energy/image.h"
 
+#include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
 #include "nodes/image/image.h"
@@ -60,7 +61,7 @@ struct ImageEnergy {
 
     static void run(const Params& params, Ports& io, Context& context) {
         for (const auto& [channel, weight] : terms_of(*io.source, params.channels)) {
-            require_near(channel->getName(), channel->evalActiveVoxelBoundingBox());
+            require_near(channel->getName(), active_box(*channel));
             require_dense_fits(*channel, sizeof(float), context.memory_budget());
         }
         io.intensity = intensity(*io.source, params.channels);

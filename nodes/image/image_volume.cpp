@@ -101,11 +101,30 @@ std::size_t place(const Image::Window& window, const Image::Window& pixel) {
     return static_cast<std::size_t>(pixel.y - window.y) * static_cast<std::size_t>(window.width) + static_cast<std::size_t>(pixel.x - window.x);
 }
 
+/// Index of a voxel's pixel in a window's pixels.
+class PixelPlaces {
+public:
+    PixelPlaces(const Image::Window& window, const Upright& upright) : corner_(upright.voxels(window).min()) {
+        const auto at = [&](const Coord& voxel) { return static_cast<std::ptrdiff_t>(place(window, upright.window({voxel, voxel}))); };
+        first_ = at(corner_);
+        along_x_ = at(corner_.offsetBy(1, 0, 0)) - first_;
+        along_y_ = at(corner_.offsetBy(0, 1, 0)) - first_;
+    }
+    /// @param x, y  of a voxel inside the window
+    std::size_t operator()(int x, int y) const { return static_cast<std::size_t>(first_ + (x - corner_.x()) * along_x_ + (y - corner_.y()) * along_y_); }
+
+private:
+    Coord corner_;
+    std::ptrdiff_t first_, along_x_, along_y_;
+};
+
 /// A channel as a grid, with one leaf per 8 x 8 pixels.
 FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
     const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, 0), last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
     const int across = last.x() - first.x() + 1, rows = last.y() - first.y() + 1;
     const auto inside = upright.voxels(image.data);
+    const PixelPlaces places(image.data, upright);
+    const auto count = image.channels.size();
     std::vector<Leaf*> leaves(static_cast<std::size_t>(across) * static_cast<std::size_t>(rows));
     tbb::parallel_for(0, rows, [&](int row) {
         for (int column = 0; column < across; ++column) {
@@ -114,9 +133,7 @@ FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& u
             for (int x = std::max(origin.x(), box.min().x()); x <= std::min(origin.x() + 7, box.max().x()); ++x)
                 for (int y = std::max(origin.y(), box.min().y()); y <= std::min(origin.y() + 7, box.max().y()); ++y) {
                     const Coord at(x, y, 0);
-                    const float value =
-                        inside.isInside(at) ? image.pixels[place(image.data, upright.window({at, at})) * image.channels.size() + channel] : 0.0f;
-                    leaf->setValueOn(Leaf::coordToOffset(at), value);
+                    leaf->setValueOn(Leaf::coordToOffset(at), inside.isInside(at) ? image.pixels[places(x, y) * count + channel] : 0.0f);
                 }
             leaves[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column)] = leaf;
         }
@@ -255,12 +272,17 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
     const auto count = channels.size();
     out.pixels.resize(static_cast<std::size_t>(out.data.width) * static_cast<std::size_t>(out.data.height) * count);
     const auto voxels = upright.voxels(out.data);
+    const PixelPlaces places(out.data, upright);
     tbb::parallel_for(tbb::blocked_range<int>(voxels.min().y(), voxels.max().y() + 1, 8), [&](const tbb::blocked_range<int>& rows) {
         for (std::size_t c = 0; c < count; ++c) {
             const auto values = channels[c]->getConstAccessor();
             for (int y = rows.begin(); y < rows.end(); ++y)
-                for (int x = voxels.min().x(); x <= voxels.max().x(); ++x)
-                    out.pixels[place(out.data, upright.window({Coord(x, y, 0), Coord(x, y, 0)})) * count + c] = values.getValue({x, y, z});
+                for (int x = voxels.min().x(), end = x; x <= voxels.max().x(); x = end) {
+                    end = std::min((x & ~7) + 8, voxels.max().x() + 1);
+                    const auto* const leaf = values.probeConstLeaf({x, y, z});
+                    const float tile = leaf ? 0.0f : values.getValue({x, y, z});
+                    for (int at = x; at < end; ++at) out.pixels[places(at, y) * count + c] = leaf ? leaf->getValue(Leaf::coordToOffset({at, y, z})) : tile;
+                }
         }
     });
 }
@@ -373,7 +395,7 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
     Image out;
     out.format = wish.format->name;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-        box.expand(channels[c]->evalActiveVoxelBoundingBox());
+        box.expand(active_box(*channels[c]));
         out.channels.push_back({channels[c]->getName(), depths[c]});
         same_depth = same_depth && meta(*channels[c], depth_key, std::string()) == depths[c];
         if (const auto name = channels[c]->getName(); is_opacity(name) && name.find('.') == std::string::npos) out.alpha = static_cast<int>(c);

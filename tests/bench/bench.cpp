@@ -21,7 +21,6 @@
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
-#include "runtime/run/freed_memory.h"
 #include "runtime/run/run.h"
 #include "tests/bench/cache.h"
 #include "tests/bench/copying.h"
@@ -239,7 +238,6 @@ void bench_memory() {
 }  // namespace
 
 int main(int argc, char** argv) {
-    keep_freed_memory();
     openvdb::initialize();
     bool large = false, keep = false;
     std::string vortex = SOURCE_ROOT "/tests/data/vortex";

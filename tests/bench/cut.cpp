@@ -7,7 +7,7 @@
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 
-#include <malloc.h>
+#include <jemalloc/jemalloc.h>
 #include <cmath>
 #include <stdexcept>
 
@@ -18,8 +18,11 @@ namespace {
 
 /// Bytes that this process has asked for and not given back.
 double bytes_held() {
-    const auto info = mallinfo2();
-    return static_cast<double>(info.uordblks + info.hblkhd);
+    std::uint64_t epoch = 1;
+    std::size_t held = 0, size = sizeof held;
+    mallctl("epoch", nullptr, nullptr, &epoch, sizeof epoch);
+    mallctl("stats.allocated", &held, &size, nullptr, 0);
+    return static_cast<double>(held);
 }
 
 /// Energies as whole numbers, a column after the other.

@@ -1,5 +1,7 @@
 #include "nodes/remap/result/grid_measure.h"
 
+#include "nodes/field/extent.h"
+
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_reduce.h>
 
@@ -107,7 +109,7 @@ GridMeasure measure_of(const Grid& grid) {
     out.mass = sums.sum * std::abs(grid.transform().voxelVolume());
     if (!level_set) out.highest = sums.highest;
     if (sums.sum > 0) out.centre = grid.transform().indexToWorld(sums.moment / sums.sum);
-    if (const auto voxels = grid.evalActiveVoxelBoundingBox(); !voxels.empty())
+    if (const auto voxels = active_box(grid); !voxels.empty())
         out.box = grid.transform().indexToWorld(openvdb::BBoxd(voxels.min().asVec3d() - Vec3d(0.5), voxels.max().asVec3d() + Vec3d(0.5)));
     return out;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace fluidcarve {
@@ -27,6 +28,20 @@ bool same(const Leaf& a, const Leaf& b) {
     for (openvdb::Index n = 0; n < Leaf::SIZE; ++n)
         if (!same_bits(typename Leaf::ValueType(a.getValue(n)), typename Leaf::ValueType(b.getValue(n)))) return false;
     return true;
+}
+
+/// Adds a tile, unless the tree has the same value and state there.
+template <class TreeT>
+void add_tile(TreeT& tree, openvdb::Index level, const openvdb::Coord& at, const typename TreeT::ValueType& value, bool on) {
+    typename TreeT::ValueType there;
+    if (tree.probeValue(at, there) != on || !same_bits(there, value)) tree.addTile(level, at, value, on);
+}
+
+template <class TreeT>
+void copy_tiles(const TreeT& from, TreeT& to) {
+    auto tile = from.cbeginValueAll();
+    tile.setMaxDepth(TreeT::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) add_tile(to, tile.getLevel(), tile.getCoord(), tile.getValue(), tile.isValueOn());
 }
 
 }  // namespace
@@ -72,16 +87,33 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
             }
     });
 
-    // Copies by the base class: a copy by the grid's own type would compile the whole grid class here once more.
+    if (std::ranges::all_of(rows, [](const auto& row) { return row.empty(); })) return grid;
+    const auto changes = [&](const openvdb::Coord& block) {
+        const auto at = openvdb::Coord(block.x() >> 3, block.y() >> 3, block.z() >> 3) - low;
+        if (at.x() < 0 || at.x() >= size.x() || at.y() < 0 || at.y() >= size.y()) return false;
+        const auto& row = rows[static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(at.y())];
+        const auto found = std::ranges::lower_bound(row, block.z(), {}, [](const Change& change) { return change.block.z(); });
+        return found != row.end() && found->block == block;
+    };
+    std::vector<const Leaf*> kept;
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
+        if (!changes(leaf->origin())) kept.push_back(&*leaf);
+    std::vector<std::unique_ptr<Leaf>> copies(kept.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
+        for (auto n = range.begin(); n < range.end(); ++n) copies[n] = std::make_unique<Leaf>(*kept[n]);
+    });
+
+    // Made by the base class: the grid's own type would compile the whole grid class here once more.
     const openvdb::GridBase& base = *grid;
-    typename GridT::Ptr out;
+    const auto out = openvdb::GridBase::grid<GridT>(base.copyGridWithNewTree());
+    auto& tree = out->tree();
+    copy_tiles(grid->tree(), tree);
+    for (auto& leaf : copies) tree.addLeaf(leaf.release());
     for (auto& row : rows)
-        for (auto& change : row) {
-            if (!out) out = openvdb::GridBase::grid<GridT>(base.deepCopyGrid());
-            if (change.leaf) out->tree().addLeaf(change.leaf.release());
-            else out->tree().addTile(1, change.block, change.value, change.on);
-        }
-    return out ? typename GridT::ConstPtr(out) : grid;
+        for (auto& change : row)
+            if (change.leaf) tree.addLeaf(change.leaf.release());
+            else add_tile(tree, 1, change.block, change.value, change.on);
+    return out;
 }
 
 #define FLUIDCARVE_INSTANTIATE(GridT) \

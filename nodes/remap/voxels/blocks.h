@@ -105,9 +105,19 @@ public:
             const auto& cell = cell_of(at);
             const int within = at[axis] & 7, run = std::min(count, direction > 0 ? 8 - within : within + 1);
             auto from = Leaf::coordToOffset(at);
-            for (int n = 0; n < run; ++n, from += stride, to += stride) {
-                out.setValueOnly(to, cell.leaf ? Value(cell.leaf->getValue(from)) : cell.tile.value);
-                out.setActiveState(to, cell.leaf ? cell.leaf->isValueOn(from) : cell.tile.on);
+            const auto copy = [&](const auto& value, const auto& set) {
+                for (int n = 0; n < run; ++n, from += stride, to += stride) {
+                    set(to, value(from));
+                    out.setActiveState(to, cell.leaf ? cell.leaf->isValueOn(from) : cell.tile.on);
+                }
+            };
+            if constexpr (has_values<Leaf>) {
+                const auto* const values = cell.leaf ? cell.leaf->buffer().data() : nullptr;
+                auto* const outs = out.buffer().data();
+                copy([&](openvdb::Index n) { return values ? values[n] : cell.tile.value; }, [&](openvdb::Index n, const Value& value) { outs[n] = value; });
+            } else {
+                copy([&](openvdb::Index n) { return cell.leaf ? Value(cell.leaf->getValue(n)) : cell.tile.value; },
+                     [&](openvdb::Index n, const Value& value) { out.setValueOnly(n, value); });
             }
             at[axis] += direction * run;
             count -= run;
@@ -115,11 +125,9 @@ public:
     }
     /// Reads all voxels at a leaf's place, which lies inside the window.
     void read(Leaf& out) const {
-        std::array<Voxel, 8> row;
-        for (openvdb::Index n = 0; n < Leaf::SIZE; n += 8) {
-            read(out.offsetToGlobalCoord(n), row);
-            write(out, n, row);
-        }
+        const auto& cell = cell_of(out.origin());
+        if (cell.leaf) out = *cell.leaf;
+        else out.fill(cell.tile.value, cell.tile.on);
     }
     /// Sets eight voxels of a leaf.
     /// @param n  offset of the first one

@@ -170,7 +170,7 @@ public:
     }
     /// Extends the search by one arc.
     /// @return whether it reached any node
-    bool go_on(Label distance) {
+    [[gnu::flatten]] bool go_on(Label distance) {
         next_.clear();
         for (const auto& spot : front_) {
             const auto c = spot.column;
@@ -257,7 +257,7 @@ private:
 
     /// Pushes a node's excess on to nodes nearer to the sink, and raises the node's distance if some is left.
     /// @return number of visits of the node
-    int discharge(const Spot& spot) {
+    [[gnu::flatten]] int discharge(const Spot& spot) {
         const auto c = spot.column;
         const int entry = spot.entry;
         const auto& column = cut_.column_[c];

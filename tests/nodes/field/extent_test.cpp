@@ -61,3 +61,18 @@ TEST_CASE("a grid is refused where its voxels lie too far, and a walk where it w
     CHECK(failure_of([&] { require_walkable("the lattice", whole, 2); }) ==
           "the lattice spans [-2147483648, 0, 0] to [2147483647, 0, 1]: 4294967296 x 1 x 2 voxels, more than can be walked: make it smaller, or crop the grid");
 }
+
+TEST_CASE("the box of active voxels is OpenVDB's") {
+    auto grid = openvdb::FloatGrid::create();
+    CHECK(active_box(*grid).empty());
+    grid->tree().setValueOff({900, 0, 0}, 1.0f);
+    CHECK(active_box(*grid).empty());
+    for (const Coord& at : {Coord(3, -5, 6), Coord(-20, 2, 7), Coord(4, 9, -1), Coord(100, 0, 0)}) {
+        grid->tree().setValueOn(at, 1.0f);
+        CHECK(active_box(*grid) == grid->evalActiveVoxelBoundingBox());
+    }
+    grid->tree().addTile(1, {0, 64, 0}, 1.0f, true);
+    CHECK(active_box(*grid) == grid->evalActiveVoxelBoundingBox());
+    grid->tree().addTile(2, {0, 0, -256}, 1.0f, true);
+    CHECK(active_box(*grid) == grid->evalActiveVoxelBoundingBox());
+}
