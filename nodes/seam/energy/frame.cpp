@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "nodes/field/dense.h"
+#include "nodes/field/extent.h"
 #include "nodes/io/packed.h"
 #include "nodes/io/transform_bytes.h"
 #include "nodes/seam/energy/code.h"
@@ -139,7 +140,7 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
     if (grids.attract) out.attract_missed = missed_range(*grids.attract);
     if (grids.protect) out.protect_missed = missed_range(*grids.protect);
     out.transform = grids.energy.transform().copy();
-    if (const auto box = grids.energy.evalActiveVoxelBoundingBox(); !box.empty())
+    if (const auto box = active_box(grids.energy); !box.empty())
         out.active = grids.energy.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
     if (grids.field) out.field_transform = grids.field->transform().copy();
     return out;

@@ -11,9 +11,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <type_traits>
+#include <vector>
 
 namespace fluidcarve {
 
@@ -47,25 +49,54 @@ public:
     /// Encodes the first entries of the column: those in one leaf at once, and those outside of leaves by one value.
     template <class Code>
     void encode(std::span<std::uint16_t> codes) {
-        const auto size = static_cast<int>(codes.size());
-        for (int entry = 0; entry < size;) {
-            const auto voxel = at(entry);
-            const int run = std::min(in_block(voxel), size - entry);
-            const auto out = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run));
-            if (const auto* const leaf = values_.probeConstLeaf(voxel)) {
-                const auto* value = leaf->buffer().data() + openvdb::FloatTree::LeafNodeType::coordToOffset(voxel);
+        if (!in_same_blocks(codes.size())) find_runs(static_cast<int>(codes.size()));
+        int entry = 0;
+        for (const auto& run : runs_) {
+            const auto out = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run.size));
+            if (run.values) {
+                const auto* value = run.values + Leaf::coordToOffset(at(entry));
                 for (auto& each : out) {
                     each = Code::encode(*value);
                     value += offset_;
                 }
             } else {
-                std::ranges::fill(out, Code::encode(values_.getValue(voxel)));
+                std::ranges::fill(out, Code::encode(run.value));
             }
-            entry += run;
+            entry += run.size;
         }
     }
 
 private:
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    /// Entries in one leaf, or beside each other outside of leaves with one value.
+    struct Run {
+        int size;
+        const float* values;  ///< of the leaf, if there is one
+        float value;          ///< otherwise
+    };
+
+    /// Whether the runs are those of this column. They are the same for columns that begin in the same blocks, at the same place along the axis.
+    bool in_same_blocks(std::size_t size) const {
+        if (runs_.empty() || size != size_) return false;
+        for (int n = 0; n < 3; ++n)
+            if (step_[n] != 0 ? first_[n] != runs_begin_[n] : (first_[n] ^ runs_begin_[n]) >> 3 != 0) return false;
+        return true;
+    }
+    void find_runs(int size) {
+        runs_begin_ = first_;
+        size_ = static_cast<std::size_t>(size);
+        runs_.clear();
+        for (int entry = 0; entry < size;) {
+            const auto voxel = at(entry);
+            const int count = std::min(in_block(voxel), size - entry);
+            entry += count;
+            const auto* const leaf = values_.probeConstLeaf(voxel);
+            const Run run{count, leaf ? leaf->buffer().data() : nullptr, leaf ? 0 : values_.getValue(voxel)};
+            if (!leaf && !runs_.empty() && !runs_.back().values && std::bit_cast<std::uint32_t>(runs_.back().value) == std::bit_cast<std::uint32_t>(run.value))
+                runs_.back().size += count;
+            else runs_.push_back(run);
+        }
+    }
     openvdb::Coord at(int entry) const { return first_ + openvdb::Coord(entry * step_.x(), entry * step_.y(), entry * step_.z()); }
     /// How many entries, from a voxel on, lie in its block of 8^3 voxels.
     int in_block(const openvdb::Coord& voxel) const {
@@ -82,6 +113,9 @@ private:
     const openvdb::Coord step_;
     const std::ptrdiff_t offset_ = 64 * step_.x() + 8 * step_.y() + step_.z();  ///< from an entry to the next in a leaf
     openvdb::Coord first_;
+    std::vector<Run> runs_;      ///< of a column
+    openvdb::Coord runs_begin_;  ///< that column's first voxel
+    std::size_t size_ = 0;       ///< entries of it
 };
 
 /// Samples values between voxels.
