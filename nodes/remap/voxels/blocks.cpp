@@ -30,18 +30,18 @@ bool same(const Leaf& a, const Leaf& b) {
     return true;
 }
 
-/// Adds a tile, unless the tree has the same value and state there.
-template <class TreeT>
-void add_tile(TreeT& tree, openvdb::Index level, const openvdb::Coord& at, const typename TreeT::ValueType& value, bool on) {
-    typename TreeT::ValueType there;
-    if (tree.probeValue(at, there) != on || !same_bits(there, value)) tree.addTile(level, at, value, on);
-}
-
-template <class TreeT>
-void copy_tiles(const TreeT& from, TreeT& to) {
-    auto tile = from.cbeginValueAll();
-    tile.setMaxDepth(TreeT::ValueAllCIter::LEAF_DEPTH - 1);
-    for (; tile; ++tile) add_tile(to, tile.getLevel(), tile.getCoord(), tile.getValue(), tile.isValueOn());
+/// Copies the tiles of a node and of those below it, but for background.
+/// @param to  without leaves
+template <class Node, class TreeT>
+void copy_tiles(const Node& node, TreeT& to) {
+    const auto* const table = node.getTable();
+    for (openvdb::Index n = 0; n < Node::NUM_VALUES; ++n) {
+        if (node.isChildMaskOn(n)) {
+            if constexpr (Node::LEVEL > 1) copy_tiles(*table[n].getChild(), to);
+        } else if (node.isValueMaskOn(n) || !same_bits(table[n].getValue(), to.background())) {
+            to.addTile(Node::LEVEL, node.offsetToGlobalCoord(n), table[n].getValue(), node.isValueMaskOn(n));
+        }
+    }
 }
 
 }  // namespace
@@ -107,12 +107,17 @@ typename GridT::ConstPtr rewrite_blocks(const typename GridT::ConstPtr& grid, co
     const openvdb::GridBase& base = *grid;
     const auto out = openvdb::GridBase::grid<GridT>(base.copyGridWithNewTree());
     auto& tree = out->tree();
-    copy_tiles(grid->tree(), tree);
-    for (auto& leaf : copies) tree.addLeaf(leaf.release());
+    const auto& root = grid->tree().root();
+    for (auto tile = root.cbeginValueAll(); tile; ++tile) tree.addTile(TreeT::RootNodeType::LEVEL, tile.getCoord(), tile.getValue(), tile.isValueOn());
+    for (auto child = root.cbeginChildOn(); child; ++child) copy_tiles(*child, tree);
+    openvdb::tree::ValueAccessor<TreeT> to(tree);
+    for (auto& leaf : copies) to.addLeaf(leaf.release());
     for (auto& row : rows)
-        for (auto& change : row)
-            if (change.leaf) tree.addLeaf(change.leaf.release());
-            else add_tile(tree, 1, change.block, change.value, change.on);
+        for (auto& change : row) {
+            Value there;
+            if (change.leaf) to.addLeaf(change.leaf.release());
+            else if (to.probeValue(change.block, there) != change.on || !same_bits(there, change.value)) to.addTile(1, change.block, change.value, change.on);
+        }
     return out;
 }
 
