@@ -18,7 +18,7 @@ inline constexpr int farthest_voxel = 1'000'000'000;
 std::array<std::int64_t, 3> extents_of(const openvdb::CoordBBox& box);
 /// Number of voxels in a box, or the largest number if there are more.
 std::uint64_t voxels_in(const openvdb::CoordBBox& box);
-/// Box of the active voxels. OpenVDB's function visits each voxel of a leaf that is not wholly inside the box so far; in a picture none is.
+/// Box of the active voxels, by the leaves' masks. OpenVDB's evalActiveVoxelBoundingBox() gives the same, but visits all voxels of a picture.
 template <class GridT>
 openvdb::CoordBBox active_box(const GridT& grid);
 /// A box in words: "[0, 0, 0] to [7, 7, 7]: 8 x 8 x 8 voxels".

@@ -4,8 +4,15 @@
 #include <openvdb/math/Coord.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace fluidcarve {
+
+/// Whether two values are the same bit for bit.
+template <class T>
+bool same_bits(const T& a, const T& b) {
+    return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
 
 /// Coord::floor, without a library call per component. Places beyond all voxels, or not finite, count as at the ends of index space.
 inline openvdb::Coord voxel_below(const openvdb::Vec3d& q) {

@@ -6,19 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <functional>
 #include <span>
 #include <type_traits>
 #include <vector>
 
 namespace fluidcarve {
-
-/// Whether two values are the same bit for bit.
-template <class T>
-bool same_bits(const T& a, const T& b) {
-    return std::memcmp(&a, &b, sizeof(T)) == 0;
-}
 
 /// How far apart neighbours along an axis are in a leaf of 8^3 voxels.
 inline int offset_stride(int axis) { return 64 >> 3 * axis; }

@@ -168,6 +168,7 @@ public:
             if (cut_.tags_[end - 1].up()) reach({static_cast<std::uint32_t>(c), column.last}, end - 1, 1, front_);
         });
     }
+    // Flattened, as discharge() is: g++ would call the lambdas in it, which is slower.
     /// Extends the search by one arc.
     /// @return whether it reached any node
     [[gnu::flatten]] bool go_on(Label distance) {

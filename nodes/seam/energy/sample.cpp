@@ -11,7 +11,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <type_traits>
@@ -42,14 +41,16 @@ struct FieldCode {
 /// Reads values by voxel index. All readers move to a column and then read its entries: its vertices stand on a line at equal distances.
 class ByIndex {
 public:
-    ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment, Axis axis)
-        : values_(grid.getConstAccessor()), alignment_(alignment), step_(alignment.step[static_cast<std::size_t>(axis)]) {}
+    /// @param entries  of each column
+    ByIndex(const openvdb::FloatGrid& grid, const Alignment& alignment, Axis axis, int entries)
+        : values_(grid.getConstAccessor()), alignment_(alignment), step_(alignment.step[static_cast<std::size_t>(axis)]), entries_(entries) {}
     void move_to(const std::array<int, 3>& first) { first_ = alignment_.voxel(first[0], first[1], first[2]); }
     float operator()(int entry) { return values_.getValue(at(entry)); }
-    /// Encodes the first entries of the column: those in one leaf at once, and those outside of leaves by one value.
+    /// Encodes the column: entries in one leaf at once, and those outside of leaves by one value.
+    /// @param codes  one for each entry
     template <class Code>
     void encode(std::span<std::uint16_t> codes) {
-        if (!in_same_blocks(codes.size())) find_runs(static_cast<int>(codes.size()));
+        if (!in_same_blocks()) find_runs();
         int entry = 0;
         for (const auto& run : runs_) {
             const auto out = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run.size));
@@ -75,25 +76,24 @@ private:
         float value;          ///< otherwise
     };
 
-    /// Whether the runs are those of this column. They are the same for columns that begin in the same blocks, at the same place along the axis.
-    bool in_same_blocks(std::size_t size) const {
-        if (runs_.empty() || size != size_) return false;
+    /// Whether this column passes the blocks of the column whose runs are known. All columns begin at the same place along the axis.
+    bool in_same_blocks() const {
+        if (runs_.empty()) return false;
         for (int n = 0; n < 3; ++n)
-            if (step_[n] != 0 ? first_[n] != runs_begin_[n] : (first_[n] ^ runs_begin_[n]) >> 3 != 0) return false;
+            if (step_[n] == 0 && (first_[n] ^ runs_begin_[n]) >> 3 != 0) return false;
         return true;
     }
-    void find_runs(int size) {
+    void find_runs() {
         runs_begin_ = first_;
-        size_ = static_cast<std::size_t>(size);
         runs_.clear();
-        for (int entry = 0; entry < size;) {
+        for (int entry = 0; entry < entries_;) {
             const auto voxel = at(entry);
-            const int count = std::min(in_block(voxel), size - entry);
+            const int count = std::min(in_block(voxel), entries_ - entry);
             entry += count;
             const auto* const leaf = values_.probeConstLeaf(voxel);
             const Run run{count, leaf ? leaf->buffer().data() : nullptr, leaf ? 0 : values_.getValue(voxel)};
-            if (!leaf && !runs_.empty() && !runs_.back().values && std::bit_cast<std::uint32_t>(runs_.back().value) == std::bit_cast<std::uint32_t>(run.value))
-                runs_.back().size += count;
+            const bool goes_on = !leaf && !runs_.empty() && !runs_.back().values && same_bits(runs_.back().value, run.value);
+            if (goes_on) runs_.back().size += count;
             else runs_.push_back(run);
         }
     }
@@ -111,11 +111,11 @@ private:
     openvdb::FloatGrid::ConstAccessor values_;
     const Alignment& alignment_;
     const openvdb::Coord step_;
+    const int entries_;
     const std::ptrdiff_t offset_ = 64 * step_.x() + 8 * step_.y() + step_.z();  ///< from an entry to the next in a leaf
     openvdb::Coord first_;
     std::vector<Run> runs_;      ///< of a column
     openvdb::Coord runs_begin_;  ///< that column's first voxel
-    std::size_t size_ = 0;       ///< entries of it
 };
 
 /// Samples values between voxels.
@@ -220,7 +220,7 @@ void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axi
                    std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
     if (const auto alignment = align(lattice, energy.transform()))
-        fill<EnergyCode>(lattice, axis, codes, these, [&] { return ByIndex(energy, *alignment, axis); });
+        fill<EnergyCode>(lattice, axis, codes, these, [&] { return ByIndex(energy, *alignment, axis, lattice.shape[dimension(axis)]); });
     else if (measure == Measure::vertex || lattice.is_box()) fill<EnergyCode>(lattice, axis, codes, these, [&] { return AtVertices(energy, lattice, axis); });
     else fill<EnergyCode>(lattice, axis, codes, these, [&] { return OverCells(energy, lattice, axis); });
 }
@@ -228,7 +228,7 @@ void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axi
 void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, std::optional<Planes> planes) {
     const auto these = planes.value_or(Planes{0, lattice.shape[2]});
     if (const auto alignment = align(lattice, field.transform()))
-        fill<FieldCode>(lattice, axis, codes, these, [&] { return ByIndex(field, *alignment, axis); });
+        fill<FieldCode>(lattice, axis, codes, these, [&] { return ByIndex(field, *alignment, axis, lattice.shape[dimension(axis)]); });
     else fill<FieldCode>(lattice, axis, codes, these, [&] { return AtVertices(field, lattice, axis); });
 }
 

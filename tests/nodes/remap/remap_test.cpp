@@ -183,6 +183,29 @@ TEST_CASE("tiles that nothing changes stay tiles") {
     CHECK(emptied->activeVoxelCount() == 0);
 }
 
+TEST_CASE("leaves and tiles of all levels that lie beside the lattice stay as they were") {
+    const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
+    const auto grid =
+        dense_grid(CoordBBox(Coord(0), Coord(7)), openvdb::math::Transform::createLinearTransform(1.0), [](const Coord& at) { return float(at.x()); });
+    auto& tree = grid->tree();
+    for (const bool on : {true, false}) {
+        const int y = on ? 0 : 64;
+        tree.setValueOn({40, y, 0}, 1.0f);
+        tree.addTile(1, {64, y, 0}, 2.0f, on);
+        tree.addTile(2, {128, 2 * y, 0}, 3.0f, on);
+        tree.addTile(3, {4096, 64 * y, 0}, 4.0f, on);
+    }
+    const auto got = carved<FloatGrid>(grid, lattice, map_of_count(lattice, straight_seams(lattice, Axis::u, Seams::Kind::remove, {3})));
+    REQUIRE(got != grid);
+    for (const int y : {0, 64})
+        for (const Coord& at : {Coord(40, y, 0), Coord(41, y, 0), Coord(64, y, 0), Coord(128, 2 * y, 0), Coord(4096, 64 * y, 0)}) {
+            INFO(at);
+            CHECK(got->tree().getValue(at) == tree.getValue(at));
+            CHECK(got->tree().isValueOn(at) == tree.isValueOn(at));
+            CHECK(got->tree().getValueDepth(at) == tree.getValueDepth(at));
+        }
+}
+
 TEST_CASE("an output keeps all metadata of its grid, the half flag too") {
     const auto lattice = make_box(Vec3d(0), {8, 8, 8}, 1.0, {0, 1, 2});
     const auto grid =

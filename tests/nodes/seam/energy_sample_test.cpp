@@ -83,6 +83,29 @@ TEST_CASE("codes are those of the voxels under the vertices, contiguous along th
     }
 }
 
+TEST_CASE("columns through leaves and tiles of different values have the codes of their voxels") {
+    std::mt19937 random(1);
+    const auto grid = openvdb::FloatGrid::create(0.5f);
+    for (auto block = CoordBBox(Coord(-2), Coord(3)).begin(); block; ++block) {
+        const Coord at((*block).x() * 8, (*block).y() * 8, (*block).z() * 8);
+        if (random() % 3 == 0) continue;
+        grid->tree().addTile(1, at, static_cast<float>(1 + random() % 3), true);
+        if (random() % 3 == 0) grid->tree().setValueOn(at.offsetBy(1, 2, 3), 7.0f);
+    }
+    for (const double spacing : {1.0, 2.0})
+        for (const auto axis : {Axis::u, Axis::v}) {
+            const auto lattice = make_box(Vec3d(-13, -11, -5), {18, 17, 15}, spacing, {0, 1, 2});
+            const auto codes = sampled(*grid, lattice, axis);
+            std::size_t n = 0;
+            for (int k = 0; k < 15; ++k)
+                for (int lateral = 0; lateral < lattice.shape[axis == Axis::u ? 1 : 0]; ++lateral)
+                    for (int entry = 0; entry < lattice.shape[axis == Axis::u ? 0 : 1]; ++entry, ++n) {
+                        const auto at = axis == Axis::u ? lattice.position(Vec3d(entry, lateral, k)) : lattice.position(Vec3d(lateral, entry, k));
+                        REQUIRE(codes[n] == encode_energy(grid->tree().getValue(Coord::round(at))));
+                    }
+        }
+}
+
 TEST_CASE("vertices between voxels, and on every second, are sampled where they are") {
     const auto grid = energy_on(CoordBBox(Coord(-5), Coord(30)), 0.5, [](const Coord& at) { return 64 + at.x() + 2 * at.y() + 4 * at.z(); });
     const auto value = [&](const Lattice& lattice, int i, int j, int k) {
