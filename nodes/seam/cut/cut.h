@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/seam/cut/residual.h"
 #include "nodes/seam/search/band.h"
 #include "nodes/seam/search/columns.h"
 
@@ -29,7 +30,7 @@ public:
     /// Writes the costs of a column's entries band.first to band.last: 0 to most_cost, or endless.
     using CostOf = std::function<void(std::size_t column, Band::Column band, std::int32_t* costs)>;
     /// Cost of an entry that no seam takes if it can go elsewhere. Not for the ends of a column.
-    static constexpr std::int32_t endless = 0x7FFFFFFF;
+    static constexpr std::int32_t endless = Residual::endless;
     static constexpr std::int32_t most_cost = 1 << 26;
     /// Nodes of a tile: they fit into a core's own cache.
     static constexpr std::size_t tile_nodes = 16384;
@@ -56,71 +57,19 @@ public:
     std::int64_t flow() const { return flow_; }
     /// Cost of the seam, in the units of CostOf.
     std::int64_t cost() const { return flow_ + left_; }
-    std::size_t nodes() const { return tags_.size(); }
+    std::size_t nodes() const { return graph_.tags.size(); }
 
 private:
-    using Label = std::uint32_t;
-    static constexpr Label far = 0xFFFFFF;
-
-    /// Residual capacities of a node's arcs, except arcs of unlimited capacity.
-    struct Arcs {
-        std::int32_t up;                            ///< to the next node of the column
-        std::int32_t lowered[Columns::directions];  ///< flow that went to the next lower node of each neighbour
-    };
-    struct Column {
-        std::uint32_t begin;  ///< its first node, the one below entry first + 1
-        std::uint16_t first, last;
-        int size() const { return last - first; }
-    };
-    /// A node, as the column and entry below which it stands.
-    struct Spot {
-        std::uint32_t column;
-        std::uint16_t entry;
-    };
-    /// All that a search needs to know of a node: an estimate of its distance to the sink, in arcs, and which of its figures are not 0.
-    class Tag {
-    public:
-        Label label() const { return bits_ >> 8; }
-        void set_label(Label label) { bits_ = label << 8 | (bits_ & 0xFF); }
-        bool lowered(std::size_t direction) const { return bits_ >> direction & 1; }
-        bool up() const { return bits_ >> 6 & 1; }
-        bool excess() const { return bits_ >> 7 & 1; }
-        void set_lowered(std::size_t direction, bool is) { set(direction, is); }
-        void set_up(bool is) { set(6, is); }
-        void set_excess(bool is) { set(7, is); }
-
-    private:
-        void set(std::size_t bit, bool is) { bits_ = (bits_ & ~(1u << bit)) | static_cast<std::uint32_t>(is) << bit; }
-        std::uint32_t bits_ = far << 8;
-    };
-    /// A part of the columns: from `low` to before `high` along lateral, k and t.
-    struct Box {
-        std::array<std::size_t, 3> low, high;
-    };
-    class Region;
-
-    static constexpr std::uint32_t none = ~std::uint32_t{0};
-    /// The node below an entry; none if the column has no such node.
-    static std::uint32_t node(const Column& column, int entry) {
-        return entry > column.first && entry <= column.last ? column.begin + static_cast<std::uint32_t>(entry - column.first - 1) : none;
-    }
     void fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of);
     void add_lifts(std::size_t column, const LiftsOf& lifts_of, std::vector<std::int32_t>& costs, std::vector<std::int32_t>& lifts);
     void lifts(std::size_t high, std::size_t low, unsigned direction, int first, const LiftsOf& lifts_of, std::span<std::int32_t> out) const;
-    std::vector<Box> tiles(std::size_t nodes, bool shifted) const;
-    std::vector<Box> layers() const;
+    std::vector<Residual::Box> tiles(std::size_t nodes, bool shifted) const;
+    std::vector<Residual::Box> layers() const;
     bool solve_tiles(bool shifted, double tolerance);
     bool solve_whole(double tolerance, const std::function<void()>& tick);
 
-    const Columns columns_;
     const bool reversed_;
-    std::vector<Column> column_;
-    std::vector<std::uint16_t> sides_;  ///< `[column]`: which neighbours it has in its region
-    std::vector<Tag> tags_;
-    std::vector<std::int64_t> excess_;
-    std::vector<Arcs> arcs_;
-    std::vector<std::array<std::int32_t, Columns::directions>>
-        level_;  ///< residual capacities to the neighbours' nodes at the same height; empty if steps are free
+    Residual graph_;
     std::int64_t flow_ = 0, left_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/cut/cut.h"
+#include "nodes/seam/cut/residual.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,14 @@
 namespace fluidcarve {
 
 /// Pushes flow through a part of the columns.
-class Cut::Region {
+class CutRegion {
 public:
+    using Label = Residual::Label;
+    using Spot = Residual::Spot;
+
     /// @param walled  true: as if there were no other columns; false: columns outside get flow too, but push it themselves
-    Region(Cut& cut, const Box& box, bool walled) : cut_(cut), box_(box) {
-        const auto& all = cut.columns_;
+    CutRegion(Residual& graph, const Residual::Box& box, bool walled) : graph_(graph), box_(box) {
+        const auto& all = graph.layout;
         const std::array<std::size_t, 3> size{all.laterals(), all.slices(), all.frames()};
         const std::array<std::size_t, 3> stride{1, all.laterals(), all.per_frame()};
         for (std::size_t d = 0; d < 3; ++d) {
@@ -26,7 +29,7 @@ public:
             step_[2 * d + 1 + wrapped] = -around;
         }
         for_each_column([&](std::size_t c, const std::array<std::size_t, 3>& at) {
-            size_ += static_cast<std::size_t>(cut_.column_[c].size());
+            size_ += static_cast<std::size_t>(graph_.columns[c].size());
             unsigned sides = 0;
             for (unsigned d = 0; d < 3; ++d) {
                 const bool whole = box.low[d] == 0 && box.high[d] == size[d], ring = all.ring(d);
@@ -39,7 +42,7 @@ public:
                 }
                 if (!whole) along_ = d;
             }
-            cut_.sides_[c] = static_cast<std::uint16_t>(sides);
+            graph_.sides[c] = static_cast<std::uint16_t>(sides);
         });
     }
 
@@ -60,11 +63,11 @@ public:
         for (auto* const list : {&front_, &active_, &sent_[0], &sent_[1]}) list->clear();
         left_ = 0;
         for_each_column([&](std::size_t c, const auto&) {
-            const auto& column = cut_.column_[c];
+            const auto& column = graph_.columns[c];
             if (column.size() == 0) return;
             const auto end = column.begin + static_cast<std::uint32_t>(column.size());
-            for (auto n = column.begin; n < end; ++n) cut_.tags_[n].set_label(far);
-            if (cut_.tags_[end - 1].up()) reach({static_cast<std::uint32_t>(c), column.last}, end - 1, 1, front_);
+            for (auto n = column.begin; n < end; ++n) graph_.tags[n].set_label(far);
+            if (graph_.tags[end - 1].up()) reach({static_cast<std::uint32_t>(c), column.last}, end - 1, 1, front_);
         });
     }
     // Flattened, as discharge() is: g++ would call the lambdas in it, which is slower.
@@ -75,22 +78,22 @@ public:
         for (const auto& spot : front_) {
             const auto c = spot.column;
             const int entry = spot.entry;
-            const auto& column = cut_.column_[c];
-            const auto own = node(column, entry);
-            const auto tag = cut_.tags_[own];
-            if (entry - 1 > column.first && cut_.tags_[own - 1].up()) reach({c, lower(entry)}, own - 1, distance, next_);
+            const auto& column = graph_.columns[c];
+            const auto own = Residual::node(column, entry);
+            const auto tag = graph_.tags[own];
+            if (entry - 1 > column.first && graph_.tags[own - 1].up()) reach({c, lower(entry)}, own - 1, distance, next_);
             if (entry < column.last) reach({c, higher(entry)}, own + 1, distance, next_);
             for_each_side(c, [&](std::size_t other, unsigned d, int out) {
                 const auto to = static_cast<std::uint32_t>(other);
-                const auto& beside = cut_.column_[other];
+                const auto& beside = graph_.columns[other];
                 const auto go = [&](std::uint16_t at, std::uint32_t n) {
                     if (out < 0) reach({to, at}, n, distance, next_);
                     else sent_[static_cast<std::size_t>(out)].push_back({to, at});
                 };
-                if (const auto above = node(beside, entry + 1); above != none) go(higher(entry), above);
-                if (tag.lowered(d)) go(lower(entry), node(beside, entry - 1));
-                if (cut_.level_.empty()) return;
-                if (const auto level = node(beside, entry); level != none && cut_.level_[level][Columns::back(d)] > 0) go(spot.entry, level);
+                if (const auto above = Residual::node(beside, entry + 1); above != none) go(higher(entry), above);
+                if (tag.lowered(d)) go(lower(entry), Residual::node(beside, entry - 1));
+                if (graph_.level.empty()) return;
+                if (const auto level = Residual::node(beside, entry); level != none && graph_.level[level][Columns::back(d)] > 0) go(spot.entry, level);
             });
         }
         std::swap(front_, next_);
@@ -98,7 +101,7 @@ public:
     }
     /// Adds nodes that other regions reached.
     void take_reached(std::vector<Spot>& spots, Label distance) {
-        for (const auto& spot : spots) reach(spot, node(cut_.column_[spot.column], spot.entry), distance, front_);
+        for (const auto& spot : spots) reach(spot, Residual::node(graph_.columns[spot.column], spot.entry), distance, front_);
         spots.clear();
     }
 
@@ -119,7 +122,9 @@ public:
     }
 
 private:
-    // closing, leaving: bits of Cut::sides_ behind those of the directions. wrapped: where step_ holds the steps across the closing.
+    static constexpr auto far = Residual::far, none = Residual::none;
+    static constexpr auto endless = Residual::endless;
+    // closing, leaving: bits of Residual::sides behind those of the directions. wrapped: where step_ holds the steps across the closing.
     static constexpr unsigned closing = 6, leaving = 10, wrapped = 6;
 
     static std::uint16_t higher(int entry) { return static_cast<std::uint16_t>(entry + 1); }
@@ -129,7 +134,7 @@ private:
     void for_each_column(const Call& call) {
         for (auto t = box_.low[2]; t < box_.high[2]; ++t)
             for (auto k = box_.low[1]; k < box_.high[1]; ++k) {
-                const auto first = cut_.columns_.at(0, k, t);
+                const auto first = graph_.layout.at(0, k, t);
                 for (auto lateral = box_.low[0]; lateral < box_.high[0]; ++lateral) call(first + lateral, std::array{lateral, k, t});
             }
     }
@@ -137,7 +142,7 @@ private:
     ///   the one behind
     template <class Call>
     void for_each_side(std::uint32_t c, const Call& call) {
-        const unsigned sides = cut_.sides_[c];
+        const unsigned sides = graph_.sides[c];
         for (unsigned rest = sides & 63; rest != 0; rest &= rest - 1) {
             const auto d = static_cast<unsigned>(std::countr_zero(rest));
             const bool across = d < 4 && (sides >> (closing + d) & 1), leaves = d / 2 == along_ && (sides >> (leaving + d % 2) & 1);
@@ -146,12 +151,12 @@ private:
     }
 
     void reach(const Spot& spot, std::uint32_t n, Label distance, std::vector<Spot>& out) {
-        auto& tag = cut_.tags_[n];
+        auto& tag = graph_.tags[n];
         if (tag.label() != far) return;
         tag.set_label(distance);
         out.push_back(spot);
         if (!tag.excess()) return;
-        left_ += cut_.excess_[n];
+        left_ += graph_.excess[n];
         active_.push_back(spot);
     }
 
@@ -160,18 +165,18 @@ private:
     [[gnu::flatten]] int discharge(const Spot& spot) {
         const auto c = spot.column;
         const int entry = spot.entry;
-        const auto& column = cut_.column_[c];
-        const auto own = node(column, entry);
-        auto& tag = cut_.tags_[own];
-        auto& arcs = cut_.arcs_[own];
-        auto excess = cut_.excess_[own];
+        const auto& column = graph_.columns[c];
+        const auto own = Residual::node(column, entry);
+        auto& tag = graph_.tags[own];
+        auto& arcs = graph_.arcs[own];
+        auto excess = graph_.excess[own];
         auto label = tag.label();
         if (excess == 0 || label == far) return 1;
         const auto give = [&](std::uint32_t n, std::size_t to, std::uint16_t at, int out, std::int64_t amount) {
-            auto& other = cut_.tags_[n];
+            auto& other = graph_.tags[n];
             if (!other.excess()) (out < 0 ? next_ : sent_[static_cast<std::size_t>(out)]).push_back({static_cast<std::uint32_t>(to), at});
             other.set_excess(true);
-            cut_.excess_[n] += amount;
+            graph_.excess[n] += amount;
             excess -= amount;
         };
         for (int steps = 1;; ++steps) {
@@ -179,7 +184,7 @@ private:
             auto nearest = far;
             if (arcs.up > 0) {
                 const bool last = entry == column.last;
-                const Label above = last ? 0 : cut_.tags_[own + 1].label();
+                const Label above = last ? 0 : graph_.tags[own + 1].label();
                 if (above + 1 == label) {
                     const auto amount = arcs.up == endless ? excess : std::min<std::int64_t>(excess, arcs.up);
                     if (arcs.up != endless) arcs.up -= static_cast<std::int32_t>(amount);
@@ -195,31 +200,31 @@ private:
             if (excess > 0)
                 for_each_side(c, [&](std::size_t other, unsigned d, int out) {
                     if (excess == 0) return;
-                    const auto& beside = cut_.column_[other];
-                    if (const auto above = node(beside, entry + 1); above != none && cut_.tags_[above].lowered(Columns::back(d))) {
-                        const auto at = cut_.tags_[above].label();
-                        auto& lowered = cut_.arcs_[above].lowered[Columns::back(d)];
+                    const auto& beside = graph_.columns[other];
+                    if (const auto above = Residual::node(beside, entry + 1); above != none && graph_.tags[above].lowered(Columns::back(d))) {
+                        const auto at = graph_.tags[above].label();
+                        auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];
                         if (at + 1 == label) {
                             const auto amount = std::min<std::int64_t>(excess, lowered);
                             lowered -= static_cast<std::int32_t>(amount);
-                            if (lowered == 0) cut_.tags_[above].set_lowered(Columns::back(d), false);
+                            if (lowered == 0) graph_.tags[above].set_lowered(Columns::back(d), false);
                             give(above, other, higher(entry), out, amount);
                         }
                         if (lowered > 0) nearest = std::min(nearest, at);
                     }
-                    if (const auto level = cut_.level_.empty() ? none : node(beside, entry); level != none && cut_.level_[own][d] > 0) {
-                        const auto at = cut_.tags_[level].label();
-                        auto& through = cut_.level_[own][d];
+                    if (const auto level = graph_.level.empty() ? none : Residual::node(beside, entry); level != none && graph_.level[own][d] > 0) {
+                        const auto at = graph_.tags[level].label();
+                        auto& through = graph_.level[own][d];
                         if (at + 1 == label && excess > 0) {
                             const auto amount = std::min<std::int64_t>(excess, through);
                             through -= static_cast<std::int32_t>(amount);
-                            cut_.level_[level][Columns::back(d)] += static_cast<std::int32_t>(amount);
+                            graph_.level[level][Columns::back(d)] += static_cast<std::int32_t>(amount);
                             give(level, other, spot.entry, out, amount);
                         }
                         if (through > 0) nearest = std::min(nearest, at);
                     }
-                    if (const auto below = node(beside, entry - 1); below != none) {
-                        const auto at = cut_.tags_[below].label();
+                    if (const auto below = Residual::node(beside, entry - 1); below != none) {
+                        const auto at = graph_.tags[below].label();
                         auto& lowered = arcs.lowered[d];
                         if (at + 1 == label && excess > 0) {
                             const auto amount = std::min<std::int64_t>(excess, endless - lowered);
@@ -232,13 +237,13 @@ private:
                     }
                 });
             if (excess > 0 && entry - 1 > column.first) {
-                const auto at = cut_.tags_[own - 1].label();
+                const auto at = graph_.tags[own - 1].label();
                 if (at + 1 == label) {
-                    auto& up = cut_.arcs_[own - 1].up;
+                    auto& up = graph_.arcs[own - 1].up;
                     const auto amount = up == endless ? excess : std::min<std::int64_t>(excess, endless - 1 - up);
                     overflowed_ = overflowed_ || amount < excess;
                     if (up != endless) up += static_cast<std::int32_t>(amount);
-                    cut_.tags_[own - 1].set_up(true);
+                    graph_.tags[own - 1].set_up(true);
                     give(own - 1, c, lower(entry), -1, amount);
                 }
                 nearest = std::min(nearest, at);
@@ -248,13 +253,13 @@ private:
             tag.set_label(label);
             tag.set_up(arcs.up > 0);
             tag.set_excess(excess > 0);
-            cut_.excess_[own] = excess;
+            graph_.excess[own] = excess;
             return steps;
         }
     }
 
-    Cut& cut_;
-    const Box box_;
+    Residual& graph_;
+    const Residual::Box box_;
     std::array<std::ptrdiff_t, 12> step_;
     unsigned along_ = 0;  ///< the dimension in which the columns before and behind the box belong to other regions
     std::size_t size_ = 0;
