@@ -22,12 +22,13 @@ struct Effort {
     std::size_t exact_entries;  ///< energies of at most this many entries are cut as a whole
     double tolerance;           ///< of such cuts of coarse energies, as a share of the least cost
     int passes;                 ///< of messages to and fro at the finest level; each coarser one gets twice as many, up to most_passes
+    int most_passes;            ///< more at coarse levels lead away from what the finest one asks for
     int sweeps;                 ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
-constexpr Effort most_effort{std::size_t{1} << 18, 0, 20, 4};
+constexpr Effort most_effort{std::size_t{1} << 18, 0, 24, 32, 2};
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no better.
-constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 2};
-constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes = 64;
+constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 64, 2};
+constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes_of_best = 64;
 
 /// Energies of more columns with protected vertices are cut by the best quality only.
 constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
@@ -45,8 +46,10 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 }  // namespace
 
 int Pyramid::passes(bool field, int level) const {
-    const int finest = quality_ == Quality::draft ? passes_of_draft : quality_ == Quality::best ? passes_of_best : effort_for(field, quality_).passes;
-    return std::min(finest << std::min(level, 8), most_passes);
+    const auto& effort = effort_for(field, quality_);
+    const bool best = quality_ == Quality::best;
+    const int finest = quality_ == Quality::draft ? passes_of_draft : best ? passes_of_best : effort.passes;
+    return std::min(finest << std::min(level, 8), best ? most_passes_of_best : effort.most_passes);
 }
 
 void Pyramid::refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
@@ -77,9 +80,9 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
         tick();
         const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, attracts, tick);
         out.seam = past_protected(energy, window, prolong_seam(Columns(coarse), found.seam, columns, window));
-        Strip strip(energy, Band::around(out.seam, radius, window));
-        if (found.messages) out.messages.emplace(std::move(strip), window, *found.messages);
-        else out.messages.emplace(std::move(strip));
+        Strip strip(energy, Band::around(out.seam, radius, window), memory_);
+        if (found.messages) out.messages.emplace(std::move(strip), window, *found.messages, memory_);
+        else out.messages.emplace(std::move(strip), memory_);
     }
     refine(*out.messages, level, attracts, number, out.seam, tick);
     return out;
@@ -98,7 +101,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
     if (cost < least) {
         best.assign(greedy.at.begin(), greedy.at.end());
-        StripMessages messages(Strip(energy, Band::around(best, radius, window)));
+        StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
         refine(messages, 0, energy.attracts(), number, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
@@ -136,7 +139,7 @@ NodeType seam_pyramid() {
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(3);
+        .version(4);
 }
 
 }  // namespace fluidcarve

@@ -44,6 +44,7 @@ private:
 
     Quality quality_;
     int starts_;
+    KeptMemory memory_;  ///< of strips and messages
 };
 
 /// `seam.pyramid`: the node of Pyramid.

@@ -2,6 +2,7 @@
 
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/decode.h"
+#include "nodes/seam/energy/wide.h"
 
 #include <tbb/parallel_for.h>
 
@@ -22,8 +23,7 @@ public:
     void add(std::span<const std::uint16_t> codes) {
         if (std::ranges::max(codes) < protected_code) decode_energies(codes, energies_);
         else read_marks(codes);
-        for (std::size_t n = 0; n < codes.size() / 2; ++n) sums_[n] += cost_of_pair(energies_[2 * n], energies_[2 * n + 1]);
-        if (codes.size() % 2 != 0) sums_.back() += energies_.back();
+        add_pairs(energies_, sums_);
         ++columns_;
     }
     void end(std::span<std::uint16_t> out) {
@@ -99,6 +99,14 @@ void average(std::span<const std::uint16_t> codes, std::span<std::uint16_t> out,
 }
 
 }  // namespace
+
+FLUIDCARVE_WIDE void add_pairs(std::span<const float> energies, std::span<float> sums) {
+    const auto* const of = energies.data();
+    auto* const to = sums.data();
+    const auto pairs = energies.size() / 2;
+    for (std::size_t n = 0; n < pairs; ++n) to[n] += cost_of_pair(of[2 * n], of[2 * n + 1]);
+    if (energies.size() % 2 != 0) to[pairs] += of[energies.size() - 1];
+}
 
 void MeanField::add(std::span<const std::uint16_t> codes) {
     decode_fields(codes, values_);

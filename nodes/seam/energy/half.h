@@ -17,6 +17,10 @@ inline constexpr float share_of_mean = 0.15f;
 /// Cost of a column's two entries for a seam that can mostly choose between them.
 inline float cost_of_pair(float a, float b) { return share_of_mean * 0.5f * (a + b) + (1 - share_of_mean) * std::min(a, b); }
 
+/// Adds the costs of the pairs of a column to those of half its length; an odd last entry is one by itself.
+/// @param sums  halved(energies.size())
+void add_pairs(std::span<const float> energies, std::span<float> sums);
+
 /// How many coarse entries stand for `size` fine ones, two for each.
 constexpr int halved(int size) { return (size + 1) / 2; }
 constexpr std::size_t halved(std::size_t size) { return (size + 1) / 2; }

@@ -1,6 +1,7 @@
 #include "nodes/seam/search/coarse.h"
 
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/half.h"
 
 #include <tbb/parallel_for.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 
 namespace fluidcarve {
@@ -34,6 +36,7 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
     const auto cost = energy.costs();
     std::ranges::fill(out, 0.0f);
     std::vector<float> closed(protects ? coarse_width : 0);  // columns in which an entry can't be taken
+    std::vector<float> energies(width);
     const auto add = [&](float& sum, std::size_t n, float value) {
         if constexpr (protects) {
             if (std::isinf(value)) {
@@ -51,12 +54,18 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
             for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
                 for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                     const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
+                    ++count;
+                    if constexpr (std::is_same_v<Cell, std::uint16_t> && !protects)
+                        if (!energy.attracts()) {
+                            decode_energies({cells, width}, energies);
+                            add_pairs(energies, {sums, coarse_width});
+                            continue;
+                        }
                     for (std::size_t n = 0; n < width / 2; ++n) add(sums[n], n, cost_of_either<protects>(cost(cells[2 * n]), cost(cells[2 * n + 1]), barrier));
                     if (width % 2 != 0) {
                         const auto last = cost(cells[width - 1]);
                         add(sums[coarse_width - 1], coarse_width - 1, protects && std::isinf(last) ? barrier : last);
                     }
-                    ++count;
                 }
         for (std::size_t n = 0; n < coarse_width; ++n) {
             if constexpr (protects) sums[n] = closed[n] < count ? sums[n] / (count - closed[n]) : barrier;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 namespace fluidcarve {
 
@@ -28,23 +29,28 @@ double sum_over(std::size_t count, const Call& call) {
 
 }  // namespace
 
-Strip::Strip(const EnergyVolume& energy, const Band& band)
+Strip::Strip(const EnergyVolume& energy, Band band, const KeptMemory& memory)
     : columns_(energy),
-      band_(band),
-      width_(static_cast<std::size_t>(band.columns.front().last - band.columns.front().first + 1)),
-      energies_(width_ * columns_.count() + 2 * margin),
+      band_(std::move(band)),
+      width_(static_cast<std::size_t>(band_.columns.front().last - band_.columns.front().first + 1)),
+      energies_(memory.array<float>(width_ * columns_.count() + 2 * margin)),
       steps_(energy.steps()),
-      fields_(steps_.has_field() ? (width_ + 2) * columns_.count() + 2 * margin : 0),
+      fields_(memory.array<float>(steps_.has_field() ? (width_ + 2) * columns_.count() + 2 * margin : 0)),
       protects_(energy.protects()) {
+    for (auto* const each : {&energies_, &fields_})
+        if (each->size() > 0) {
+            std::fill_n(each->data(), margin, 0.0f);
+            std::fill_n(each->data() + each->size() - margin, margin, 0.0f);
+        }
     const auto fill = [&, costs = energy.costs()](auto cell) {
         using Cell = decltype(cell);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
             for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
                 const auto [first, last] = band_.columns[c];
                 for (std::size_t n = 0; n < width_; ++n) energies_[margin + c * width_ + n] = costs(cells[first + n]);
-                if (fields_.empty()) return;
-                for (int entry = std::max(first - 1, 0); entry <= std::min(last + 1, energy.width() - 1); ++entry)
-                    fields_[field_place(c, entry)] = steps_.value(c, entry);
+                if (fields_.size() == 0) return;
+                for (int entry = first - 1; entry <= last + 1; ++entry)
+                    fields_[field_place(c, entry)] = entry >= 0 && entry < energy.width() ? steps_.value(c, entry) : 0;
             });
         });
     };

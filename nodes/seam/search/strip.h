@@ -3,11 +3,11 @@
 #include "nodes/seam/energy/lanes.h"
 #include "nodes/seam/search/band.h"
 #include "nodes/seam/search/columns.h"
+#include "nodes/seam/search/kept_memory.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace fluidcarve {
 
@@ -15,8 +15,9 @@ namespace fluidcarve {
 /// marked, Costs replace energies.
 class Strip {
 public:
-    /// @param band  intervals of one size
-    Strip(const EnergyVolume& energy, const Band& band);
+    /// @param band    intervals of one size
+    /// @param memory  of its arrays
+    Strip(const EnergyVolume& energy, Band band, const KeptMemory& memory = {});
 
     const Columns& columns() const { return columns_; }
     Band::Column operator[](std::size_t column) const { return band_.columns[column]; }
@@ -50,9 +51,9 @@ private:
     Columns columns_;
     Band band_;
     std::size_t width_;
-    std::vector<float> energies_;  ///< `[column][entry]` between two margins
+    KeptMemory::Array<float> energies_;  ///< `[column][entry]` between two margins
     StepCosts steps_;
-    std::vector<float> fields_;  ///< likewise
+    KeptMemory::Array<float> fields_;  ///< likewise; of one entry more at either end; empty: steps have none
     bool protects_;
 };
 

@@ -29,8 +29,15 @@ constexpr float endless = 1e30f;
 constexpr float hole = 1e20f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
 constexpr float least_gain = 1e-5f;
-/// Columns along each dimension that a thread visits one after the other.
-constexpr std::array<std::size_t, 3> box_of_messages{16, 8, 4};
+/// Fewer columns than this are visited by one thread: waiting for others takes longer.
+constexpr std::size_t least_shared = 1 << 13;
+
+/// Columns along each dimension that a thread visits one after the other. Long rows are read faster; a few frames leave too little to share.
+std::array<std::size_t, 3> box_of_messages(const std::array<std::size_t, 3>& size) {
+    if (size[0] * size[1] * size[2] < least_shared) return size;
+    if (size[2] < 8) return {16, 8, 4};
+    return {128, 8, 2};
+}
 
 FLUIDCARVE_INLINE Eight all(float value) { return Eight{} + value; }
 FLUIDCARVE_INLINE Eight load(const float* values) {
@@ -40,10 +47,22 @@ FLUIDCARVE_INLINE Eight load(const float* values) {
 }
 FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
 FLUIDCARVE_INLINE Eight size_of(Eight values) { return values < 0 ? -values : values; }
-/// The values of the entries before, and of those behind.
-FLUIDCARVE_INLINE Eight raised(Eight values) { return __builtin_shufflevector(values, all(endless), 8, 0, 1, 2, 3, 4, 5, 6); }
-FLUIDCARVE_INLINE Eight lowered(Eight values) { return __builtin_shufflevector(values, all(endless), 1, 2, 3, 4, 5, 6, 7, 8); }
-FLUIDCARVE_INLINE Mask where(bool condition) { return Mask{} - (condition ? 1 : 0); }
+constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
+/// The values at other places, each 0 to 7.
+FLUIDCARVE_INLINE Eight picked(Eight values, Mask from) {
+#if defined(__clang__)
+    return __builtin_shufflevector(values, from);
+#else
+    return __builtin_shuffle(values, from);
+#endif
+}
+/// Costs, each moved behind by -2 to 2 entries. The last of them is infinite, as are those that come from beside.
+FLUIDCARVE_INLINE Eight moved(Eight costs, int by) {
+    alignas(64) static constexpr std::array<std::int32_t, 12> from{7, 7, 0, 1, 2, 3, 4, 5, 6, 7, 7, 7};
+    Mask entries;
+    std::memcpy(&entries, from.data() + 2 - by, sizeof entries);
+    return picked(costs, entries);
+}
 
 /// What a pass works on.
 struct Pass {
@@ -70,10 +89,9 @@ struct Pass {
 template <bool edges>
 FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t from, std::size_t to, std::size_t along) {
     const int off = static_cast<int>(pass.band[from].first) - static_cast<int>(pass.band[to].first);
-    const Mask above = where(off > 0), below = where(off < 0);
-    const auto up = raised(costs), down = lowered(costs);
-    const auto stay = above ? up : (below ? down : costs);
-    auto rise = above ? raised(up) : (below ? costs : up), fall = above ? costs : (below ? lowered(down) : down);
+    // Intervals of neighbours differ by at most 1 (Band).
+    const auto stay = moved(costs, off);
+    auto rise = moved(costs, off + 1), fall = moved(costs, off - 1);
     const auto rigidity = all(pass.rigidity[along]);
     if constexpr (!edges) return least(stay, least(rise, fall) + rigidity);
     const auto* const there = pass.fields + to * (pass.width + 2);
@@ -85,7 +103,6 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
 
 /// Costs that only one entry of a column does without.
 FLUIDCARVE_INLINE Eight only_at(const Pass& pass, std::size_t column, std::uint16_t entry) {
-    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
     return places == entry - pass.band[column].first ? Eight{} : all(endless);
 }
 
@@ -118,7 +135,6 @@ FLUIDCARVE_INLINE Closing closing_of(const Pass& pass, std::size_t column, const
 /// @param at     the column's place in the ring, from its first on
 /// @param first  the ring's first column
 FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t at, std::size_t first, std::size_t d) {
-    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
     const int off = pass.band[column].first - pass.taken[first], left = static_cast<int>(pass.size[d] - at);
     return (places + off > left) | (places + off < -left) ? all(endless) : Eight{};
 }
@@ -126,9 +142,10 @@ FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t a
 /// Passes messages through the columns of a row.
 /// @param begin, end  along the lateral dimension, in the order of the pass
 /// @param k, t        of the row, likewise
-template <bool edges, bool forward>
+/// @tparam plain      without rings and holes, and no seam is wanted
+template <bool edges, bool forward, bool plain>
 FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
-    constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
+    const bool rings = !plain && pass.rings, holes = !plain && pass.holes;
     const Mask outside = places >= static_cast<std::int32_t>(pass.width);
     // Places from a ring's first column on, and from column 0 on.
     const auto in_order = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED { return forward ? at : pass.size[d] - 1 - at; };
@@ -140,6 +157,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
     const auto row = pass.columns.at(0, place[1], place[2]);
     // Whether there are neighbours that the pass has visited before and that it visits later.
     std::array<bool, 3> before{false, k > 0, t > 0}, ahead{false, k + 1 < pass.size[1], t + 1 < pass.size[2]};
+    Eight sent_along{};  // the message from the column before in the row: added last, since it comes last
     for (auto lateral = begin; lateral < end; ++lateral) {
         at[0] = in_order(0, lateral);
         place[0] = turned(0, at[0]);
@@ -154,7 +172,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                                  FLUIDCARVE_INLINED -> Eight& { return pass.messages[later == forward ? column : neighbours[d].previous].along[d]; };
         std::array<Closing, 2> closings;
         float lines = pass.lines;
-        if (pass.rings)
+        if (rings)
             for (std::size_t d = 0; d < 2; ++d) {
                 closings[d] = closing_of(pass, column, neighbours[d], at[d], d);
                 lines += closings[d].is ? 1 : 0;
@@ -162,13 +180,14 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
         auto sum = least(load(pass.energies + column * pass.width), all(endless)), choice = sum;
 #pragma GCC unroll 3
         for (std::size_t d = 0; d < 3; ++d) {
-            if (before[d]) sum += message(d, false);
+            if (d > 0 && before[d]) sum += message(d, false);
             if (!ahead[d]) continue;
             const auto from_ahead = message(d, true);
             sum += from_ahead;
             choice += from_ahead;
         }
-        if (pass.rings)
+        if (before[0]) sum += lateral > begin ? sent_along : message(0, false);
+        if (rings)
             for (std::size_t d = 0; d < 2; ++d) {
                 if (!closings[d].is) continue;
                 const auto& closing = pass.messages[closings[d].owner].along[d];
@@ -176,14 +195,14 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 if (closings[d].ahead) choice += closing;
             }
         const int first = pass.band[column].first, own = pass.seam[column] - first;
-        if (pass.taken != nullptr) {
+        if (!plain && pass.taken != nullptr) {
             // Holes may leave no way on. Then the seam passes some, and is moved aside later.
-            if (pass.holes) choice = least(choice, all(hole));
+            if (holes) choice = least(choice, all(hole));
             const auto add_step = [&](std::size_t other, std::size_t d)
                                       FLUIDCARVE_INLINED { choice += sent<edges>(pass, only_at(pass, other, pass.taken[other]), other, column, d); };
             for (std::size_t d = 0; d < 3; ++d)
                 if (before[d]) add_step(beside(d, false), d);
-            if (pass.rings)
+            if (rings)
                 for (std::size_t d = 0; d < 2; ++d) {
                     const auto first_of_ring = column + pass.origin[d] * pass.step[d] - place[d] * pass.step[d];
                     if (pass.columns.ring(d) && at[d] > 0) choice += cone(pass, column, at[d], first_of_ring, d);
@@ -198,36 +217,46 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 }
             pass.taken[column] = static_cast<std::uint16_t>(first + best);
         }
-        const Mask closed = outside | (sum > 0.5f * endless);
+        const Mask closed = holes ? outside | (sum > 0.5f * endless) : outside;
         const auto shared = sum * (1 / lines);
         const auto send = [&](Eight& to, std::size_t other, std::size_t d) FLUIDCARVE_INLINED {
             auto part = shared - to;
             // Any free entry may be the one that counts as 0.
             int zero = own;
-            if (pass.holes) {
+            if (holes) {
                 part = closed ? all(endless) : part;
                 for (int n = 0; n < 8; ++n)
                     if (part[n] < part[zero]) zero = n;
             }
-            part = closed ? all(endless) : part - part[zero];
-            to = least(sent<edges>(pass, part, column, other, d), all(endless));
+            part = closed ? all(endless) : part - picked(part, Mask{} + zero);
+            to = sent<edges>(pass, part, column, other, d);
+            if (holes) to = least(to, all(endless));
+            return to;
         };
 #pragma GCC unroll 3
         for (std::size_t d = 0; d < 3; ++d)
-            if (ahead[d]) send(message(d, true), beside(d, true), d);
-        if (pass.rings)
+            if (ahead[d]) {
+                const auto to_next = send(message(d, true), beside(d, true), d);
+                if (d == 0) sent_along = to_next;
+            }
+        if (rings)
             for (std::size_t d = 0; d < 2; ++d)
                 if (closings[d].is && closings[d].ahead) send(pass.messages[closings[d].owner].along[d], closings[d].other, d);
     }
 }
 
+template <bool edges>
+FLUIDCARVE_INLINE void pass_any_row(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
+    const bool plain = !pass.rings && !pass.holes && pass.taken == nullptr;
+    if (pass.forward) plain ? pass_row<edges, true, true>(pass, begin, end, k, t) : pass_row<edges, true, false>(pass, begin, end, k, t);
+    else plain ? pass_row<edges, false, true>(pass, begin, end, k, t) : pass_row<edges, false, false>(pass, begin, end, k, t);
+}
+
 FLUIDCARVE_WIDE void pass_free(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
-    if (pass.forward) pass_row<false, true>(pass, begin, end, k, t);
-    else pass_row<false, false>(pass, begin, end, k, t);
+    pass_any_row<false>(pass, begin, end, k, t);
 }
 FLUIDCARVE_WIDE void pass_edges(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
-    if (pass.forward) pass_row<true, true>(pass, begin, end, k, t);
-    else pass_row<true, false>(pass, begin, end, k, t);
+    pass_any_row<true>(pass, begin, end, k, t);
 }
 
 /// A message at half the resolution, interpolated along the axis to the entries of a finer column.
@@ -275,20 +304,24 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const Messages* coarse_mes
                 inside = inside && to[n] < size[n];
             }
             if (!inside) continue;
-            // The message that closes a ring belongs to another column.
-            if (many.ring(d) && to[d] + 1 == size[d]) continue;
             const auto c = many.at(to[0], to[1], to[2]);
             const int first = fine[c].first - window_first;
-            out[c].along[d] = here.from(first) + (corner >> d & 1 ? here : before).from(first);
+            // The message that closes a ring has no coarse one on both sides.
+            const bool closes = many.ring(d) && to[d] + 1 == size[d];
+            out[c].along[d] = closes ? Eight{} : here.from(first) + (corner >> d & 1 ? here : before).from(first);
         }
     }
 }
 
 }  // namespace
 
-StripMessages::StripMessages(Strip strip) : strip_(std::move(strip)), messages_(strip_.columns().count()) {}
+StripMessages::StripMessages(Strip strip, const KeptMemory& memory) : strip_(std::move(strip)), messages_(memory.array<Messages>(strip_.columns().count())) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, messages_.size(), 4096),
+                      [&](const tbb::blocked_range<std::size_t>& range) { std::fill_n(messages_.data() + range.begin(), range.size(), Messages{}); });
+}
 
-StripMessages::StripMessages(Strip strip, Window window, const StripMessages& coarse) : StripMessages(std::move(strip)) {
+StripMessages::StripMessages(Strip strip, Window window, const StripMessages& coarse, const KeptMemory& memory)
+    : strip_(std::move(strip)), messages_(memory.array<Messages>(strip_.columns().count())) {
     const auto& few = coarse.strip_.columns();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, few.count(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
         for (auto c = range.begin(); c < range.end(); ++c)
@@ -320,7 +353,7 @@ void StripMessages::pass(bool forward, const Origin& origin, const std::vector<s
                     taken != nullptr ? taken->data() : nullptr,
                     messages_.data()};
     in_wavefront(
-        size, box_of_messages, [] { return 0; },
+        size, box_of_messages(size), [] { return 0; },
         [&](const Box& box, int) {
             for (auto t = box.begin[2]; t < box.end[2]; ++t)
                 for (auto k = box.begin[1]; k < box.end[1]; ++k) {

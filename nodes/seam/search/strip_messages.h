@@ -25,11 +25,12 @@ public:
     };
 
     /// Messages that say nothing yet.
-    /// @param strip  of at most most_entries in a column
-    explicit StripMessages(Strip strip);
+    /// @param strip   of at most most_entries in a column
+    /// @param memory  of the messages
+    explicit StripMessages(Strip strip, const KeptMemory& memory = {});
     /// Messages that begin with those at half the resolution, interpolated.
     /// @param window  as for restrict_energy()
-    StripMessages(Strip strip, Window window, const StripMessages& coarse);
+    StripMessages(Strip strip, Window window, const StripMessages& coarse, const KeptMemory& memory = {});
 
     const Strip& strip() const { return strip_; }
 
@@ -54,7 +55,7 @@ private:
     void pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
 
     Strip strip_;
-    std::vector<Messages> messages_;  ///< `[column]`
+    KeptMemory::Array<Messages> messages_;  ///< `[column]`
 };
 
 }  // namespace fluidcarve
