@@ -25,10 +25,10 @@ struct Effort {
     int most_passes;            ///< more at coarse levels lead away from what the finest one asks for
     int sweeps;                 ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
-constexpr Effort most_effort{std::size_t{1} << 18, 0, 24, 32, 2};
+constexpr Effort normal_effort{std::size_t{1} << 18, 0, 24, 32, 2}, best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no better.
 constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 64, 2};
-constexpr int passes_of_draft = 2, passes_of_best = 32, most_passes_of_best = 64;
+constexpr int passes_of_draft = 2;
 
 /// Energies of more columns with protected vertices are cut by the best quality only.
 constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
@@ -36,7 +36,10 @@ constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = StripMessages::most_entries / 2;
 
-const Effort& effort_for(bool field, Quality quality) { return field && quality != Quality::best ? effort_with_field : most_effort; }
+const Effort& effort_for(bool field, Quality quality) {
+    if (quality == Quality::best) return best_effort;
+    return field ? effort_with_field : normal_effort;
+}
 
 bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
     const auto columns = Columns(energy).count();
@@ -47,9 +50,8 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 
 int Pyramid::passes(bool field, int level) const {
     const auto& effort = effort_for(field, quality_);
-    const bool best = quality_ == Quality::best;
-    const int finest = quality_ == Quality::draft ? passes_of_draft : best ? passes_of_best : effort.passes;
-    return std::min(finest << std::min(level, 8), best ? most_passes_of_best : effort.most_passes);
+    const int finest = quality_ == Quality::draft ? passes_of_draft : effort.passes;
+    return std::min(finest << std::min(level, 8), effort.most_passes);
 }
 
 void Pyramid::refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
@@ -91,7 +93,7 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
-    if (small(energy, window, most_effort)) return exact_seam(energy, window, number, alive);
+    if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
     Seams::Seam greedy;
     // Small cuts keep one thread busy: meanwhile the others search greedily.

@@ -165,7 +165,7 @@ void bench_greedy(const std::array<int, 3>& shape, std::size_t frames) {
     if (shape[0] == 322) line(fmt::format("{}: the paper's 3.7 s on eight cores / seam.greedy", name), 3.7 / two);
 }
 
-/// The first seam through synthetic smoke.
+/// The first seam through synthetic smoke, found again and again by one solver: as in a run, which finds many, it keeps its memory.
 void bench_pyramid(const std::array<int, 3>& shape, std::size_t frames) {
     const auto energy = test::SyntheticEnergy(test::Synthetic::smoke, 3)(shape, frames);
     const Window window{0, shape[0] - 1};

@@ -36,7 +36,8 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
     const auto cost = energy.costs();
     std::ranges::fill(out, 0.0f);
     std::vector<float> closed(protects ? coarse_width : 0);  // columns in which an entry can't be taken
-    std::vector<float> energies(width);
+    const bool plain = std::is_same_v<Cell, std::uint16_t> && !protects && !energy.attracts();
+    std::vector<float> energies(plain ? width : 0);
     const auto add = [&](float& sum, std::size_t n, float value) {
         if constexpr (protects) {
             if (std::isinf(value)) {
@@ -55,8 +56,8 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
                 for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                     const auto* const cells = energy.cells<Cell>(ft) + (fl + fine.laterals() * fk) * energy.stride() + window.first;
                     ++count;
-                    if constexpr (std::is_same_v<Cell, std::uint16_t> && !protects)
-                        if (!energy.attracts()) {
+                    if constexpr (std::is_same_v<Cell, std::uint16_t>)
+                        if (plain) {
                             decode_energies({cells, width}, energies);
                             add_pairs(energies, {sums, coarse_width});
                             continue;

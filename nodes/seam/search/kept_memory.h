@@ -11,7 +11,8 @@
 
 namespace fluidcarve {
 
-/// Memory that one search leaves to the next. Fresh memory costs a page fault for each page, which takes as long as the search itself.
+/// Memory that one search leaves to the next. Fresh memory costs a page fault for each page: a quarter of
+/// the time of a large search.
 class KeptMemory {
 public:
     /// An array whose values are not set. It goes back to the memory that it was taken from.

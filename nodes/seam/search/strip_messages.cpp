@@ -56,7 +56,7 @@ FLUIDCARVE_INLINE Eight picked(Eight values, Mask from) {
     return __builtin_shuffle(values, from);
 #endif
 }
-/// Costs, each moved behind by -2 to 2 entries. The last of them is infinite, as are those that come from beside.
+/// Costs of a column's entries, moved back by `by` entries, -2 to 2. The last given cost is infinite; it fills the places that become free.
 FLUIDCARVE_INLINE Eight moved(Eight costs, int by) {
     alignas(64) static constexpr std::array<std::int32_t, 12> from{7, 7, 0, 1, 2, 3, 4, 5, 6, 7, 7, 7};
     Mask entries;
@@ -306,7 +306,7 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const Messages* coarse_mes
             if (!inside) continue;
             const auto c = many.at(to[0], to[1], to[2]);
             const int first = fine[c].first - window_first;
-            // The message that closes a ring has no coarse one on both sides.
+            // The message that closes a ring does not lie between two coarse ones: it begins with nothing.
             const bool closes = many.ring(d) && to[d] + 1 == size[d];
             out[c].along[d] = closes ? Eight{} : here.from(first) + (corner >> d & 1 ? here : before).from(first);
         }

@@ -1,6 +1,7 @@
 #include "nodes/seam/pyramid.h"
 #include "nodes/payloads.h"
 #include "nodes/seam/cut/cut_seam.h"
+#include "nodes/seam/energy/code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/line_sweeps.h"
@@ -76,6 +77,27 @@ TEST_CASE("a pyramid's seams are feasible and never worse than greedy ones, in v
             REQUIRE(seam.energy <= greedy.energy);
         }
     }
+}
+
+TEST_CASE("a pyramid that keeps the memory of other searches finds the same seam") {
+    for (const bool closed : {false, true})
+        for (const bool field : {false, true}) {
+            // The first search leaves costs and fields of another size behind, and all are larger.
+            const auto made = [&](unsigned seed, float scale) {
+                auto energy = SyntheticEnergy(Synthetic::noise, seed)({57, 13, 21}, 20, closed);
+                for (std::size_t t = 0; t < energy.frames(); ++t)
+                    for (auto& code : energy.codes(t)) code = encode_energy(scale * decode_energy(code));
+                if (field) energy.add_field(0.5f, ~std::uint64_t{0}, "");
+                for (std::size_t t = 0; field && t < energy.frames(); ++t)
+                    for (std::size_t n = 0; n < energy.field(t).size(); ++n) energy.field(t)[n] = encode_field(scale * static_cast<float>(n * n % 97));
+                return energy;
+            };
+            const Pyramid pyramid(Quality::normal, 16);
+            pyramid(made(1, 100), {0, 56}, 0, nobody);
+            const auto energy = made(2, 1);
+            INFO("closed " << closed << ", field " << field);
+            CHECK(pyramid(energy, {0, 56}, 0, nobody).at == pyramid_seam(energy, {0, 56}).at);
+        }
 }
 
 TEST_CASE("a pyramid comes near the least energy, the nearer the better the quality") {
