@@ -3,8 +3,10 @@
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/lanes.h"
+#include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
+#include "nodes/seam/search/ranked_costs.h"
 #include "nodes/seam/search/strip.h"
 
 #include <tbb/parallel_for.h>
@@ -12,9 +14,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <type_traits>
@@ -33,46 +35,6 @@ constexpr std::size_t ahead = 12;
 constexpr std::size_t group = 64;
 
 enum class Ring { open, cone, gaussian };
-
-/// Costs of entries if none is marked, and ranks that order as the costs do.
-struct Unmarked {
-    explicit Unmarked(const EnergyVolume&) {}
-    static float cost(std::uint16_t code) { return decode_energy(code); }
-    static float cost(float sum) { return sum; }
-    static std::uint32_t rank(std::uint16_t code) { return code; }
-    static std::uint32_t rank(float energy) { return std::bit_cast<std::uint32_t>(energy); }
-    template <class Cell>
-    static float cost_of_rank(std::uint32_t rank) {
-        if constexpr (std::is_same_v<Cell, float>) return std::bit_cast<float>(rank);
-        else return decode_energy(static_cast<std::uint16_t>(rank));
-    }
-};
-
-/// The same if some are marked.
-class Marked {
-public:
-    /// Cost of a protected entry: higher than any way around it, but finite, so that fewer of them cost less.
-    static constexpr float blocked = 1e30f;
-
-    explicit Marked(const EnergyVolume& energy) : costs_(energy.costs()) {}
-    template <class Cell>
-    float cost(Cell cell) const {
-        return std::min(costs_(cell), blocked);
-    }
-    template <class Cell>
-    std::uint32_t rank(Cell cell) const {
-        const auto bits = std::bit_cast<std::uint32_t>(cost(cell));
-        return bits ^ (bits >> 31 != 0 ? ~std::uint32_t{0} : sign);
-    }
-    template <class Cell>
-    static float cost_of_rank(std::uint32_t rank) {
-        return std::bit_cast<float>(rank ^ ((rank & sign) != 0 ? sign : ~std::uint32_t{0}));
-    }
-
-private:
-    static constexpr std::uint32_t sign = 0x80000000;
-    Costs costs_;
-};
 
 /// The paper's guide, in units of energy: `[k][distance from the entry in slice 0]`, up to the reach of the cone in slice k.
 using GuideTable = std::vector<std::vector<float>>;
@@ -129,13 +91,21 @@ public:
           step_bytes_((starts.size() + 3) / 4),
           entries_(2 * energy.columns_per_frame() * starts.size()),
           steps_(energy.frames() * energy.columns_per_frame() * step_bytes_),
-          sums_(starts.size(), 0.0) {}
+          sums_(starts.size(), 0.0),
+          running_(starts.size()) {
+        std::iota(running_.begin(), running_.end(), std::size_t{0});
+    }
 
-    void run(const Tick& tick) {
+    /// @param enough  gives up seams once they cost more; costs must not be below 0
+    /// @return whether a seam costs no more
+    bool run(double enough, const Tick& tick) {
         for (std::size_t t = 0; t < energy_.frames(); ++t) {
             tick(static_cast<double>(t) / static_cast<double>(energy_.frames()));
             pass_frame(t);
+            std::erase_if(running_, [&](std::size_t s) { return sums_[s] > enough; });
+            if (running_.empty()) return false;
         }
+        return true;
     }
 
     const std::vector<double>& sums() const { return sums_; }
@@ -208,9 +178,20 @@ private:
         }
     }
 
+    /// Calls `call(seam)` for those that are not given up.
+    template <class Call>
+    void for_running(const Call& call) const {
+        // As long as it is all of them, they are counted: that is faster.
+        const auto seams = starts_.size();
+        if (running_.size() == seams)
+            for (std::size_t s = 0; s < seams; ++s) call(s);
+        else
+            for (const auto s : running_) call(s);
+    }
+
     template <Ring ring>
     void pass_column(const Cell* column, Entry* out, const Entry* a, const Entry* b, const Entry* c, std::uint8_t* steps, const Home& home) {
-        for (std::size_t s = 0; s < starts_.size(); ++s) {
+        for_running([&](std::size_t s) FLUIDCARVE_INLINED {
             // Neighbours differ by at most 2, so they allow 1 to 3 entries.
             const unsigned most = std::max({a[s], b[s], c[s]}), least = std::min({a[s], b[s], c[s]});
             unsigned low = most > first_ ? most - 1 : first_, high = std::min(least + 1, last_);
@@ -233,7 +214,7 @@ private:
             if constexpr (ring == Ring::gaussian) sums_[s] += values_.cost(column[out[s]]);
             else sums_[s] += Values::template cost_of_rank<Cell>(static_cast<std::uint32_t>(best >> 32));
             __builtin_prefetch(column + ahead * energy_.stride() + out[s]);
-        }
+        });
     }
 
     /// A neighbour that is passed already.
@@ -294,7 +275,7 @@ private:
         std::size_t starts = 0;
         for (const auto& start : {home, row})
             if (start.given) reaches[starts++] = {entries_of(start.column), start.reach};
-        for (std::size_t s = 0; s < seams; ++s) {
+        for_running([&](std::size_t s) FLUIDCARVE_INLINED {
             int low = static_cast<int>(first_), high = static_cast<int>(last_);
             const int nearest = passed[0].entries[s];
             for (std::size_t n = 0; n < before_closing; ++n) {
@@ -338,7 +319,7 @@ private:
             now[(c - first_column) * seams + s] = static_cast<Entry>(best);
             steps[s / 4] = static_cast<std::uint8_t>(steps[s / 4] | (static_cast<int>(static_cast<Entry>(best)) - nearest + 1) << (2 * (s % 4)));
             sums_[s] += least;
-        }
+        });
     }
 
     /// A key that orders candidates by cost, then by ties, then by entry.
@@ -360,6 +341,7 @@ private:
     std::vector<Entry> entries_;
     std::vector<std::uint8_t> steps_;  ///< `[t][column]`, two bits per seam
     std::vector<double> sums_;
+    std::vector<std::size_t> running_;  ///< seams that are not given up
 };
 
 std::vector<Entry> spread(Window window, int starts) {
@@ -369,61 +351,81 @@ std::vector<Entry> spread(Window window, int starts) {
     return out;
 }
 
+constexpr auto endless = std::numeric_limits<double>::infinity();
+
 /// Races seams in as many sweeps as there are threads.
-/// @return the cheapest seam, of equals the first; its energy is its cost
+/// @param enough  as for Sweep::run()
+/// @return the cheapest seam, of equals the first; its energy is its cost. None, if each costs more than `enough`.
 template <class Cell, class Values>
-Seams::Seam race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, const Tick& tick) {
+std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, double enough,
+                                const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
     std::vector<std::optional<Sweep<Cell, Values>>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
         const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
         sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin), guide);
-        sweeps[n]->run(tick);
+        if (!sweeps[n]->run(enough, tick)) sweeps[n].reset();
     });
     const Sweep<Cell, Values>* best = nullptr;
     std::size_t seam = 0;
     for (const auto& sweep : sweeps)
-        for (std::size_t s = 0; s < sweep->sums().size(); ++s)
+        for (std::size_t s = 0; sweep && s < sweep->sums().size(); ++s)
             if (!best || sweep->sums()[s] < best->sums()[seam]) {
                 best = &*sweep;
                 seam = s;
             }
-    return {best->entries(seam), best->sums()[seam]};
+    if (!best) return std::nullopt;
+    return Seams::Seam{best->entries(seam), best->sums()[seam]};
 }
 
+/// What seams are searched.
+struct Search {
+    const EnergyVolume& energy;
+    Window window;
+    int number, starts;
+    Guide guide;
+};
+
 template <class Cell, class Values>
-Seams::Seam find(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
-    const bool guided = energy.closed() && guide == Guide::gaussian;
-    const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, window)) : GuideTable();
-    const auto entries = spread(window, starts);
+std::optional<Seams::Seam> find(const Search& search, double enough, const Tick& tick) {
+    const auto& energy = search.energy;
+    const bool guided = energy.closed() && search.guide == Guide::gaussian;
+    const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, search.window)) : GuideTable();
+    const auto entries = spread(search.window, search.starts);
     const auto groups = (entries.size() + group - 1) / group;
     std::optional<Seams::Seam> best;
     for (std::size_t n = 0; n < groups; ++n) {
         const auto some = std::span(entries).subspan(n * group).first(std::min(group, entries.size() - n * group));
-        auto seam = race<Cell, Values>(energy, window, number, some, table,
+        auto seam = race<Cell, Values>(energy, search.window, search.number, some, table, enough,
                                        [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
-        if (!best || seam.energy < best->energy) best = std::move(seam);
+        if (seam && (!best || seam->energy < best->energy)) best = std::move(seam);
     }
-    return std::move(*best);
+    // The search adds the costs of steps as floats: compute the energy anew.
+    if (best && energy.steps()) best->energy = energy_of(energy, best->at);
+    return best;
 }
 
 template <class Cell>
-Seams::Seam find_marked(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
-    const auto seam = find<Cell, Marked>(energy, window, number, starts, tick, guide);
-    auto at = past_protected(energy, window, {seam.at.begin(), seam.at.end()});
-    const auto sum = energy_of(energy, at);
+Seams::Seam find_marked(const Search& search, const Tick& tick) {
+    const auto seam = *find<Cell, Marked>(search, endless, tick);
+    auto at = past_protected(search.energy, search.window, {seam.at.begin(), seam.at.end()});
+    const auto sum = energy_of(search.energy, at);
     return {std::move(at), sum};
 }
 
 }  // namespace
 
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
-    const auto with = [&](const auto& search) { return search(energy, window, number, starts, tick, guide); };
-    if (energy.protects() || energy.attracts()) return energy.summed() ? with(find_marked<float>) : with(find_marked<Entry>);
-    auto out = energy.summed() ? with(find<float, Unmarked>) : with(find<Entry, Unmarked>);
-    // The search adds the costs of steps as floats: compute the energy anew.
-    if (energy.steps()) out.energy = energy_of(energy, out.at);
-    return out;
+    const Search search{energy, window, number, starts, guide};
+    if (energy.protects() || energy.attracts()) return energy.summed() ? find_marked<float>(search, tick) : find_marked<Entry>(search, tick);
+    return energy.summed() ? *find<float, Unmarked>(search, endless, tick) : *find<Entry, Unmarked>(search, endless, tick);
+}
+
+std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick) {
+    const Search search{energy, window, number, starts, Guide::cone};
+    // What is attracted makes a seam cheaper again.
+    if (energy.summed() || energy.protects() || energy.attracts()) return greedy_seam(energy, window, number, starts, tick);
+    return find<Entry, Unmarked>(search, most, tick);
 }
 
 template <>

@@ -3,6 +3,8 @@
 #include "graph/types/node_type.h"
 #include "nodes/seam/search/find_seams.h"
 
+#include <optional>
+
 namespace fluidcarve {
 
 /// How a seam through a closed lattice is led back to its start.
@@ -25,6 +27,9 @@ enum class Guide {
 /// @param number  number of seams found before
 /// @param starts  at least 1; at most one per entry of the window is used
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide = Guide::cone);
+
+/// The same seam, or none if it costs more than `most`. Searches are given up as soon as that is certain.
+std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick);
 
 /// `seam.greedy`: the node of greedy_seam().
 NodeType seam_greedy();

@@ -8,8 +8,6 @@
 #include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/protection.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -25,7 +23,7 @@ struct Effort {
     int most_passes;            ///< more at coarse levels lead away from what the finest one asks for
     int sweeps;                 ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
-constexpr Effort normal_effort{std::size_t{1} << 18, 0, 24, 32, 2}, best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
+constexpr Effort normal_effort{std::size_t{1} << 18, 0, 28, 32, 2}, best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
 /// With a field, each cut and sweep takes several times as long, and seams of less energy look no better.
 constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 64, 2};
 constexpr int passes_of_draft = 2;
@@ -34,7 +32,7 @@ constexpr int passes_of_draft = 2;
 constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
 
 /// Entries of a strip on either side of the seam that it was made around.
-constexpr int radius = StripMessages::most_entries / 2;
+constexpr int radius = ColumnMessages::most_entries / 2;
 
 const Effort& effort_for(bool field, Quality quality) {
     if (quality == Quality::best) return best_effort;
@@ -94,20 +92,16 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
-    std::vector<std::uint16_t> best;
-    Seams::Seam greedy;
-    // Small cuts keep one thread busy: meanwhile the others search greedily.
-    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam; },
-                         [&] { greedy = greedy_seam(energy, window, number, starts_, [&](double) { alive(); }); });
+    auto best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam;
     auto least = cost_of(energy, best);
-    const auto cost = energy.attracts() ? cost_of(energy, greedy.at) : greedy.energy;
-    if (cost < least) {
-        best.assign(greedy.at.begin(), greedy.at.end());
+    const auto greedy = greedy_seam_within(energy, window, number, starts_, least, [&](double) { alive(); });
+    if (const auto cost = !greedy ? least : energy.attracts() ? cost_of(energy, greedy->at) : greedy->energy; cost < least) {
+        best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
         refine(messages, 0, energy.attracts(), number, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
-            best.assign(greedy.at.begin(), greedy.at.end());
+            best.assign(greedy->at.begin(), greedy->at.end());
             least = cost;
         }
     }
@@ -141,7 +135,7 @@ NodeType seam_pyramid() {
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(4);
+        .version(5);
 }
 
 }  // namespace fluidcarve

@@ -7,3 +7,7 @@
 #else
 #define FLUIDCARVE_WIDE
 #endif
+
+// A function or lambda that is called by one with that mark. A call would leave the wide vectors: g++ compiles what is not inlined for any machine.
+#define FLUIDCARVE_INLINED __attribute__((always_inline))
+#define FLUIDCARVE_INLINE inline FLUIDCARVE_INLINED

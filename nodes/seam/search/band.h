@@ -2,6 +2,8 @@
 
 #include "nodes/seams/window.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -26,13 +28,14 @@ struct Band {
     /// @param seam    feasible, inside the window
     /// @param radius  entries on either side of the seam; at an end of the window, as many entries in all, but more on one side
     static Band around(std::span<const std::uint16_t> seam, int radius, Window window) {
-        Band out;
-        out.columns.reserve(seam.size());
+        Band out{std::vector<Column>(seam.size())};
         const int size = std::min(2 * radius + 1, window.size());
-        for (const int entry : seam) {
-            const int first = std::clamp(entry - radius, window.first, window.last + 1 - size);
-            out.columns.push_back({static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(first + size - 1)});
-        }
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, seam.size(), 1 << 16), [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto c = range.begin(); c < range.end(); ++c) {
+                const int first = std::clamp(seam[c] - radius, window.first, window.last + 1 - size);
+                out.columns[c] = {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(first + size - 1)};
+            }
+        });
         return out;
     }
 };

@@ -56,16 +56,18 @@ private:
         std::vector<Block> free;
     };
 
-    /// A free block that fits, or a new one.
+    /// The smallest free block that fits, or a new one.
     std::shared_ptr<void> block(std::size_t bytes) const {
         Block out{bytes, nullptr};
         {
             const std::lock_guard lock(blocks_->mutex);
             auto& free = blocks_->free;
-            const auto fits = std::ranges::find_if(free, [&](const Block& each) { return each.bytes >= bytes && each.bytes / 2 <= bytes; });
-            if (fits != free.end()) {
-                out = std::move(*fits);
-                free.erase(fits);
+            auto best = free.end();
+            for (auto each = free.begin(); each != free.end(); ++each)
+                if (each->bytes >= bytes && each->bytes / 2 <= bytes && (best == free.end() || each->bytes < best->bytes)) best = each;
+            if (best != free.end()) {
+                out = std::move(*best);
+                free.erase(best);
             }
         }
         if (!out.data) out.data.reset(::operator new(bytes, std::align_val_t(alignment)));

@@ -8,6 +8,11 @@
 
 namespace fluidcarve {
 
+namespace {
+/// So many columns ahead in a line, energies are asked for: those of a line through all frames are far apart.
+constexpr std::size_t ahead_in_line = 8;
+}  // namespace
+
 /// One line of columns, in which a seam may move while all others stay.
 template <LineSweeps::Stepping stepping>
 class LineSweeps::Line {
@@ -31,6 +36,10 @@ public:
         for (std::size_t n = 0; n < length; ++n) {
             auto& cell = cells_[n];
             const auto c = column(n);
+            if (n + ahead_in_line < length) {
+                __builtin_prefetch(strip_.energies(column(n + ahead_in_line)));
+                __builtin_prefetch(&seam_[column(n + ahead_in_line)]);
+            }
             find_room(cell, c);
             if (ring && n == 0) cell.low = cell.high = seam_[c];
             if (ring && n + 1 == length) {

@@ -12,6 +12,8 @@ namespace fluidcarve {
 namespace {
 
 constexpr std::size_t grain = 4096;
+/// So many columns ahead, energies are asked for.
+constexpr std::size_t soon = 16;
 
 /// Calls `call(column, its entries)` for the columns from begin to before end.
 template <class Cell, class Call>
@@ -47,6 +49,8 @@ Strip::Strip(const EnergyVolume& energy, Band band, const KeptMemory& memory)
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.count(), grain), [&](const tbb::blocked_range<std::size_t>& range) {
             for_columns<Cell>(energy, range.begin(), range.end(), [&](std::size_t c, const Cell* cells) {
                 const auto [first, last] = band_.columns[c];
+                // Columns are far apart in memory, and what is read of each is little.
+                if (c + soon < range.end()) __builtin_prefetch(cells + soon * energy.stride() + band_.columns[c + soon].first);
                 for (std::size_t n = 0; n < width_; ++n) energies_[margin + c * width_ + n] = costs(cells[first + n]);
                 if (fields_.size() == 0) return;
                 for (int entry = first - 1; entry <= last + 1; ++entry)

@@ -1,7 +1,7 @@
 #include "nodes/seam/search/strip_messages.h"
 
-#include "nodes/seam/energy/wide.h"
 #include "nodes/seam/search/protection.h"
+#include "nodes/seam/search/skewed_messages.h"
 #include "nodes/seam/search/wavefront.h"
 
 #include <tbb/parallel_for.h>
@@ -15,22 +15,17 @@ namespace fluidcarve {
 
 namespace {
 
-using Eight = StripMessages::Eight;
-using Mask = std::int32_t __attribute__((vector_size(32)));
-using Messages = StripMessages::Messages;
-
-// A call would leave the wide vectors: g++ compiles what is not inlined for any machine.
-#define FLUIDCARVE_INLINED __attribute__((always_inline))
-#define FLUIDCARVE_INLINE inline FLUIDCARVE_INLINED
-
-/// Stands for an infinite cost; sums and differences of it stay finite.
-constexpr float endless = 1e30f;
 /// What a hole costs where a seam must go on: less than a step that is none.
 constexpr float hole = 1e20f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
 constexpr float least_gain = 1e-5f;
 /// Fewer columns than this are visited by one thread: waiting for others takes longer.
 constexpr std::size_t least_shared = 1 << 13;
+
+/// ColumnMessages of more columns than these do not stay in the processor's memory from one pass to the next. Then they are passed to and fro several
+/// times in each tile.
+constexpr std::size_t most_at_once = 1 << 19;
+constexpr int turns_in_tile = 3;
 
 /// Columns along each dimension that a thread visits one after the other. Long rows are read faster; a few frames leave too little to share.
 std::array<std::size_t, 3> box_of_messages(const std::array<std::size_t, 3>& size) {
@@ -39,17 +34,13 @@ std::array<std::size_t, 3> box_of_messages(const std::array<std::size_t, 3>& siz
     return {128, 8, 2};
 }
 
-FLUIDCARVE_INLINE Eight all(float value) { return Eight{} + value; }
 FLUIDCARVE_INLINE Eight load(const float* values) {
     Eight out;
     std::memcpy(&out, values, sizeof out);
     return out;
 }
-FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
-FLUIDCARVE_INLINE Eight size_of(Eight values) { return values < 0 ? -values : values; }
-constexpr Mask places{0, 1, 2, 3, 4, 5, 6, 7};
 /// The values at other places, each 0 to 7.
-FLUIDCARVE_INLINE Eight picked(Eight values, Mask from) {
+FLUIDCARVE_INLINE Eight picked(Eight values, EightPlaces from) {
 #if defined(__clang__)
     return __builtin_shufflevector(values, from);
 #else
@@ -59,7 +50,7 @@ FLUIDCARVE_INLINE Eight picked(Eight values, Mask from) {
 /// Costs of a column's entries, moved back by `by` entries, -2 to 2. The last given cost is infinite; it fills the places that become free.
 FLUIDCARVE_INLINE Eight moved(Eight costs, int by) {
     alignas(64) static constexpr std::array<std::int32_t, 12> from{7, 7, 0, 1, 2, 3, 4, 5, 6, 7, 7, 7};
-    Mask entries;
+    EightPlaces entries;
     std::memcpy(&entries, from.data() + 2 - by, sizeof entries);
     return picked(costs, entries);
 }
@@ -81,7 +72,7 @@ struct Pass {
     bool forward;
     const std::uint16_t* seam;  ///< `[column]`
     std::uint16_t* taken;       ///< likewise; null: no seam is wanted
-    Messages* messages;         ///< `[column]`
+    ColumnMessages* messages;   ///< `[column]`
 };
 
 /// What each entry of a column pays for the cheapest way from a neighbour, including the step (StepCosts).
@@ -92,10 +83,10 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
     // Intervals of neighbours differ by at most 1 (Band).
     const auto stay = moved(costs, off);
     auto rise = moved(costs, off + 1), fall = moved(costs, off - 1);
-    const auto rigidity = all(pass.rigidity[along]);
+    const auto rigidity = eight_of(pass.rigidity[along]);
     if constexpr (!edges) return least(stay, least(rise, fall) + rigidity);
     const auto* const there = pass.fields + to * (pass.width + 2);
-    const auto here = load(pass.fields + from * (pass.width + 2) + 1 - off), weight = all(pass.weight);
+    const auto here = load(pass.fields + from * (pass.width + 2) + 1 - off), weight = eight_of(pass.weight);
     rise += rigidity + weight * size_of(here - load(there));
     fall += rigidity + weight * size_of(here - load(there + 2));
     return least(stay, least(rise, fall));
@@ -103,7 +94,7 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
 
 /// Costs that only one entry of a column does without.
 FLUIDCARVE_INLINE Eight only_at(const Pass& pass, std::size_t column, std::uint16_t entry) {
-    return places == entry - pass.band[column].first ? Eight{} : all(endless);
+    return eight_places == entry - pass.band[column].first ? Eight{} : eight_of(endless_cost);
 }
 
 /// The neighbours of a column along a dimension, in the order of columns. In a ring they go round.
@@ -136,7 +127,7 @@ FLUIDCARVE_INLINE Closing closing_of(const Pass& pass, std::size_t column, const
 /// @param first  the ring's first column
 FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t at, std::size_t first, std::size_t d) {
     const int off = pass.band[column].first - pass.taken[first], left = static_cast<int>(pass.size[d] - at);
-    return (places + off > left) | (places + off < -left) ? all(endless) : Eight{};
+    return (eight_places + off > left) | (eight_places + off < -left) ? eight_of(endless_cost) : Eight{};
 }
 
 /// Passes messages through the columns of a row.
@@ -146,7 +137,7 @@ FLUIDCARVE_INLINE Eight cone(const Pass& pass, std::size_t column, std::size_t a
 template <bool edges, bool forward, bool plain>
 FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t end, std::size_t k, std::size_t t) {
     const bool rings = !plain && pass.rings, holes = !plain && pass.holes;
-    const Mask outside = places >= static_cast<std::int32_t>(pass.width);
+    const EightPlaces outside = eight_places >= static_cast<std::int32_t>(pass.width);
     // Places from a ring's first column on, and from column 0 on.
     const auto in_order = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED { return forward ? at : pass.size[d] - 1 - at; };
     const auto turned = [&](std::size_t d, std::size_t at) FLUIDCARVE_INLINED {
@@ -177,7 +168,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 closings[d] = closing_of(pass, column, neighbours[d], at[d], d);
                 lines += closings[d].is ? 1 : 0;
             }
-        auto sum = least(load(pass.energies + column * pass.width), all(endless)), choice = sum;
+        auto sum = least(load(pass.energies + column * pass.width), eight_of(endless_cost)), choice = sum;
 #pragma GCC unroll 3
         for (std::size_t d = 0; d < 3; ++d) {
             if (d > 0 && before[d]) sum += message(d, false);
@@ -197,7 +188,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
         const int first = pass.band[column].first, own = pass.seam[column] - first;
         if (!plain && pass.taken != nullptr) {
             // Holes may leave no way on. Then the seam passes some, and is moved aside later.
-            if (holes) choice = least(choice, all(hole));
+            if (holes) choice = least(choice, eight_of(hole));
             const auto add_step = [&](std::size_t other, std::size_t d)
                                       FLUIDCARVE_INLINED { choice += sent<edges>(pass, only_at(pass, other, pass.taken[other]), other, column, d); };
             for (std::size_t d = 0; d < 3; ++d)
@@ -217,20 +208,20 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 }
             pass.taken[column] = static_cast<std::uint16_t>(first + best);
         }
-        const Mask closed = holes ? outside | (sum > 0.5f * endless) : outside;
+        const EightPlaces closed = holes ? outside | (sum > 0.5f * endless_cost) : outside;
         const auto shared = sum * (1 / lines);
         const auto send = [&](Eight& to, std::size_t other, std::size_t d) FLUIDCARVE_INLINED {
             auto part = shared - to;
             // Any free entry may be the one that counts as 0.
             int zero = own;
             if (holes) {
-                part = closed ? all(endless) : part;
+                part = closed ? eight_of(endless_cost) : part;
                 for (int n = 0; n < 8; ++n)
                     if (part[n] < part[zero]) zero = n;
             }
-            part = closed ? all(endless) : part - picked(part, Mask{} + zero);
+            part = closed ? eight_of(endless_cost) : part - picked(part, EightPlaces{} + zero);
             to = sent<edges>(pass, part, column, other, d);
-            if (holes) to = least(to, all(endless));
+            if (holes) to = least(to, eight_of(endless_cost));
             return to;
         };
 #pragma GCC unroll 3
@@ -270,10 +261,10 @@ public:
                    behind = __builtin_shufflevector(coarse, coarse, 1, 2, 3, 4, 5, 6, 7, 7);
         // Every second entry is nearer to the coarse entry before.
         const Eight even = 0.75f * coarse + 0.25f * before, odd = 0.75f * coarse + 0.25f * behind;
-        set(0, all(coarse[0]));
+        set(0, eight_of(coarse[0]));
         set(8, __builtin_shufflevector(even, odd, 0, 8, 1, 9, 2, 10, 3, 11));
         set(16, __builtin_shufflevector(even, odd, 4, 12, 5, 13, 6, 14, 7, 15));
-        set(24, all(coarse[7]));
+        set(24, eight_of(coarse[7]));
     }
     /// Eight entries of the finer column, from one on that is counted from the window's first.
     FLUIDCARVE_INLINE Eight from(int entry) const { return load(values_.data() + std::clamp(entry - 2 * first_ + 8, 0, 24)); }
@@ -286,8 +277,8 @@ private:
 };
 
 /// Interpolates the messages to the finer columns that a coarse one stands for. There, lines have twice as many columns, and pay twice as much.
-FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const Messages* coarse_messages, const Columns::Place& at, const Strip& fine, int window_first,
-                                 Messages* out) {
+FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const ColumnMessages* coarse_messages, const Columns::Place& at, const Strip& fine, int window_first,
+                                 ColumnMessages* out) {
     const auto &few = coarse.columns(), &many = fine.columns();
     const auto column = few.at(at.lateral, at.k, at.t);
     const std::array<std::size_t, 3> place{at.lateral, at.k, at.t}, step{1, few.laterals(), few.per_frame()},
@@ -315,13 +306,14 @@ FLUIDCARVE_WIDE void interpolate(const Strip& coarse, const Messages* coarse_mes
 
 }  // namespace
 
-StripMessages::StripMessages(Strip strip, const KeptMemory& memory) : strip_(std::move(strip)), messages_(memory.array<Messages>(strip_.columns().count())) {
+StripMessages::StripMessages(Strip strip, const KeptMemory& memory)
+    : strip_(std::move(strip)), memory_(memory), messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, messages_.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& range) { std::fill_n(messages_.data() + range.begin(), range.size(), Messages{}); });
+                      [&](const tbb::blocked_range<std::size_t>& range) { std::fill_n(messages_.data() + range.begin(), range.size(), ColumnMessages{}); });
 }
 
 StripMessages::StripMessages(Strip strip, Window window, const StripMessages& coarse, const KeptMemory& memory)
-    : strip_(std::move(strip)), messages_(memory.array<Messages>(strip_.columns().count())) {
+    : strip_(std::move(strip)), memory_(memory), messages_(memory.array<ColumnMessages>(strip_.columns().count())) {
     const auto& few = coarse.strip_.columns();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, few.count(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
         for (auto c = range.begin(); c < range.end(); ++c)
@@ -388,7 +380,14 @@ void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool g
 
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, const Origin& origin, bool goes_on, const std::function<void()>& tick) {
     auto found = seam;
-    for (int n = 0; n < passes; ++n) {
+    int n = 0;
+    if (passes > 1 && SkewedMessages::fits(strip_)) {
+        SkewedMessages skewed(strip_, messages_.data(), memory_);
+        const int turns = messages_.size() > most_at_once && passes > turns_in_tile ? turns_in_tile : 1;
+        for (; n + turns < passes; n += turns) skewed.to_and_fro(turns, tick);
+        skewed.write(messages_.data());
+    }
+    for (; n < passes; ++n) {
         const bool last = n + 1 == passes;
         pass(true, origin, seam, last ? &found : nullptr, tick);
         if (!last || goes_on) pass(false, origin, seam, nullptr, tick);

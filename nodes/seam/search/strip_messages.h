@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nodes/seam/search/column_messages.h"
 #include "nodes/seam/search/strip.h"
 
 #include <array>
@@ -14,18 +15,8 @@ namespace fluidcarve {
 /// passing, Kolmogorov 2006). A message tells each entry of a column what the rest of a line asks for a seam through it.
 class StripMessages {
 public:
-    /// The widest strip, entries.
-    static constexpr int most_entries = 7;
-
-    /// Eight values, one for each entry of a column in a strip, and at least one that says nothing.
-    using Eight = float __attribute__((vector_size(32)));
-    /// Messages between a column and the next one along each dimension. After a pass forward they are from the column, after a pass back to it.
-    struct alignas(32) Messages {
-        Eight along[3];
-    };
-
     /// Messages that say nothing yet.
-    /// @param strip   of at most most_entries in a column
+    /// @param strip   of at most ColumnMessages::most_entries in a column
     /// @param memory  of the messages
     explicit StripMessages(Strip strip, const KeptMemory& memory = {});
     /// Messages that begin with those at half the resolution, interpolated.
@@ -55,7 +46,8 @@ private:
     void pass(bool forward, const Origin& origin, const std::vector<std::uint16_t>& seam, std::vector<std::uint16_t>* taken, const std::function<void()>& tick);
 
     Strip strip_;
-    KeptMemory::Array<Messages> messages_;  ///< `[column]`
+    KeptMemory memory_;
+    KeptMemory::Array<ColumnMessages> messages_;  ///< `[column]`
 };
 
 }  // namespace fluidcarve

@@ -126,6 +126,27 @@ TEST_CASE("a greedy seam takes the cheapest entry that its passed neighbours all
     }
 }
 
+TEST_CASE("a greedy search within a cost finds the same seam, or none if each costs more") {
+    int found = 0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        // Steps are dear in some, and some are rings.
+        auto energy = noise({14, 3, 4}, Axis::u, 1 + seed % 6, seed, seed % 4 == 0);
+        if (seed % 3 == 0) energy.set_rigidity({0.5f, 0.25f});
+        const Window window{1, 12};
+        const auto free = greedy_seam(energy, window, int(seed), 40, nobody);
+        for (const double share : {0.0, 0.5, 0.99, 1.0001, 1.2, 3.0}) {
+            const auto seam = greedy_seam_within(energy, window, int(seed), 40, share * free.energy, nobody);
+            INFO("seed " << seed << ", share " << share);
+            REQUIRE(seam.has_value() == (share > 1));
+            if (!seam) continue;
+            CHECK(seam->at == free.at);
+            CHECK(seam->energy == free.energy);
+            ++found;
+        }
+    }
+    CHECK(found == 120);
+}
+
 TEST_CASE("starts stand at the centres of equal parts of the window") {
     // One column: the seam is its start. Only entries 3, 8 and 13 of 1 to 15 are tried by three starts.
     for (int cheap = 0; cheap < 17; ++cheap) {

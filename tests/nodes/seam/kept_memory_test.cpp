@@ -30,6 +30,19 @@ TEST_CASE("a small array leaves a large block to those that need it") {
     CHECK(memory.array<float>(1000).data() == large);
 }
 
+TEST_CASE("an array takes the smallest block that fits, so that each block is found again by those that need all of it") {
+    const KeptMemory memory;
+    const float *larger = nullptr, *smaller = nullptr;
+    {
+        const auto one = memory.array<float>(1100), other = memory.array<float>(1000);
+        larger = one.data();
+        smaller = other.data();
+    }
+    const auto first = memory.array<float>(1000), second = memory.array<float>(1100);
+    CHECK(first.data() == smaller);
+    CHECK(second.data() == larger);
+}
+
 TEST_CASE("copies of kept memory share it") {
     const KeptMemory memory;
     const auto copy = memory;

@@ -16,7 +16,7 @@ using namespace fluidcarve::test;
 
 namespace {
 
-constexpr int reach_of_strip = StripMessages::most_entries / 2;
+constexpr int reach_of_strip = ColumnMessages::most_entries / 2;
 
 Strip strip_near(const EnergyVolume& energy, const SeamVector& seam, Window window) { return {energy, Band::around(seam, reach_of_strip, window)}; }
 
