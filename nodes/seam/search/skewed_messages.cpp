@@ -72,6 +72,8 @@ FLUIDCARVE_INLINE void gather(const Step& step, const float* values, std::size_t
     for (std::size_t n = 0; n < count; ++n) out[n] = rows[n];
 }
 
+constexpr auto always = [](std::size_t) { return true; };
+
 FLUIDCARVE_WIDE void gather_messages(const Step& step, const ColumnMessages* messages, Messages& out) {
     for (std::size_t d = 0; d < 3; ++d)
         gather(
@@ -79,18 +81,15 @@ FLUIDCARVE_WIDE void gather_messages(const Step& step, const ColumnMessages* mes
             [&](std::size_t lane) FLUIDCARVE_INLINED { return step.place(lane)[d] + 1 < step.size[d]; }, out.along[d]);
 }
 FLUIDCARVE_WIDE void gather_energies(const Step& step, const float* energies, Costs& out) {
-    gather(
-        step, energies, entries, [](std::size_t) { return true; }, out);
+    gather(step, energies, entries, always, out);
     for (auto& each : out) each = least(each, eight_of(endless_cost));
 }
 
 FLUIDCARVE_WIDE void gather_fields(const Step& step, const float* fields, Fields& out) {
     std::array<Eight, entries + 1> first;
     std::array<Eight, 1> last;
-    gather(
-        step, fields, entries + 2, [](std::size_t) { return true; }, first);
-    gather(
-        step, fields + entries + 1, entries + 2, [](std::size_t) { return true; }, last);
+    gather(step, fields, entries + 2, always, first);
+    gather(step, fields + entries + 1, entries + 2, always, last);
     std::ranges::copy(first, out.begin());
     out.back() = last[0];
 }
@@ -105,21 +104,18 @@ FLUIDCARVE_WIDE void scatter_messages(const Step& step, const Messages& messages
     }
 }
 
-/// Fewer columns than this are visited by one thread: waiting for others takes longer.
-constexpr std::size_t least_shared = 1 << 13;
-
-/// Stand for columns that there are not.
+/// Of columns that do not exist.
 constexpr Messages no_messages{};
 constexpr Fields no_fields{};
 
 /// What a pass works on: eight slices of a frame. A pointer is to the first of their steps, unless said otherwise.
 struct Pass {
     std::size_t laterals;
-    float lines;                          ///< so many go through a column
-    std::array<float, 3> rigidity;        ///< of a step along each dimension
-    float weight;                         ///< cost per unit by which the field changes across a new edge
-    bool sends_to_block, sends_to_frame;  ///< whether to the slices and to the frame that come next
-    std::size_t slices_behind;
+    float lines;                                   ///< so many go through a column
+    std::array<float, 3> rigidity;                 ///< of a step along each dimension
+    float weight;                                  ///< cost per unit by which the field changes across a new edge
+    bool sends_to_block, sends_to_frame;           ///< whether to the slices and to the frame that come next
+    std::size_t slices_behind;                     ///< those of the frame behind the first of the eight
     Messages *here, *block_before, *frame_before;  ///< null: there are none
     const Costs* energies;
     const Offsets* offsets;
@@ -370,7 +366,7 @@ void SkewedMessages::pass(bool forward, int turns, const std::function<void()>& 
 }
 
 std::array<std::size_t, 3> SkewedMessages::tile(int turns) const {
-    if (strip_.columns().count() < least_shared) return {1, blocks_, size_[2]};
+    if (strip_.columns().count() < least_shared_columns) return {1, blocks_, size_[2]};
     // Many frames let messages go far in a tile; it still stays in the memory of one processor.
     return {1, 1, turns > 1 ? std::size_t{8} : std::size_t{2}};
 }

@@ -19,9 +19,6 @@ namespace {
 constexpr float hole = 1e20f;
 /// By this share another entry must be cheaper than the seam's own: sums of floats differ by less than that.
 constexpr float least_gain = 1e-5f;
-/// Fewer columns than this are visited by one thread: waiting for others takes longer.
-constexpr std::size_t least_shared = 1 << 13;
-
 /// ColumnMessages of more columns than these do not stay in the processor's memory from one pass to the next. Then they are passed to and fro several
 /// times in each tile.
 constexpr std::size_t most_at_once = 1 << 19;
@@ -29,7 +26,7 @@ constexpr int turns_in_tile = 3;
 
 /// Columns along each dimension that a thread visits one after the other. Long rows are read faster; a few frames leave too little to share.
 std::array<std::size_t, 3> box_of_messages(const std::array<std::size_t, 3>& size) {
-    if (size[0] * size[1] * size[2] < least_shared) return size;
+    if (size[0] * size[1] * size[2] < least_shared_columns) return size;
     if (size[2] < 8) return {16, 8, 4};
     return {128, 8, 2};
 }

@@ -9,6 +9,9 @@
 
 namespace fluidcarve {
 
+/// Fewer columns than this are better visited by one thread: waiting for others takes longer.
+constexpr std::size_t least_shared_columns = 1 << 13;
+
 /// Columns from `begin` to before `end` along each dimension.
 struct Box {
     std::array<std::size_t, 3> begin, end;
