@@ -375,9 +375,8 @@ void SkewedMessages::pass_tile(const Box& tile, bool forward, int turns) {
     const auto& steps = strip_.steps();
     const float in_space = steps.lift(false, 0, 0), in_time = steps.lift(true, 0, 0);
     const auto lines = std::max<std::ptrdiff_t>(std::ranges::count_if(size_, [](std::size_t each) { return each > 1; }), 1);
-    const auto at = [&](auto& array, std::size_t block, std::size_t t, bool is) {
-        return is && array.size() > 0 ? array.data() + (t * blocks_ + block) * steps_ : nullptr;
-    };
+    const auto begin = [&](std::size_t block, std::size_t t) { return (t * blocks_ + block) * steps_; };
+    const auto at = [&](auto& array, std::size_t block, std::size_t t, bool is) { return is && array.size() > 0 ? array.data() + begin(block, t) : nullptr; };
     const auto blocks = tile.end[1] - tile.begin[1], frames = tile.end[2] - tile.begin[2];
     // Against the order of columns, tiles are counted from the end.
     const auto first_block = forward ? tile.begin[1] : blocks_ - tile.end[1], first_frame = forward ? tile.begin[2] : size_[2] - tile.end[2];
@@ -396,11 +395,11 @@ void SkewedMessages::pass_tile(const Box& tile, bool forward, int turns) {
                     .sends_to_block = last || b + 1 < blocks,
                     .sends_to_frame = (on ? frames_behind : t > 0) && (last || f + 1 < frames),
                     .slices_behind = size_[1] - 1 - lanes * block,
-                    .here = at(messages_, block, t, true),
+                    .here = &messages_[begin(block, t)],
                     .block_before = at(messages_, block - 1, t, block > 0),
                     .frame_before = at(messages_, block, t - 1, t > 0),
-                    .energies = at(energies_, block, t, true),
-                    .offsets = at(offsets_, block, t, true),
+                    .energies = &energies_[begin(block, t)],
+                    .offsets = &offsets_[begin(block, t)],
                     .fields = at(fields_, block, t, true),
                     .fields_of_block = {at(fields_, block - 1, t, block > 0), at(fields_, block + 1, t, blocks_behind)},
                     .fields_of_frame = {at(fields_, block, t - 1, t > 0), at(fields_, block, t + 1, frames_behind)},
