@@ -181,7 +181,7 @@ private:
     /// Calls `call(seam)` for those that are not given up.
     template <class Call>
     void for_running(const Call& call) const {
-        // As long as it is all of them, they are counted: that is faster.
+        // While all of them run, a counted loop is faster.
         const auto seams = starts_.size();
         if (running_.size() == seams)
             for (std::size_t s = 0; s < seams; ++s) call(s);
@@ -378,7 +378,7 @@ std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int n
     return Seams::Seam{best->entries(seam), best->sums()[seam]};
 }
 
-/// What seams are searched.
+/// What a search is given.
 struct Search {
     const EnergyVolume& energy;
     Window window;

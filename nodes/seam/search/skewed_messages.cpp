@@ -104,7 +104,7 @@ FLUIDCARVE_WIDE void scatter_messages(const Step& step, const Messages& messages
     }
 }
 
-/// Of columns that do not exist.
+/// Stand in for the messages and fields of neighbours that do not exist.
 constexpr Messages no_messages{};
 constexpr Fields no_fields{};
 
@@ -150,7 +150,7 @@ void find_offsets(const Strip& strip, std::size_t t, std::size_t block, std::spa
     }
 }
 
-/// How a message begins at its columns, and where it goes.
+/// What a message pays for a step, and how the intervals of its two columns lie.
 struct Way {
     EightPlaces earlier, later;  ///< where the receiving columns' intervals begin
     Eight rigidity, weight;
@@ -199,7 +199,7 @@ FLUIDCARVE_INLINE void send(const Costs& costs, const Way& way, const Fields& he
     }
 }
 
-/// So many steps ahead, the processor is asked for what a pass reads.
+/// A pass prefetches what it reads so many steps later.
 constexpr std::int32_t steps_ahead = 4;
 
 template <class T>

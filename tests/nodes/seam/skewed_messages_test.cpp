@@ -141,7 +141,7 @@ TEST_CASE("messages of eight slices at once are those of column after column, wh
             }
 }
 
-TEST_CASE("messages of eight slices begin with those that are given, and write those that they were not asked to pass") {
+TEST_CASE("messages of eight slices that are not passed are written as they were given") {
     std::mt19937 random(2);
     const ColumnGraph graph({6, 11, 3});
     const auto energy = random_volume(random, graph, 12);
