@@ -11,6 +11,9 @@
 
 namespace fluidcarve {
 
+/// What steps cost: nothing, always the same, or what the field says.
+enum class Stepping { free, rigid, field };
+
 /// Costs of steps: a seam pays for being at different entries in neighbouring columns (METHOD 8 "Rigidity", METHOD 7 "Forward costs" after
 /// Rubinstein, Shamir and Avidan 2008). Removing entry `i + 1` of one column and entry `i` of its neighbour puts entry `i` of the first
 /// beside entry `i + 1` of the other: a new edge in the field.

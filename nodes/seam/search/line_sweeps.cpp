@@ -14,7 +14,7 @@ constexpr std::size_t ahead_in_line = 8;
 }  // namespace
 
 /// One line of columns, in which a seam may move while all others stay.
-template <LineSweeps::Stepping stepping>
+template <Stepping stepping>
 class LineSweeps::Line {
 public:
     Line(const Strip& strip, std::vector<std::uint16_t>& seam) : strip_(strip), seam_(seam) {}
@@ -164,7 +164,7 @@ void LineSweeps::unsettle(std::size_t column) {
         if (other != Columns::none) all_through(columns.place(other));
 }
 
-template <LineSweeps::Stepping stepping>
+template <Stepping stepping>
 void LineSweeps::sweep(std::vector<std::uint16_t>& seam, int turn) {
     const auto& columns = strip_.columns();
     const std::array<std::size_t, 3> step{1, columns.laterals(), columns.per_frame()};

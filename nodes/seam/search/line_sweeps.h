@@ -15,9 +15,6 @@ namespace fluidcarve {
 /// something changed.
 class LineSweeps {
 public:
-    /// What steps cost: nothing, always the same, or what the field says.
-    enum class Stepping { free, rigid, field };
-
     /// @param strip  outlives the sweeps
     explicit LineSweeps(const Strip& strip);
 

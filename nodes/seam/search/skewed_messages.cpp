@@ -156,9 +156,6 @@ struct Way {
     Eight rigidity, weight;
 };
 
-/// What steps cost: nothing, always the same, or what the field says.
-enum class Stepping { free, rigid, field };
-
 /// What each entry of a column pays for the cheapest way from a neighbour, including the step (StepCosts).
 /// @param costs        of the neighbour's entries
 /// @param here, there  the fields of the neighbour and of the column

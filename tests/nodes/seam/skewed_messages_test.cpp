@@ -101,8 +101,6 @@ private:
     std::vector<std::array<std::array<float, entries>, 3>> messages_;
 };
 
-enum class Stepping { free, rigid, field };
-
 }  // namespace
 
 TEST_CASE("messages of eight slices at once are those of column after column, whatever steps cost, in tiles or not") {
