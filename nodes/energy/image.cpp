@@ -64,8 +64,9 @@ struct ImageEnergy {
             require_near(channel->getName(), active_box(*channel));
             require_dense_fits(*channel, sizeof(float), context.memory_budget());
         }
-        io.intensity = intensity(*io.source, params.channels);
-        io.energy = image_energy(*io.intensity);
+        const auto values = intensity(*io.source, params.channels);
+        io.energy = image_energy(*values);
+        if (context.wants("intensity")) io.intensity = values;
     }
 };
 
@@ -98,9 +99,11 @@ FloatGrid::Ptr intensity(const Volume& image, const std::optional<std::vector<st
 FloatGrid::Ptr image_energy(const FloatGrid& intensity) {
     const auto per_world = static_cast<float>(1 / cubic_voxel_size(intensity));
     const auto out = map_stencil<FloatGrid>(intensity, 0.0f, [per_world](auto& s, const openvdb::Coord& at) {
+        const float here = s.getValue(at);
         const auto slope = [&](const openvdb::Coord& behind, const openvdb::Coord& ahead) {
-            const bool low = s.isValueOn(behind), high = s.isValueOn(ahead);
-            const float rise = s.getValue(high ? ahead : at) - s.getValue(low ? behind : at);
+            float from = 0, to = 0;
+            const bool low = s.probeValue(behind, from), high = s.probeValue(ahead, to);
+            const float rise = (high ? to : here) - (low ? from : here);
             return std::abs(rise) * (low && high ? 0.5f : 1.0f);
         };
         return per_world * (slope(at.offsetBy(-1, 0, 0), at.offsetBy(1, 0, 0)) + slope(at.offsetBy(0, -1, 0), at.offsetBy(0, 1, 0)));

@@ -44,8 +44,8 @@ struct ImageModule {
     Image (*header)(const std::string& path, const std::string& format);
     /// Reads an image with its pixels. Colours are neither converted nor multiplied or divided by opacity. @throws Failure as `header`
     Image (*read)(const std::string& path, const std::string& format);
-    /// Decodes all pixels, as a check of the file, and gives what `header` gives. @throws Failure as `header`
-    Image (*decoded)(const std::string& path, const std::string& format);
+    /// Checks that all pixels can be read, and gives what `header` gives. @throws Failure as `header`
+    Image (*checked)(const std::string& path, const std::string& format);
     /// Writes the pixels unchanged, each channel in its depth. Values outside the range of an integer depth are clamped.
     /// @param quality  JPEG quality, 1 to 100
     /// @throws Failure, without the path in its message

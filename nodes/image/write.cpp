@@ -79,7 +79,7 @@ private:
                        const std::function<void(const std::string&)>& warn) {
         Image read;
         try {
-            read = module.decoded(output.aside(), written.format);
+            read = module.checked(output.aside(), written.format);
         } catch (const Failure&) {}
         if (read.data.width != written.data.width || read.data.height != written.data.height || read.channels.size() != written.channels.size())
             throw output.not_whole();

@@ -13,6 +13,8 @@
 #include <chrono>
 #include <mutex>
 #include <new>
+#include <ranges>
+#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -100,6 +102,7 @@ struct Flow::Self {
     std::vector<Calls> all_calls{};                                                                     ///< per node
     std::vector<std::size_t> gathered = std::vector<std::size_t>(pipeline.nodes.size());                ///< per node: frames that it has taken
     std::vector<std::vector<Payload>> held = std::vector<std::vector<Payload>>(pipeline.nodes.size());  ///< `[node][output]`: outputs of nodes that run once
+    std::vector<std::set<std::size_t>> readers = io.readers();                                          ///< per node: those that may still read what it holds
     std::atomic<bool> failed{false};                                                                    ///< a body failed
     std::atomic<bool> fatal{false};                                                                     ///< the failure ends the run even with `keep_going`
     std::atomic<bool> lost{false};                                                                      ///< a cached result is missing
@@ -236,12 +239,20 @@ struct Flow::Self {
         end_once(line, *steps[n].finish, good, delivers);
     }
 
-    void once(std::size_t n) {
+    /// Whether the cache or a reader takes an output.
+    bool wanted(std::size_t n, std::string_view output, auto& by) const {
+        if (pipeline.nodes[n].kept && options.cache) return true;
+        return std::ranges::any_of(by, [&](std::size_t reader) { return io.reads(reader, n, output); });
+    }
+
+    /// @param target  whether the run is for this node's outputs
+    void once(std::size_t n, bool target) {
         const auto& node = pipeline.nodes[n];
         const auto& behaviour = behaviours[n];
         const bool connected = std::any_of(node.inputs.begin(), node.inputs.end(), [](const auto& links) { return !links.empty(); });
         Line line(*this, n);
         const bool good = call(line, nullptr, "run", [&](void* ports, Context& where) {
+            where.wanting([&](std::string_view output) { return target || wanted(n, output, readers[n]); });
             if (behaviour.add && connected) behaviour.add(ports, where);
             if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports, where), where);
             if (behaviour.finish) end_gathering(n, ports, where, line);
@@ -259,20 +270,10 @@ struct Flow::Self {
         } else if (action == Action::run && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
         } else if (action == Action::run) {
-            const auto& node = pipeline.nodes[n];
-            const auto wants = [&](std::string_view output) {
-                if (node.kept && options.cache) return true;
-                for (const auto reader : wiring.readers[n]) {
-                    if (!frame.scheduled.reads(reader)) continue;
-                    for (const auto& links : pipeline.nodes[reader].inputs)
-                        for (const auto& link : links)
-                            if (link.node == n && node.outputs[link.output].name == output) return true;
-                }
-                return target;
-            };
+            auto takers = wiring.readers[n] | std::views::filter([&](std::size_t reader) { return frame.scheduled.reads(reader); });
             Line line(*this, n);
             frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
-                where.wanting(wants);
+                where.wanting([&](std::string_view output) { return target || wanted(n, output, takers); });
                 behaviours[n].run(ports, where);
                 frame.outputs[n] = io.collect(n, ports);
             });
@@ -351,11 +352,13 @@ struct Flow::Self {
         if (wiring.readers[n].empty()) frame.outputs[n].clear();
     }
 
-    void run_once(const std::vector<std::size_t>& nodes, const Schedule& schedule) {
+    void run_once(const std::vector<std::size_t>& nodes, const Plan& plan, const Schedule& schedule) {
         for (const auto n : nodes) {
             if (stopped()) return;
-            if (schedule.once[n] == Action::run) once(n);
+            if (schedule.once[n] == Action::run) once(n, plan.targets[n]);
             if (schedule.once[n] == Action::load) load_once(n);
+            for (const auto source : io.sources(n))
+                if (readers[source].erase(n) == 1 && readers[source].empty()) held[source].clear();
         }
     }
 
@@ -395,10 +398,10 @@ void Flow::run(const Plan& plan, const Schedule& schedule) {
     self.announce(schedule);
     for (std::size_t p = 0; p < plan.passes.size() && !self.stopped(); ++p) {
         self.progress.begin_pass(p);
-        self.run_once(plan.passes[p].before, schedule);
+        self.run_once(plan.passes[p].before, plan, schedule);
         if (!self.stopped()) self.run_pass(p, plan, schedule);
     }
-    if (!self.stopped()) self.run_once(plan.after, schedule);
+    if (!self.stopped()) self.run_once(plan.after, plan, schedule);
 }
 
 /// Streams the frames through one pass.
@@ -408,7 +411,6 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     const auto& pass = plan.passes[p];
     const auto& frames_of_pass = schedule.frames[p];
     const auto wiring = wire(self.pipeline, pass);
-    const auto nodes = self.pipeline.nodes.size();
     std::vector<std::size_t> places;
     for (std::size_t place = 0; place < frames_of_pass.size(); ++place)
         if (!frames_of_pass[place].empty()) places.push_back(place);
@@ -450,8 +452,8 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
         std::unique_ptr<flow::function_node<Token, Token>> add;
         std::vector<int> lost;  ///< numbers of the frames that failed upstream or here
     };
-    std::vector<std::unique_ptr<Unit>> units(nodes);
-    std::vector<Gather> gathers(nodes);
+    std::vector<std::unique_ptr<Unit>> units(self.pipeline.nodes.size());
+    std::vector<Gather> gathers(units.size());
     for (const auto n : wiring.units) {
         const bool gathers_here = std::find(pass.gatherers.begin(), pass.gatherers.end(), n) != pass.gatherers.end();
         units[n] = std::make_unique<Unit>(graph, flow::unlimited, [&self, &wiring, &plan, n, gathers_here](const Token& frame, Unit::output_ports_type& out) {

@@ -30,6 +30,28 @@ Payload PortsOf::taken(const Link& link, const Payload& payload, const InputSpec
     }
 }
 
+std::set<std::size_t> PortsOf::sources(std::size_t n) const {
+    std::set<std::size_t> out;
+    for (const auto& links : pipeline.nodes[n].inputs)
+        for (const auto& link : links) out.insert(link.node);
+    for (const auto& link : pipeline.nodes[n].checksummed) out.insert(link.node);
+    return out;
+}
+
+std::vector<std::set<std::size_t>> PortsOf::readers() const {
+    std::vector<std::set<std::size_t>> out(pipeline.nodes.size());
+    for (std::size_t n = 0; n < out.size(); ++n)
+        for (const auto source : sources(n)) out[source].insert(n);
+    return out;
+}
+
+bool PortsOf::reads(std::size_t reader, std::size_t n, std::string_view output) const {
+    for (const auto& links : pipeline.nodes[reader].inputs)
+        for (const auto& link : links)
+            if (link.node == n && pipeline.nodes[n].outputs[link.output].name == output) return true;
+    return false;
+}
+
 std::vector<Payload> PortsOf::collect(std::size_t n, const void* ports) const {
     std::vector<Payload> out;
     for (const auto& output : pipeline.nodes[n].outputs) out.push_back(output.get(ports));

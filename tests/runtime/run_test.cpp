@@ -108,6 +108,22 @@ TEST_CASE("what a gathering node finds over all frames reaches every frame") {
     CHECK(ran.report["totals"]["total"]["sum"] == 21);
 }
 
+TEST_CASE("what a node that runs once has made is given up as soon as its last reader has run") {
+    const auto ran = run(R"(
+nodes:
+  count: {type: toy.count, path: in}
+  one:   {type: toy.add, numbers: count}
+  two:   {type: toy.add, numbers: one}
+  three: {type: toy.add, numbers: two}
+  late:  {type: toy.add, numbers: [one, three]}
+  print: {type: toy.print, number: late, path: out}
+)");
+    CHECK(ran.code == exit_code::done);
+    CHECK(ran.count("print 1 = 2") == 1);
+    // `one` is still there when `late` reads it, `count` and `two` no more.
+    CHECK(toy::Number::most_alive == 3);
+}
+
 TEST_CASE("the option -f limits what is delivered, never what a gathering node sees") {
     const auto ran = run(two_passes, deliver("2,5"));
     CHECK(ran.code == exit_code::done);

@@ -6,6 +6,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -55,8 +56,9 @@ AmountSums of_leaf(const Leaf& leaf, const Amount& amount) {
         if (on == 0) continue;
         for (Index y = 0; y < 8; ++y) {
             double row = 0, along = 0;
-            for (Index z = 0; z < 8; ++z) {
-                const double each = (on >> (8 * y + z) & 1) != 0 ? amount(static_cast<double>(values[64 * x + 8 * y + z])) : 0.0;
+            for (auto left = static_cast<unsigned>(on >> (8 * y) & 255); left != 0; left &= left - 1) {
+                const auto z = static_cast<Index>(std::countr_zero(left));
+                const double each = amount(static_cast<double>(values[64 * x + 8 * y + z]));
                 row += each;
                 along += each * z;
                 out.highest = std::max(out.highest, each);

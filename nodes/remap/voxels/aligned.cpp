@@ -87,11 +87,11 @@ private:
     /// Where the content of eight points comes from, in the direction of rising entries. Each point belongs to a voxel of one line.
     struct Sources {
         struct Source {
-            int below = 0;   ///< entry
-            float part = 0;  ///< of the way to the next entry, 0 to 1
-            bool freed = false;
+            int below;   ///< entry
+            float part;  ///< of the way to the next entry, 0 to 1
+            bool freed;
         };
-        std::array<Source, 8> of;
+        std::array<Source, 8> of;                                                           ///< set one by one, since zeroing all takes as long as all else
         int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();  ///< of the entries that are read
     };
     /// Where points stand beside their voxels.
@@ -131,7 +131,7 @@ private:
             const int entry = first + n;
             const double u = at[axis] + n;
             auto& source = out.of[static_cast<std::size_t>(n)];
-            source.below = entry;
+            source = {entry, 0, false};
             if (in_columns && u >= step_low && u <= step_high) {
                 const bool held = u >= begin && u <= end;
                 source.freed = !held && u >= origin && u <= last_before;

@@ -467,3 +467,20 @@ TEST_CASE("an image that is cut off anywhere is told, or the same") {
         }
     }
 }
+
+TEST_CASE("the check of a PNG finds any damaged byte, and gives what its header says") {
+    const Scratch scratch;
+    const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 31, 23);
+    images().write(scratch / "whole.png", image, 95);
+    const auto checked = images().checked(scratch / "whole.png", "png");
+    CHECK(checked.data == image.data);
+    CHECK(checked.channels.size() == 3);
+    const auto bytes = Scratch::read(scratch / "whole.png");
+    constexpr std::size_t signature = 8;
+    for (std::size_t n = signature; n < bytes.size(); n += 1 + n / 40) {
+        auto damaged = bytes;
+        damaged[n] = static_cast<char>(damaged[n] ^ 1);
+        INFO("byte " << n << " of " << bytes.size());
+        CHECK_THAT(failure_of([&] { images().checked(scratch.write("damaged.png", damaged), "png"); }), Catch::Contains("damaged.png"));
+    }
+}

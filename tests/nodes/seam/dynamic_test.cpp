@@ -11,7 +11,22 @@
 using namespace fluidcarve;
 using namespace fluidcarve::test;
 
-namespace {}  // namespace
+namespace {
+
+/// The least energy of a seam through a line of columns, by the recurrence as it stands in the literature.
+double least_energy(const EnergyVolume& energy, std::size_t columns, Window window) {
+    std::vector<double> ways(static_cast<std::size_t>(window.size()), 0.0);
+    for (std::size_t c = 0; c < columns; ++c) {
+        const auto before = ways;
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+            const auto first = before.begin() + static_cast<std::ptrdiff_t>(i > 0 ? i - 1 : 0), last = before.begin() + static_cast<std::ptrdiff_t>(i + 1);
+            ways[i] = *std::min_element(first, last == before.end() ? last : last + 1) + energies_of(energy)(c, window.first + static_cast<int>(i));
+        }
+    }
+    return *std::min_element(ways.begin(), ways.end());
+}
+
+}  // namespace
 
 TEST_CASE("dynamic programming finds the least energy of a line in any dimension, also of a ring, to the last digit") {
     std::mt19937 random(1);
@@ -52,19 +67,32 @@ TEST_CASE("long lines in windows: of least energy, whatever columns their ways a
         const int width = 1 + static_cast<int>(random() % 90);
         const auto energy = random_volume(random, graph, width, n % 3 == 0 ? 3 : 1024);
         const auto window = random_window(random, width);
-        std::vector<double> ways(static_cast<std::size_t>(window.size()), 0.0);
-        for (std::size_t c = 0; c < graph.count(); ++c) {
-            const auto before = ways;
-            for (std::size_t i = 0; i < ways.size(); ++i) {
-                const auto first = before.begin() + static_cast<std::ptrdiff_t>(i > 0 ? i - 1 : 0), last = before.begin() + static_cast<std::ptrdiff_t>(i + 1);
-                ways[i] = *std::min_element(first, last == before.end() ? last : last + 1) + energies_of(energy)(c, window.first + static_cast<int>(i));
-            }
-        }
         const auto seam = dynamic_seam(energy, window, n, nobody);
         INFO("case " << n);
         REQUIRE(is_seam(graph, Band::whole(graph.count(), window), seam.at));
-        REQUIRE(seam.energy == *std::min_element(ways.begin(), ways.end()));
+        REQUIRE(seam.energy == least_energy(energy, graph.count(), window));
         REQUIRE(sum_along(seam.at, energies_of(energy)) == seam.energy);
+    }
+}
+
+TEST_CASE("wide lines are searched in parts by all threads: of least energy, and the same seam for any number of threads") {
+    std::mt19937 random(6);
+    for (const int rigid : {0, 3}) {
+        const ColumnGraph graph({203, 1, 1});
+        auto energy = random_volume(random, graph, 1301, 1024);
+        // Two valleys cross the ends of parts.
+        for (int c = 0; c < 203; ++c)
+            for (const int entry : {400 + c, 900 - c}) energy.codes(0)[static_cast<std::size_t>(c) * energy.stride() + static_cast<std::size_t>(entry)] = 0;
+        energy.set_rigidity({static_cast<float>(rigid), static_cast<float>(rigid)});
+        const Window window{2, 1298};
+        const auto seam = with_threads(1, [&] { return dynamic_seam(energy, window, 0, nobody); });
+        CHECK(is_seam(graph, Band::whole(graph.count(), window), seam.at));
+        if (rigid == 0) CHECK(seam.energy == least_energy(energy, graph.count(), window));
+        for (const int threads : {2, 3, 5}) {
+            const auto other = with_threads(threads, [&] { return dynamic_seam(energy, window, 0, nobody); });
+            CHECK(other.at == seam.at);
+            CHECK(other.energy == seam.energy);
+        }
     }
 }
 
