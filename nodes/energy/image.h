@@ -18,10 +18,11 @@ FloatGrid::Ptr intensity(const Volume& image, const std::optional<std::vector<st
 
 /// Energy of a picture: |dI/dx| + |dI/dy| of its intensity (paper eq. 6; Avidan and Shamir 2007), by central differences; beside
 /// inactive voxels by one-sided differences.
-/// @param intensity  with cubic voxels along the world's axes
-/// @return energy >= 0, units of `intensity` per world unit (one pixel in pictures of image.read), on the active voxels of `intensity`
-/// @throws Failure naming the grid if its voxels are not cubes along the world's axes, or a value is not finite
-FloatGrid::Ptr image_energy(const FloatGrid& intensity);
+/// @param image     with cubic voxels along the world's axes
+/// @param channels  as for intensity()
+/// @return energy >= 0, units of the intensity per world unit (one pixel in pictures of image.read), active where any channel is
+/// @throws Failure as intensity(); or naming the intensity if its voxels are not cubes along the world's axes, or a value is not finite
+FloatGrid::Ptr image_energy(const Volume& image, const std::optional<std::vector<std::string>>& channels = std::nullopt);
 
 NodeType energy_image();
 

@@ -57,7 +57,7 @@ Carved by_dynamic(const Image& image, const Volume& volume) {
     Carved out;
     FoundSeams found;
     out.seconds = seconds(3, [&] {
-        const auto energy = image_energy(*intensity(volume));
+        const auto energy = image_energy(volume);
         const auto lattice = make_box(openvdb::Vec3d(0), {width, height, 1}, 1, {0, 1, 2});
         EnergyVolume frames(lattice.shape, Axis::u, 1, ~std::uint64_t{0}, "");
         sample_energy(*energy, lattice, Axis::u, frames.codes(0));
@@ -167,7 +167,7 @@ void bench_lqr() {
         const auto path = folder + name;
         const auto image = scaled(images.read(path, format_of_file(path).name), width, height);
         const auto volume = volume_of(image);
-        const auto energy = image_energy(*intensity(volume));
+        const auto energy = image_energy(volume);
         const auto what = fmt::format("{} at {}x{}, {} seams: ", name, width, height, seams);
         const auto theirs = by_lqr(image);
         Carved one, two;

@@ -70,7 +70,7 @@ const Tick nobody = [](double) {};
 TEST_CASE("the energy of an image is the sum of its intensity's absolute derivatives: central ones, one-sided at the rims") {
     const int width = 11, height = 9;
     const auto image = random_image(width, height, {"R", "G", "B", "A"});
-    const auto energy = image_energy(*intensity(volume_of(image)));
+    const auto energy = image_energy(volume_of(image));
     CHECK(energy->activeVoxelCount() == width * height);
     const auto value = [&](int x, int y) {
         const auto* const pixel = image.pixels.data() + static_cast<std::size_t>((height - 1 - y) * width + x) * 4;
@@ -85,9 +85,9 @@ TEST_CASE("the energy of an image is the sum of its intensity's absolute derivat
 }
 
 TEST_CASE("an image one pixel wide has no derivative across, and one pixel alone none") {
-    CHECK(at(*image_energy(*intensity(volume_of(random_image(1, 1, {"Y"})))), 0, 0) == 0);
+    CHECK(at(*image_energy(volume_of(random_image(1, 1, {"Y"}))), 0, 0) == 0);
     const auto line = random_image(1, 3, {"Y"});
-    CHECK(at(*image_energy(*intensity(volume_of(line))), 0, 0) == Approx(std::abs(line.pixels[1] - line.pixels[2])));
+    CHECK(at(*image_energy(volume_of(line)), 0, 0) == Approx(std::abs(line.pixels[1] - line.pixels[2])));
 }
 
 TEST_CASE("intensity without R, G and B is the mean of all channels but opacity, or of those named") {
@@ -109,16 +109,51 @@ TEST_CASE("beside what is not active the derivative is one-sided") {
     const auto grid = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0])->deepCopy();
     grid->tree().setValueOff({3, 0, 0}, 100);
     volume.grids[0] = grid;
-    const auto energy = image_energy(*intensity(volume));
+    const auto energy = image_energy(volume);
     CHECK(at(*energy, 2, 0) == Approx(std::abs(at(*grid, 2, 0) - at(*grid, 1, 0))));
     CHECK(at(*energy, 4, 0) == Approx(std::abs(at(*grid, 5, 0) - at(*grid, 4, 0))));
     CHECK_FALSE(energy->tree().isValueOn({3, 0, 0}));
 }
 
+TEST_CASE("the energy of a volume is that of its planes, whatever is active in which channel, tiles too") {
+    std::mt19937 random(8);
+    Volume volume;
+    for (const auto* const name : {"R", "G", "B"}) {
+        const auto grid = FloatGrid::create(static_cast<float>(random() % 8));
+        grid->setName(name);
+        for (int n = 0; n < 3000; ++n)
+            grid->tree().setValue({static_cast<int>(random() % 24) - 9, static_cast<int>(random() % 20) - 4, static_cast<int>(random() % 12) - 2},
+                                  static_cast<float>(random() % 256) / 16);
+        if (grid->getName() != "R") grid->tree().addTile(1, {8, 0, 0}, static_cast<float>(random() % 256) / 16, true);
+        volume.grids.push_back(grid);
+    }
+    const auto energy = image_energy(volume), plane = intensity(volume);
+    CHECK(energy->activeVoxelCount() == plane->activeVoxelCount());
+    const auto values = plane->getConstAccessor();
+    const auto slope = [&](const openvdb::Coord& at, const openvdb::Coord& step) {
+        const bool low = values.isValueOn(at - step), high = values.isValueOn(at + step);
+        return std::abs(values.getValue(high ? at + step : at) - values.getValue(low ? at - step : at)) * (low && high ? 0.5f : 1.0f);
+    };
+    for (auto voxel = energy->cbeginValueOn(); voxel; ++voxel) {
+        const auto at = voxel.getCoord();
+        REQUIRE(values.isValueOn(at));
+        REQUIRE(*voxel == slope(at, {1, 0, 0}) + slope(at, {0, 1, 0}));
+    }
+}
+
+TEST_CASE("a channel that is not finite is refused with the lowest voxel") {
+    auto volume = volume_of(random_image(30, 20, {"Y"}));
+    const auto grid = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0])->deepCopy();
+    grid->tree().setValue({25, 3, 0}, NAN);
+    grid->tree().setValue({11, 7, 0}, INFINITY);
+    volume.grids[0] = grid;
+    CHECK_THAT(failure_of([&] { image_energy(volume); }), Catch::Contains("'intensity of Y'") && Catch::Contains("[11, 7, 0]"));
+}
+
 TEST_CASE("seam.dynamic takes a seam of least energy out of small pictures, as trying all of them shows") {
     for (unsigned seed = 0; seed < 40; ++seed) {
         const int width = 2 + static_cast<int>(seed % 6), height = 1 + static_cast<int>(seed % 8);
-        const auto energy = energies_of(*image_energy(*intensity(volume_of(random_image(width, height, {"Y"}, seed)))), width, height);
+        const auto energy = energies_of(*image_energy(volume_of(random_image(width, height, {"Y"}, seed))), width, height);
         const ColumnGraph graph({height, 1, 1});
         const auto band = Band::whole(static_cast<std::size_t>(height), {0, width - 1});
         const auto seam = dynamic_seam(energy, {0, width - 1}, static_cast<int>(seed), nobody);
@@ -132,7 +167,7 @@ TEST_CASE("seam after seam, seam.dynamic has the least energy that is left in a 
     const int width = 200, height = 150, count = 40;
     const auto image = part_of(TEST_DATA "/images/chelsea.png", 100, 60, width, height);
     const auto volume = volume_of(image);
-    const auto field = image_energy(*intensity(volume));
+    const auto field = image_energy(volume);
     auto energy = energies_of(*field, width, height);
     const ColumnGraph graph({height, 1, 1});
     auto left = image;
