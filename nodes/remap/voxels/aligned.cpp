@@ -86,13 +86,18 @@ public:
 private:
     /// Where the content of eight points comes from, in the direction of rising entries. Each point belongs to a voxel of one line.
     struct Sources {
-        struct Source {
-            int below;   ///< entry
-            float part;  ///< of the way to the next entry, 0 to 1
-            bool freed;
-        };
-        std::array<Source, 8> of;                                                           ///< set one by one, since zeroing all takes as long as all else
+        std::array<int, 8> below;                                                           ///< entry
+        std::array<float, 8> part;                                                          ///< of the way to the next entry, 0 to 1
+        unsigned freed = 0;                                                                 ///< a bit for each point: nothing comes there
         int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();  ///< of the entries that are read
+
+        bool is_freed(std::size_t n) const { return (freed >> n & 1) != 0; }
+        /// Whether the points are eight entries in a row.
+        bool in_row() const {
+            bool out = freed == 0;
+            for (int n = 0; n < 8; ++n) out = out && part[static_cast<std::size_t>(n)] == 0 && below[static_cast<std::size_t>(n)] == below[0] + n;
+            return out;
+        }
     };
     /// Where points stand beside their voxels.
     struct Beside {
@@ -111,39 +116,57 @@ private:
         if (beside.side > 0) ++high_vertex[beside.axis];
         const int axis = step.axis(), lateral = step.lateral_axis(), first = vertex[axis], offset = low_vertex[axis] - first;
         const auto carved = [&](const Coord& at) { return step.has_column(at[lateral], at.z()); };
-        const auto column_of = [&](const Coord& at) { return soft.column(at[lateral], at.z()); };
         const bool in_columns = carved(low_vertex) && carved(high_vertex);
-        const auto a = in_columns ? column_of(low_vertex) : std::span<const float>(), b = in_columns ? column_of(high_vertex) : std::span<const float>();
-        const int next = high_vertex[axis] - low_vertex[axis];
-        const auto displacement = [&](int entry) {
-            const auto of = [&](std::span<const float> column, int at) {
-                return column[static_cast<std::size_t>(std::clamp(at, soft.first(), soft.last()) - soft.first())];
-            };
-            const float low = of(a, entry + offset);
-            return beside.side == 0 ? low : low + (of(b, entry + offset + next) - low) * 0.5f;
-        };
+        std::array<float, 8> moved{};
+        if (in_columns) {
+            const auto read = [&](const Coord& column, int entry) { return eight_of(soft, soft.column(column[lateral], column.z()), entry); };
+            moved = read(low_vertex, first + offset);
+            if (beside.side != 0) {
+                const auto other = read(high_vertex, first + high_vertex[axis] - vertex[axis]);
+                for (std::size_t n = 0; n < moved.size(); ++n) moved[n] += (other[n] - moved[n]) * 0.5f;
+            }
+        }
         auto at = vertex.asVec3d();
         at[beside.axis] += 0.5 * beside.side;
+        const double u = at[axis];
         const auto [begin, end] = in_columns ? step.ends(at, 1) : CarveStep::Ends{};
         const int step_low = step.low(), step_high = step.high(), origin = step.origin(), last_before = step.last_before();
+        // Coordinates are whole or halves: as floats they are exact.
+        const auto down = static_cast<float>(origin - u), up = static_cast<float>(last_before - u);
         Sources out;
+        // Without branches, for vector instructions.
         for (int n = 0; n < 8; ++n) {
-            const int entry = first + n;
-            const double u = at[axis] + n;
-            auto& source = out.of[static_cast<std::size_t>(n)];
-            source = {entry, 0, false};
-            if (in_columns && u >= step_low && u <= step_high) {
-                const bool held = u >= begin && u <= end;
-                source.freed = !held && u >= origin && u <= last_before;
-                if (source.freed) continue;
-                const float d = held ? std::clamp(displacement(entry), static_cast<float>(origin - u), static_cast<float>(last_before - u)) : 0;
-                const int towards_0 = static_cast<int>(d), below = towards_0 - (static_cast<float>(towards_0) > d ? 1 : 0);
-                source.below += below;
-                source.part = d - static_cast<float>(below);
-            }
-            out.low = std::min(out.low, source.below);
-            out.high = std::max(out.high, source.below + (source.part > 0 ? 1 : 0));
+            const auto i = static_cast<std::size_t>(n);
+            const float d = std::min(std::max(moved[i], down - static_cast<float>(n)), up - static_cast<float>(n));
+            const int towards_0 = static_cast<int>(d), below = towards_0 - (static_cast<float>(towards_0) > d ? 1 : 0);
+            out.below[i] = first + n + below;
+            out.part[i] = d - static_cast<float>(below);
         }
+        if (!in_columns || u < step_low || u + 7 > step_high || u < begin || u + 7 > end)
+            for (int n = 0; n < 8; ++n) {
+                const double point = u + n;
+                const bool held = in_columns && point >= step_low && point <= step_high;
+                if (held && point >= begin && point <= end) continue;
+                const auto i = static_cast<std::size_t>(n);
+                out.below[i] = first + n;
+                out.part[i] = 0;
+                if (held && point >= origin && point <= last_before) out.freed |= 1u << n;
+            }
+        for (std::size_t n = 0; n < out.below.size(); ++n) {
+            if (out.is_freed(n)) continue;
+            out.low = std::min(out.low, out.below[n]);
+            out.high = std::max(out.high, out.below[n] + (out.part[n] > 0 ? 1 : 0));
+        }
+        return out;
+    }
+
+    /// Displacements of eight entries of a column.
+    static std::array<float, 8> eight_of(const SmoothDisplacement& soft, std::span<const float> column, int entry) {
+        std::array<float, 8> out;
+        const int from = entry - soft.first(), most = static_cast<int>(column.size()) - 1;
+        if (from >= 0 && from + 7 <= most) std::copy_n(column.data() + from, out.size(), out.begin());
+        else
+            for (int n = 0; n < 8; ++n) out[static_cast<std::size_t>(n)] = column[static_cast<std::size_t>(std::clamp(from + n, 0, most))];
         return out;
     }
 
@@ -156,41 +179,49 @@ private:
         window_.read_row(from, index_axis_, direction_, line_);
     }
 
+    /// Copies eight voxels that come from as many in a row. @param voxel  the first one; its entry is `first`
+    void copy_row(Coord voxel, int first, const Sources& sources, Leaf& out) const {
+        const auto to = Leaf::coordToOffset(voxel);
+        voxel[index_axis_] += direction_ * (sources.below[0] - first);
+        window_.copy_line(voxel, index_axis_, direction_, 8, out, to);
+    }
+
     /// Carves eight voxels in the direction of rising entries, under a smoothed step. Each value comes from between two voxels on the line.
     void carve_row_softly(const Coord& voxel, Leaf& out) {
         const auto vertex = alignment_.vertex(voxel);
+        const int first = vertex[steps_.back().axis()];
         const auto sources = sources_of(vertex, {0, 0});
-        read_line(voxel, vertex[steps_.back().axis()], sources);
-        auto to = Leaf::coordToOffset(voxel);
-        for (const auto& [below, part, freed] : sources.of) {
-            write(out, to, freed ? nothing_ : between(part, line_.data() + (below - sources.low)));
-            to += static_cast<openvdb::Index>(direction_ * offset_stride(index_axis_));
-        }
+        if (sources.in_row()) return copy_row(voxel, first, sources, out);
+        read_line(voxel, first, sources);
+        std::array<Voxel, 8> row;
+        for (std::size_t n = 0; n < row.size(); ++n)
+            row[n] = sources.is_freed(n) ? nothing_ : between(sources.part[n], line_.data() + (sources.below[n] - sources.low));
+        window_.write_line(out, Leaf::coordToOffset(voxel), index_axis_, direction_, row);
     }
 
     /// The same for a staggered grid: component c stands half a voxel below its voxel's centre along index axis c.
     void carve_faces_softly(const Coord& voxel, Leaf& out) {
         const auto vertex = alignment_.vertex(voxel);
+        const int first = vertex[steps_.back().axis()];
+        std::array<Sources, 3> sources;
+        for (std::size_t c = 0; c < 3; ++c) sources[c] = sources_of(vertex, faces_[c]);
+        const auto alike = [&](const Sources& each) { return each.in_row() && each.below[0] == sources[0].below[0]; };
+        if (std::ranges::all_of(sources, alike)) return copy_row(voxel, first, sources[0], out);
         std::array<Voxel, 8> row{};
         for (int c = 0; c < 3; ++c) {
-            const auto sources = sources_of(vertex, faces_[static_cast<std::size_t>(c)]);
-            read_line(voxel, vertex[steps_.back().axis()], sources);
+            const auto& [below, part, freed, low, high] = sources[static_cast<std::size_t>(c)];
+            read_line(voxel, first, sources[static_cast<std::size_t>(c)]);
             for (std::size_t n = 0; n < row.size(); ++n) {
-                const auto& [below, part, freed] = sources.of[n];
-                if (freed) {
+                if ((freed >> n & 1) != 0) {
                     row[n].value[c] = nothing_.value[c];
                     continue;
                 }
-                const auto* const from = line_.data() + (below - sources.low);
-                row[n].value[c] = part == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part);
-                row[n].on = row[n].on || from[part < 0.5f ? 0 : 1].on;
+                const auto* const from = line_.data() + (below[n] - low);
+                row[n].value[c] = part[n] == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part[n]);
+                row[n].on = row[n].on || from[part[n] < 0.5f ? 0 : 1].on;
             }
         }
-        auto to = Leaf::coordToOffset(voxel);
-        for (const auto& each : row) {
-            write(out, to, each);
-            to += static_cast<openvdb::Index>(direction_ * offset_stride(index_axis_));
-        }
+        window_.write_line(out, Leaf::coordToOffset(voxel), index_axis_, direction_, row);
     }
 
     /// The value between two. @param part  of the way to the second, 0 to 1
@@ -278,8 +309,8 @@ private:
         else return {inserted_value(low.value, high.value), low.on || high.on};
     }
 
-    static void write(Leaf& out, const Coord& at, const Voxel& voxel) { write(out, Leaf::coordToOffset(at), voxel); }
-    static void write(Leaf& out, openvdb::Index offset, const Voxel& voxel) {
+    static void write(Leaf& out, const Coord& at, const Voxel& voxel) {
+        const auto offset = Leaf::coordToOffset(at);
         out.setValueOnly(offset, voxel.value);
         out.setActiveState(offset, voxel.on);
     }

@@ -81,11 +81,10 @@ public:
         for (std::size_t n = 0; n < out.size();) {
             const auto& cell = cell_of(at);
             const int within = at[axis] & 7, run = std::min(static_cast<int>(out.size() - n), direction > 0 ? 8 - within : within + 1);
-            int offset = static_cast<int>(Leaf::coordToOffset(at));
-            for (int end = static_cast<int>(n) + run; static_cast<int>(n) < end; ++n, offset += direction * offset_stride(axis)) {
-                const auto place = static_cast<openvdb::Index>(offset);
-                out[n] = cell.leaf ? Voxel{cell.leaf->getValue(place), cell.leaf->isValueOn(place)} : cell.tile;
-            }
+            const auto part = out.subspan(n, static_cast<std::size_t>(run));
+            if (cell.leaf) read_line(*cell.leaf, Leaf::coordToOffset(at), static_cast<openvdb::Index>(direction * offset_stride(axis)), part);
+            else std::ranges::fill(part, cell.tile);
+            n += part.size();
             at[axis] += direction * run;
         }
     }
@@ -140,6 +139,21 @@ public:
             }
         }
     }
+    /// Sets eight voxels of a leaf in a line along an axis.
+    /// @param n          offset of the first one
+    /// @param direction  1: rising indices; -1: falling
+    static void write_line(Leaf& out, openvdb::Index n, int axis, int direction, const std::array<Voxel, 8>& line) {
+        const auto stride = static_cast<openvdb::Index>(direction * offset_stride(axis));
+        const auto write = [&](const auto& set) {
+            for (const auto& voxel : line) {
+                set(n, voxel.value);
+                out.setActiveState(n, voxel.on);
+                n += stride;
+            }
+        };
+        if constexpr (has_values<Leaf>) write([values = out.buffer().data()](openvdb::Index at, const Value& value) { values[at] = value; });
+        else write([&](openvdb::Index at, bool value) { out.setValueOnly(at, value); });
+    }
     bool holds(const openvdb::Coord& at) const {
         const auto from = openvdb::Coord(at.x() >> 3, at.y() >> 3, at.z() >> 3) - low_;
         const auto within = [](int n, int size) { return static_cast<unsigned>(n) < static_cast<unsigned>(size); };
@@ -156,6 +170,18 @@ public:
     }
 
 private:
+    /// @param stride  of offsets from one voxel to the next
+    static void read_line(const Leaf& leaf, openvdb::Index offset, openvdb::Index stride, std::span<Voxel> out) {
+        const auto read = [&](const auto& value) {
+            for (auto& voxel : out) {
+                voxel = {value(offset), leaf.isValueOn(offset)};
+                offset += stride;
+            }
+        };
+        if constexpr (has_values<Leaf>) read([values = leaf.buffer().data()](openvdb::Index n) -> const Value& { return values[n]; });
+        else read([&](openvdb::Index n) { return leaf.getValue(n); });
+    }
+
     openvdb::tree::ValueAccessor<const TreeT> accessor_;
     openvdb::Coord low_, size_;
     std::vector<Cell> cells_;
