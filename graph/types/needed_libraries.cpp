@@ -30,7 +30,8 @@ public:
         segments_.resize(head.e_phnum);
         if (!read(head.e_phoff, std::span(segments_))) return {};
         const auto dynamic = std::ranges::find_if(segments_, [](const auto& each) { return each.p_type == PT_DYNAMIC; });
-        if (dynamic == segments_.end()) return {};
+        constexpr std::size_t most_bytes = std::size_t{1} << 20;
+        if (dynamic == segments_.end() || dynamic->p_filesz > most_bytes) return {};
         std::vector<ElfW(Dyn)> entries(dynamic->p_filesz / sizeof(ElfW(Dyn)));
         if (!read(dynamic->p_offset, std::span(entries))) return {};
         const auto names = std::ranges::find_if(entries, [](const auto& each) { return each.d_tag == DT_STRTAB; });

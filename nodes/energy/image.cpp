@@ -110,7 +110,7 @@ private:
         const float* values;  ///< of the leaf that is read; null: it is a tile
         float tile;
     };
-    static std::size_t place(int x, int y) { return static_cast<std::size_t>(10 * (x + 1) + y + 1); }
+    static std::size_t place(int x, int y) { return 10 * static_cast<std::size_t>(x + 1) + static_cast<std::size_t>(y + 1); }
 
     /// Reads the leaf, or what is needed of one beside it. @param a, b  along x and y: -1 before it, 1 behind it
     void read(const openvdb::Coord& origin, int a, int b) {
