@@ -13,7 +13,6 @@
 #include <chrono>
 #include <mutex>
 #include <new>
-#include <ranges>
 #include <set>
 
 namespace fluidcarve {
@@ -239,10 +238,10 @@ struct Flow::Self {
         end_once(line, *steps[n].finish, good, delivers);
     }
 
-    /// Whether the cache or a reader takes an output.
-    bool wanted(std::size_t n, std::string_view output, auto& by) const {
+    /// Whether the cache takes an output, or one of `by` that works.
+    bool wanted(std::size_t n, std::string_view output, const auto& by, const auto& works) const {
         if (pipeline.nodes[n].kept && options.cache) return true;
-        return std::ranges::any_of(by, [&](std::size_t reader) { return io.reads(reader, n, output); });
+        return std::any_of(by.begin(), by.end(), [&](std::size_t reader) { return works(reader) && io.reads(reader, n, output); });
     }
 
     /// @param target  whether the run is for this node's outputs
@@ -252,7 +251,7 @@ struct Flow::Self {
         const bool connected = std::any_of(node.inputs.begin(), node.inputs.end(), [](const auto& links) { return !links.empty(); });
         Line line(*this, n);
         const bool good = call(line, nullptr, "run", [&](void* ports, Context& where) {
-            where.wanting([&](std::string_view output) { return target || wanted(n, output, readers[n]); });
+            where.wanting([&](std::string_view output) { return target || wanted(n, output, readers[n], [](std::size_t) { return true; }); });
             if (behaviour.add && connected) behaviour.add(ports, where);
             if (behaviour.digest && connected) behaviour.take(behaviour.digest(ports, where), where);
             if (behaviour.finish) end_gathering(n, ports, where, line);
@@ -270,10 +269,10 @@ struct Flow::Self {
         } else if (action == Action::run && hopeless(n, frame, wiring)) {
             frame.failed[n] = true;
         } else if (action == Action::run) {
-            auto takers = wiring.readers[n] | std::views::filter([&](std::size_t reader) { return frame.scheduled.reads(reader); });
+            const auto works = [&](std::size_t reader) { return frame.scheduled.reads(reader); };
             Line line(*this, n);
             frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
-                where.wanting([&](std::string_view output) { return target || wanted(n, output, takers); });
+                where.wanting([&](std::string_view output) { return target || wanted(n, output, wiring.readers[n], works); });
                 behaviours[n].run(ports, where);
                 frame.outputs[n] = io.collect(n, ports);
             });
