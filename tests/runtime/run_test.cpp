@@ -116,7 +116,7 @@ nodes:
   two:   {type: toy.add, numbers: one}
   three: {type: toy.add, numbers: two}
   late:  {type: toy.add, numbers: [one, three]}
-  print: {type: toy.print, number: late, path: out}
+  print: {type: toy.print, number: late, path: printed.txt}
 )");
     CHECK(ran.code == exit_code::done);
     CHECK(ran.count("print 1 = 2") == 1);
