@@ -209,16 +209,17 @@ private:
         if (std::ranges::all_of(sources, alike)) return copy_row(voxel, first, sources[0], out);
         std::array<Voxel, 8> row{};
         for (int c = 0; c < 3; ++c) {
-            const auto& [below, part, freed, low, high] = sources[static_cast<std::size_t>(c)];
-            read_line(voxel, first, sources[static_cast<std::size_t>(c)]);
+            const auto& source = sources[static_cast<std::size_t>(c)];
+            read_line(voxel, first, source);
             for (std::size_t n = 0; n < row.size(); ++n) {
-                if ((freed >> n & 1) != 0) {
+                if (source.is_freed(n)) {
                     row[n].value[c] = nothing_.value[c];
                     continue;
                 }
-                const auto* const from = line_.data() + (below[n] - low);
-                row[n].value[c] = part[n] == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part[n]);
-                row[n].on = row[n].on || from[part[n] < 0.5f ? 0 : 1].on;
+                const float part = source.part[n];
+                const auto* const from = line_.data() + (source.below[n] - source.low);
+                row[n].value[c] = part == 0 ? from[0].value[c] : mix(from[0].value[c], from[1].value[c], part);
+                row[n].on = row[n].on || from[part < 0.5f ? 0 : 1].on;
             }
         }
         window_.write_line(out, Leaf::coordToOffset(voxel), index_axis_, direction_, row);
