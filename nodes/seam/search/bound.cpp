@@ -7,6 +7,8 @@
 #include "nodes/seam/search/wavefront.h"
 #include "nodes/seams/frame_store.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -128,26 +130,43 @@ FLUIDCARVE_WIDE void pay_steps(const float* __restrict part, float rigidity, flo
     }
 }
 
-/// The messages of a block, `[dimension][column][entry]`. A message has, for each entry of a column, what the line on one side of it pays at
+/// Messages to columns, `[dimension][column][entry]`. A message has, for each entry of a column, what the line on one side of it pays at
 /// least for a seam through the entry, less the smallest of these. The upper half of each float's bits is kept: any message is valid.
 class Messages {
 public:
-    Messages(std::span<const std::size_t> dimensions, std::size_t frames, std::size_t entries, std::uint64_t memory_budget, const std::string& folder) {
-        for (const auto d : dimensions) stores_[d].emplace(frames, entries, memory_budget / dimensions.size(), folder);
+    Messages(std::span<const std::size_t> dimensions, std::size_t columns, std::size_t width, std::uint64_t memory_budget, const std::string& folder)
+        : columns_(columns), width_(width) {
+        for (const auto d : dimensions) stores_[d].emplace(1, columns * width, memory_budget / dimensions.size(), folder);
     }
-    /// @param at  the message's first entry in the block
-    void set(std::size_t dimension, std::size_t at, std::span<const float> message) {
-        auto* const out = stores_[dimension]->entries(0).data() + at;
-        for (std::size_t i = 0; i < message.size(); ++i) out[i] = static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(message[i]) >> 16);
-    }
-    void get(std::size_t dimension, std::size_t at, std::span<float> message) const {
-        const auto* const bits = stores_[dimension]->entries(0).data() + at;
-        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
+    /// @param message  at most as many entries as the messages have
+    void set(std::size_t dimension, std::size_t column, std::span<const float> message) { keep_upper(message, of(*stores_[dimension], column)); }
+    void get(std::size_t dimension, std::size_t column, std::span<float> message) const {
+        from_upper(stores_[dimension]->entries(0).data() + column * width_, message);
     }
     /// Whether there are messages along a dimension.
     bool has(std::size_t dimension) const { return stores_[dimension].has_value(); }
+    /// Deletes an entry of each message to a column: those behind it move down.
+    /// @param first  is taken from each of the entries
+    void remove(std::span<const std::uint16_t> entries, std::size_t first) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
+            for (auto& store : stores_)
+                for (auto c = range.begin(); store && c < range.end(); ++c) {
+                    auto* const message = of(*store, c);
+                    std::copy(message + (entries[c] - first) + 1, message + width_, message + (entries[c] - first));
+                }
+        });
+    }
 
 private:
+    std::uint16_t* of(FrameStore& store, std::size_t column) { return store.entries(0).data() + column * width_; }
+    FLUIDCARVE_WIDE static void keep_upper(std::span<const float> message, std::uint16_t* __restrict out) {
+        for (std::size_t i = 0; i < message.size(); ++i) out[i] = static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(message[i]) >> 16);
+    }
+    FLUIDCARVE_WIDE static void from_upper(const std::uint16_t* __restrict bits, std::span<float> message) {
+        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
+    }
+
+    std::size_t columns_, width_;
     std::array<std::optional<FrameStore>, 3> stores_;
 };
 
@@ -159,39 +178,18 @@ public:
         : columns_(columns), width_(width), infinite_(infinite), messages_(std::move(messages)) {}
 
     bool has(std::size_t dimension) const { return messages_.has(dimension); }
-    /// Deletes an entry of each column at the full resolution, `[t][column]`, counted from the window's first.
-    void remove(std::vector<std::uint16_t> entries) { removed_.push_back(std::move(entries)); }
     /// Interpolates the message to a column of the full resolution. There, lines have twice as many columns, and pay twice as much.
     /// @param at      lateral, k and t at the full resolution
-    /// @param column  the same as a number
-    /// @param buffer  for three messages
-    void get(std::size_t dimension, const Sizes& at, std::size_t column, std::span<float> message, std::vector<float>& buffer) const {
-        if (removed_.empty()) return interpolate_to(dimension, at, message, buffer);
-        const auto size = message.size() + removed_.size();
-        buffer.resize(2 * (width_ + 2) + size);
-        // Behind what interpolation needs, as it has the same buffer.
-        const std::span whole(buffer.data() + 2 * (width_ + 2), size);
-        interpolate_to(dimension, at, whole, buffer);
-        auto left = whole;
-        for (const auto& entries : removed_) {
-            std::copy(left.begin() + entries[column] + 1, left.end(), left.begin() + entries[column]);
-            left = left.first(left.size() - 1);
-        }
-        std::ranges::copy(left, message.begin());
-    }
-
-private:
-    /// The message to a column as it was before entries were deleted.
-    /// @param buffer  its first parts are used, as far as it must grow for them
-    void interpolate_to(std::size_t dimension, const Sizes& at, std::span<float> message, std::vector<float>& buffer) const {
-        buffer.resize(std::max(buffer.size(), 2 * (width_ + 2)));
+    /// @param buffer  for two messages
+    void get(std::size_t dimension, const Sizes& at, std::span<float> message, std::vector<float>& buffer) const {
+        buffer.resize(2 * (width_ + 2));
         const std::span sum(buffer.data() + 1, width_), other(sum.data() + width_ + 2, width_);
         Sizes coarse{at[0] / 2, at[1] / 2, at[2] / 2};
-        messages_.get(dimension, place(coarse), sum);
+        messages_.get(dimension, columns_.at(coarse[0], coarse[1], coarse[2]), sum);
         // The first column of two lies between this message and the one before.
         if (at[dimension] % 2 == 0 && coarse[dimension] > 0) {
             --coarse[dimension];
-            messages_.get(dimension, place(coarse), other);
+            messages_.get(dimension, columns_.at(coarse[0], coarse[1], coarse[2]), other);
             for (std::size_t i = 0; i < width_; ++i) sum[i] += other[i];
         } else {
             for (auto& value : sum) value *= 2;
@@ -201,13 +199,19 @@ private:
         buffer[width_ + 1] = sum.back();
         interpolate(sum.data(), message);
     }
-    std::size_t place(const Sizes& at) const { return columns_.at(at[0], at[1], at[2]) * width_; }
 
+private:
     Columns columns_;
     std::size_t width_;
     bool infinite_;
     Messages messages_;
-    std::vector<std::vector<std::uint16_t>> removed_;  ///< for each seam; each counts what is left by those before it
+};
+
+/// The ways that messages are passed for a bound.
+struct Ways {
+    bool forward = true;  ///< the first and the last of them
+    bool first = true;    ///< there are no messages yet; must be forward
+    bool kept = false;    ///< those of the last way are kept, too
 };
 
 /// Frames in which messages are passed to and fro, before the next ones are.
@@ -222,8 +226,8 @@ class MessagePassing {
 public:
     /// @param coarse            at half the resolution, or null
     /// @param frames_per_block  at most
-    MessagePassing(const EnergyVolume& energy, Window window, const CoarseMessages* coarse, std::size_t frames_per_block, std::uint64_t memory_budget,
-                   const std::string& folder)
+    /// @param messages          for the columns of a block
+    MessagePassing(const EnergyVolume& energy, Window window, const CoarseMessages* coarse, std::size_t frames_per_block, Messages& messages)
         : energy_(energy),
           coarse_(coarse),
           columns_(energy),
@@ -232,13 +236,13 @@ public:
           dimensions_(dimensions_of_lines(columns_)),
           size_(sizes(columns_)),
           frames_(std::min(size_[2], frames_per_block)),
-          messages_(dimensions_, frames_, columns_.per_frame() * width_, memory_budget, folder),
+          messages_(messages),
           fronts_{std::vector<float>(size_[1] * frames_ * width_), std::vector<float>(size_[0] * frames_ * width_),
                   std::vector<float>(columns_.per_frame() * width_)},
           from_block_before_(fronts_[2].size()) {}
 
     /// The bound, after a way through each block and `passes` more to and fro.
-    double bound(int passes, const Tick& tick) {
+    double bound(int passes, const Tick& tick, const Ways& ways = {}) {
         // In a single line the first way is exact.
         const int turns = dimensions_.size() > 1 ? 1 + 2 * passes : 1;
         double out = 0;
@@ -246,7 +250,7 @@ public:
             block.frames = std::min(frames_, size_[2] - block.begin);
             for (int n = 0; n < turns; ++n) {
                 const bool last = n + 1 == turns;
-                const Turn turn{block, n % 2 == 0, n == 0, last};
+                const Turn turn{block, (n % 2 == 0) == ways.forward, ways.first && n == 0, !last || ways.kept};
                 const double sum = pass(turn, [&](double fraction) {
                     tick((static_cast<double>(block.begin) + (n + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
                 });
@@ -256,10 +260,9 @@ public:
         }
         return out;
     }
-    /// What has been passed to and fro in a single block of all frames.
-    CoarseMessages messages(int passes, const Tick& tick) && {
-        for (int n = 0; n < 2 * passes; ++n) pass({{0, size_[2]}, n % 2 == 0, n == 0, false}, [&](double) { tick(0); });
-        return {columns_, width_, energy_.protects(), std::move(messages_)};
+    /// Passes messages to and fro in a single block of all frames.
+    void to_and_fro(int passes, const Tick& tick) {
+        for (int n = 0; n < 2 * passes; ++n) pass({{0, size_[2]}, n % 2 == 0, n == 0, true}, [&](double) { tick(0); });
     }
 
 private:
@@ -275,7 +278,7 @@ private:
     /// One way through a block, in the columns' order (`forward`) or against it.
     struct Turn {
         Block block;
-        bool forward, first, last;
+        bool forward, first, kept;
     };
 
     /// Passes messages through a block.
@@ -311,13 +314,13 @@ private:
             const std::span<float> front(fronts_[d].data() + front_at[d] * width_, width_);
             const bool begins = at[d] == (turn.forward ? 0 : size[d] - 1), ends = at[d] == (turn.forward ? size[d] - 1 : 0);
             auto& ahead = work.ahead[d];
-            if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, column, front, work);
+            if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, front, work);
             else if (begins && d != 2) std::ranges::fill(front, 0.0f);
             if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
-            else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, column, ahead, work);
+            else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, ahead, work);
             else if (ends) std::ranges::fill(ahead, 0.0f);
-            else messages_.get(d, in_block * width_, ahead);
-            if (!turn.last) messages_.set(d, in_block * width_, front);
+            else messages_.get(d, in_block, ahead);
+            if (turn.kept) messages_.set(d, in_block, front);
             add_both(front.data(), ahead.data(), work.sum);
         }
         const float share = (1 - rounding) / static_cast<float>(dimensions_.size());
@@ -339,8 +342,8 @@ private:
     }
 
     /// The message from behind a column, as it is before one has been passed.
-    void from_behind(std::size_t dimension, const Sizes& at, std::size_t column, std::span<float> message, Work& work) const {
-        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, column, message, work.coarse);
+    void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message, Work& work) const {
+        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message, work.coarse);
         else std::ranges::fill(message, 0.0f);
     }
 
@@ -386,10 +389,22 @@ private:
     const std::vector<std::size_t> dimensions_;
     const Sizes size_;
     const std::size_t frames_;  ///< in a block
-    Messages messages_;
+    Messages& messages_;
     std::array<std::vector<float>, 3> fronts_;  ///< for each dimension, the messages to the columns that come next
     std::vector<float> from_block_before_;      ///< messages to the block's first frame
 };
+
+/// Passes messages in an energy whose cells are of either kind.
+/// @param call  given the MessagePassing
+template <class Call>
+auto with_passing(const EnergyVolume& energy, Window window, const CoarseMessages* coarse, std::size_t frames_per_block, Messages& messages, const Call& call) {
+    if (energy.summed()) return call(MessagePassing<float>(energy, window, coarse, frames_per_block, messages));
+    return call(MessagePassing<std::uint16_t>(energy, window, coarse, frames_per_block, messages));
+}
+
+Messages room_for_messages(const EnergyVolume& energy, Window window, std::size_t frames, std::uint64_t memory_budget, const std::string& folder) {
+    return {dimensions_of_lines(Columns(energy)), energy.columns_per_frame() * frames, static_cast<std::size_t>(window.size()), memory_budget, folder};
+}
 
 /// Messages for an energy at half its resolution, which begin with those at a quarter, and so on. None for a single line, which needs none.
 std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget,
@@ -399,57 +414,52 @@ std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Windo
     const auto half = restrict_energy(energy, window, std::numeric_limits<float>::infinity());
     const Window all{0, half.width() - 1};
     const auto coarse = messages_at_half(half, all, std::min(times_more * passes, most_passes), tick, memory_budget, folder);
-    const auto in = [&](auto cell) {
-        return MessagePassing<decltype(cell)>(half, all, coarse ? &*coarse : nullptr, half.frames(), memory_budget, folder).messages(passes, tick);
-    };
-    return half.summed() ? in(float{}) : in(std::uint16_t{});
+    auto messages = room_for_messages(half, all, half.frames(), memory_budget, folder);
+    with_passing(half, all, coarse ? &*coarse : nullptr, half.frames(), messages, [&](auto&& passing) { passing.to_and_fro(passes, tick); });
+    return CoarseMessages(Columns(half), static_cast<std::size_t>(half.width()), half.protects(), std::move(messages));
 }
 
-/// The bound, with messages at half the resolution that are given.
-double bound_with(const std::optional<CoarseMessages>& coarse, const EnergyVolume& energy, Window window, int passes, const Tick& tick,
-                  std::uint64_t memory_budget, const std::string& folder) {
-    const auto frame = energy.columns_per_frame() * static_cast<std::size_t>(window.size());
-    const auto block = std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block);
-    const auto in = [&](auto cell) {
-        return MessagePassing<decltype(cell)>(energy, window, coarse ? &*coarse : nullptr, block, memory_budget, folder).bound(passes, tick);
-    };
-    const double bound = energy.summed() ? in(float{}) : in(std::uint16_t{});
-    // The guess may mislead. Only attracted vertices cost less than nothing.
-    return energy.attracts() ? bound : std::max(bound, 0.0);
-}
+/// The guess may mislead. Only attracted vertices cost less than nothing.
+double at_least_nothing(double bound, const EnergyVolume& energy) { return energy.attracts() ? bound : std::max(bound, 0.0); }
 
 }  // namespace
 
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget, const std::string& folder) {
-    return ConsecutiveBounds(memory_budget, folder)(energy, window, 0, passes, tick);
+    const auto coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget / 2, folder);
+    const auto frame = energy.columns_per_frame() * static_cast<std::size_t>(window.size());
+    const auto block = std::min(energy.frames(), std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block));
+    auto messages = room_for_messages(energy, window, block, memory_budget / 2, folder);
+    const auto find = [&](auto&& passing) { return passing.bound(passes, tick); };
+    return at_least_nothing(with_passing(energy, window, coarse ? &*coarse : nullptr, block, messages, find), energy);
 }
 
 struct ConsecutiveBounds::Kept {
-    std::optional<CoarseMessages> coarse;
-    int first_entry;  ///< of the window
-    int first_seam;   ///< number of the first seam that shares these messages
+    Messages messages;
+    int first_entry;      ///< of the window
+    int first_seam;       ///< number of the first seam that shares these messages
+    bool forward = true;  ///< the way that comes next
 };
 
 ConsecutiveBounds::ConsecutiveBounds(std::uint64_t memory_budget, std::string folder) : memory_budget_(memory_budget), folder_(std::move(folder)) {}
 
 ConsecutiveBounds::~ConsecutiveBounds() = default;
 
-void ConsecutiveBounds::prepare(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
-    if (kept_ && kept_->first_seam == first_with(number)) return;
-    kept_.reset();
-    kept_ = std::make_unique<Kept>(Kept{messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_), window.first, first_with(number)});
-}
-
 double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick) {
-    prepare(energy, window, number, tick);
-    return bound_with(kept_->coarse, energy, window, passes, tick, memory_budget_ / 2, folder_);
+    std::optional<CoarseMessages> coarse;
+    const bool first = !kept_ || kept_->first_seam != first_with(number);
+    if (first) {
+        kept_.reset();
+        coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_);
+        kept_ = std::make_unique<Kept>(Kept{room_for_messages(energy, window, energy.frames(), memory_budget_ / 2, folder_), window.first, first_with(number)});
+    }
+    const Ways ways{kept_->forward, first, true};
+    kept_->forward = !kept_->forward;
+    const auto find = [&](auto&& passing) { return passing.bound(passes, tick, ways); };
+    return at_least_nothing(with_passing(energy, window, coarse ? &*coarse : nullptr, energy.frames(), kept_->messages, find), energy);
 }
 
 void ConsecutiveBounds::follow(std::span<const std::uint16_t> at, int number) {
-    if (!kept_ || !kept_->coarse || kept_->first_seam != first_with(number + 1)) return;
-    std::vector<std::uint16_t> entries(at.begin(), at.end());
-    for (auto& entry : entries) entry = static_cast<std::uint16_t>(entry - kept_->first_entry);
-    kept_->coarse->remove(std::move(entries));
+    if (kept_ && kept_->first_seam == first_with(number + 1)) kept_->messages.remove(at, static_cast<std::size_t>(kept_->first_entry));
 }
 
 }  // namespace fluidcarve

@@ -23,11 +23,12 @@ namespace fluidcarve {
 double lower_bound(const EnergyVolume& energy, Window window, int passes, const Tick& tick, std::uint64_t memory_budget = ~std::uint64_t{0},
                    const std::string& folder = "");
 
-/// lower_bound() for seams that are found one after the other, each in the energy that those before it leave. Messages at half the resolution
-/// are found anew for every fourth seam; between, they follow the entries that seams delete. Any messages give a bound (METHOD 8 "A certificate").
+/// lower_bound() for seams that are found one after the other, each in the energy that those before it leave. Messages are passed on from seam
+/// to seam, to and fro in turn, and follow the entries that seams delete; any messages give a bound (METHOD 8 "A certificate"). They take 6
+/// bytes per entry of the window.
 class ConsecutiveBounds {
 public:
-    /// The first of the seams that share messages at half the resolution with a seam.
+    /// The first of the seams that share messages with a seam.
     static int first_with(int number) { return number / seams_per_search * seams_per_search; }
 
     /// @param memory_budget, folder  as for lower_bound()
@@ -40,14 +41,12 @@ public:
     /// @param window  loses its last entry with each seam
     /// @param number  of seams before
     double operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick);
-    /// Finds the messages that the bound of a seam would use, if they are not there.
-    void prepare(const EnergyVolume& energy, Window window, int number, const Tick& tick);
     /// Follows a seam that is deleted from the energy, if there are messages. From then on all must be told.
     /// @param at  its entry in each column, `[t][column]`
     void follow(std::span<const std::uint16_t> at, int number);
 
 private:
-    static constexpr int seams_per_search = 4;
+    static constexpr int seams_per_search = 16;
 
     struct Kept;
     std::unique_ptr<Kept> kept_;  ///< null: nothing yet

@@ -102,7 +102,7 @@ private:
         const int before = static_cast<int>(continued.before.size()), first_followed = ConsecutiveBounds::first_with(before);
         continued.follow = [&](const EnergyVolume& energy, Window now, std::span<const std::uint16_t> at, int number) {
             if (number < first_followed || !few(energy, now)) return;
-            if (number < before) bounds.prepare(energy, now, number, [&](double) { context_.check_cancelled(); });
+            if (number < before) bounds(energy, now, number, setup_.bound_passes.value_or(0), [&](double) { context_.check_cancelled(); });
             bounds.follow(at, number);
         };
         try {
