@@ -67,6 +67,14 @@ double mean_energy(const EnergyVolume& energy, Window window) {
     return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(energy.columns_per_frame()) * window.size());
 }
 
+constexpr auto endless = std::numeric_limits<double>::infinity();
+
+/// What seams may cost.
+struct Limit {
+    double cost = endless;
+    const SeamBounds* bounds = nullptr;  ///< lower bounds that tell early which seams will cost more; null: none
+};
+
 /// Seams that advance together through all columns, so that the energy is read once for all of them. Each stores its steps: the difference,
 /// -1 to 1, of its entry from that of the nearest column before.
 /// @tparam Values  Unmarked or Marked
@@ -96,18 +104,25 @@ public:
         std::iota(running_.begin(), running_.end(), std::size_t{0});
     }
 
-    /// @param enough  gives up seams once they cost more; costs must not be below 0
+    /// @param limit  seams that cost more are given up; costs must not be below 0
     /// @return whether a seam costs no more
-    bool run(double enough, const Tick& tick) {
+    bool run(const Limit& limit, const Tick& tick) {
         for (std::size_t t = 0; t < energy_.frames(); ++t) {
             tick(static_cast<double>(t) / static_cast<double>(energy_.frames()));
+            const auto before = sums_;
             pass_frame(t);
-            std::erase_if(running_, [&](std::size_t s) { return sums_[s] > enough; });
+            std::erase_if(running_, [&](std::size_t s) {
+                const bool costs_more =
+                    sums_[s] > limit.cost || (limit.bounds && limit.bounds->with({t, before[s], sums_[s], frame(t) + s, starts_.size()}) > limit.cost);
+                if (costs_more) sums_[s] = endless;
+                return costs_more;
+            });
             if (running_.empty()) return false;
         }
         return true;
     }
 
+    /// What each seam costs; endless, if it was given up.
     const std::vector<double>& sums() const { return sums_; }
 
     /// Entries of one seam, `[t][column]`.
@@ -351,20 +366,18 @@ std::vector<Entry> spread(Window window, int starts) {
     return out;
 }
 
-constexpr auto endless = std::numeric_limits<double>::infinity();
-
 /// Races seams in as many sweeps as there are threads.
-/// @param enough  as for Sweep::run()
-/// @return the cheapest seam, of equals the first; its energy is its cost. None, if each costs more than `enough`.
+/// @param limit  as for Sweep::run()
+/// @return the cheapest seam, of equals the first; its energy is its cost. None, if each costs more.
 template <class Cell, class Values>
-std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide, double enough,
-                                const Tick& tick) {
+std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide,
+                                const Limit& limit, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
     std::vector<std::optional<Sweep<Cell, Values>>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
         const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
         sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin), guide);
-        if (!sweeps[n]->run(enough, tick)) sweeps[n].reset();
+        if (!sweeps[n]->run(limit, tick)) sweeps[n].reset();
     });
     const Sweep<Cell, Values>* best = nullptr;
     std::size_t seam = 0;
@@ -387,7 +400,7 @@ struct Search {
 };
 
 template <class Cell, class Values>
-std::optional<Seams::Seam> find(const Search& search, double enough, const Tick& tick) {
+std::optional<Seams::Seam> find(const Search& search, const Limit& limit, const Tick& tick) {
     const auto& energy = search.energy;
     const bool guided = energy.closed() && search.guide == Guide::gaussian;
     const auto table = guided ? gaussians(energy.slices(), mean_energy<Cell>(energy, search.window)) : GuideTable();
@@ -396,7 +409,7 @@ std::optional<Seams::Seam> find(const Search& search, double enough, const Tick&
     std::optional<Seams::Seam> best;
     for (std::size_t n = 0; n < groups; ++n) {
         const auto some = std::span(entries).subspan(n * group).first(std::min(group, entries.size() - n * group));
-        auto seam = race<Cell, Values>(energy, search.window, search.number, some, table, enough,
+        auto seam = race<Cell, Values>(energy, search.window, search.number, some, table, limit,
                                        [&](double fraction) { tick((static_cast<double>(n) + fraction) / static_cast<double>(groups)); });
         if (seam && (!best || seam->energy < best->energy)) best = std::move(seam);
     }
@@ -407,7 +420,7 @@ std::optional<Seams::Seam> find(const Search& search, double enough, const Tick&
 
 template <class Cell>
 Seams::Seam find_marked(const Search& search, const Tick& tick) {
-    const auto seam = *find<Cell, Marked>(search, endless, tick);
+    const auto seam = *find<Cell, Marked>(search, {}, tick);
     auto at = past_protected(search.energy, search.window, {seam.at.begin(), seam.at.end()});
     const auto sum = energy_of(search.energy, at);
     return {std::move(at), sum};
@@ -418,14 +431,15 @@ Seams::Seam find_marked(const Search& search, const Tick& tick) {
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide) {
     const Search search{energy, window, number, starts, guide};
     if (energy.protects() || energy.attracts()) return energy.summed() ? find_marked<float>(search, tick) : find_marked<Entry>(search, tick);
-    return energy.summed() ? *find<float, Unmarked>(search, endless, tick) : *find<Entry, Unmarked>(search, endless, tick);
+    return energy.summed() ? *find<float, Unmarked>(search, {}, tick) : *find<Entry, Unmarked>(search, {}, tick);
 }
 
-std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick) {
+std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick,
+                                              const SeamBounds* bounds) {
     const Search search{energy, window, number, starts, Guide::cone};
     // What is attracted makes a seam cheaper again.
     if (energy.summed() || energy.protects() || energy.attracts()) return greedy_seam(energy, window, number, starts, tick);
-    return find<Entry, Unmarked>(search, most, tick);
+    return find<Entry, Unmarked>(search, {most, bounds}, tick);
 }
 
 template <>

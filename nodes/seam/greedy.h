@@ -29,7 +29,9 @@ enum class Guide {
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide = Guide::cone);
 
 /// The same seam, or none if it costs more than `most`. Searches are given up as soon as that is certain.
-std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick);
+/// @param bounds  for this seam, found; null: none
+std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick,
+                                              const SeamBounds* bounds = nullptr);
 
 /// `seam.greedy`: the node of greedy_seam().
 NodeType seam_greedy();

@@ -8,6 +8,8 @@
 #include "nodes/seam/search/line_sweeps.h"
 #include "nodes/seam/search/protection.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -88,13 +90,16 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
     return out;
 }
 
-Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
+Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds) const {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
     if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
-    auto best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam;
+    std::vector<std::uint16_t> best;
+    bool bounded = false;
+    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam; },
+                         [&] { bounded = bounds && bounds->find(energy, window, number, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
-    const auto greedy = greedy_seam_within(energy, window, number, starts_, least, [&](double) { alive(); });
+    const auto greedy = greedy_seam_within(energy, window, number, starts_, least, [&](double) { alive(); }, bounded ? bounds : nullptr);
     if (const auto cost = !greedy ? least : energy.attracts() ? cost_of(energy, greedy->at) : greedy->energy; cost < least) {
         best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);

@@ -23,8 +23,8 @@ public:
     /// @param starts  number of greedy searches
     Pyramid(Quality quality, int starts) : quality_(quality), starts_(starts) {}
 
-    /// A FindSeam.
-    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const;
+    /// A FindSeam. Bounds, if there are some, are found beside the search from coarse to fine, and end greedy searches early.
+    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds = nullptr) const;
 
 private:
     /// A seam at one resolution, and the messages that led to it; none if the energy was cut as a whole.

@@ -34,6 +34,10 @@ constexpr std::array<std::size_t, 3> box_of_columns{16, 4, 2};
 /// Share of a column's costs that is left out of the bound, since sums of floats are rounded. In each column some ten roundings, each by at
 /// most 2^-24 of a sum of terms above 0, could divide more among the lines than there is.
 constexpr float rounding = 0x1p-19f;
+/// By how much a message may be larger than its upper half, as a share of that.
+constexpr double largest_cut = 0x1p-7;
+/// The dimension of lines through the frames.
+constexpr std::size_t time = 2;
 
 using Sizes = std::array<std::size_t, 3>;
 
@@ -143,6 +147,10 @@ public:
     void get(std::size_t dimension, std::size_t column, std::span<float> message) const {
         from_upper(stores_[dimension]->entries(0).data() + column * width_, message);
     }
+    /// One entry of a message.
+    float entry(std::size_t dimension, std::size_t column, std::size_t at) const {
+        return std::bit_cast<float>(std::uint32_t{stores_[dimension]->entries(0)[column * width_ + at]} << 16);
+    }
     /// Whether there are messages along a dimension.
     bool has(std::size_t dimension) const { return stores_[dimension].has_value(); }
     /// Deletes an entry of each message to a column: those behind it move down.
@@ -242,19 +250,20 @@ public:
           from_block_before_(fronts_[2].size()) {}
 
     /// The bound, after a way through each block and `passes` more to and fro.
-    double bound(int passes, const Tick& tick, const Ways& ways = {}) {
+    /// @return what each frame adds to it
+    std::vector<double> bound(int passes, const Tick& tick, const Ways& ways = {}) {
         // In a single line the first way is exact.
         const int turns = dimensions_.size() > 1 ? 1 + 2 * passes : 1;
-        double out = 0;
+        std::vector<double> out;
         for (Block block{0, frames_}; block.begin < size_[2]; block.begin += frames_) {
             block.frames = std::min(frames_, size_[2] - block.begin);
             for (int n = 0; n < turns; ++n) {
                 const bool last = n + 1 == turns;
                 const Turn turn{block, (n % 2 == 0) == ways.forward, ways.first && n == 0, !last || ways.kept};
-                const double sum = pass(turn, [&](double fraction) {
+                const auto of_frames = pass(turn, [&](double fraction) {
                     tick((static_cast<double>(block.begin) + (n + fraction) / turns * static_cast<double>(block.frames)) / static_cast<double>(size_[2]));
                 });
-                if (last) out += sum;
+                if (last) out.insert(out.end(), of_frames.begin(), of_frames.end());
             }
             std::swap(from_block_before_, fronts_[2]);
         }
@@ -282,8 +291,8 @@ private:
     };
 
     /// Passes messages through a block.
-    /// @return what the block adds to the bound
-    double pass(const Turn& turn, const Tick& tick) {
+    /// @return what each frame of the block adds to the bound
+    std::vector<double> pass(const Turn& turn, const Tick& tick) {
         const auto& block = turn.block;
         const Sizes size{size_[0], size_[1], block.frames};
         std::vector<double> bounds(columns_.per_frame() * block.frames);
@@ -298,7 +307,12 @@ private:
                             bounds[columns_.at(lateral, k, t)] = visit(turn, {in_turn(lateral, size[0]), in_turn(k, size[1]), in_turn(t, size[2])}, work);
             },
             tick);
-        return std::accumulate(bounds.begin(), bounds.end(), 0.0);
+        std::vector<double> out;
+        for (std::size_t n = 0; n < block.frames; ++n) {
+            const auto* const of_frame = bounds.data() + in_turn(n, block.frames) * columns_.per_frame();
+            out.push_back(std::accumulate(of_frame, of_frame + columns_.per_frame(), 0.0));
+        }
+        return out;
     }
 
     /// Takes the messages to a column, divides its costs, and sends messages to the columns that come next.
@@ -419,8 +433,11 @@ std::optional<CoarseMessages> messages_at_half(const EnergyVolume& energy, Windo
     return CoarseMessages(Columns(half), static_cast<std::size_t>(half.width()), half.protects(), std::move(messages));
 }
 
-/// The guess may mislead. Only attracted vertices cost less than nothing.
-double at_least_nothing(double bound, const EnergyVolume& energy) { return energy.attracts() ? bound : std::max(bound, 0.0); }
+/// The bound of which each frame has a part. The guess may mislead: only attracted vertices cost less than nothing.
+double sum_of(std::span<const double> parts, const EnergyVolume& energy) {
+    const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+    return energy.attracts() ? sum : std::max(sum, 0.0);
+}
 
 }  // namespace
 
@@ -430,14 +447,16 @@ double lower_bound(const EnergyVolume& energy, Window window, int passes, const 
     const auto block = std::min(energy.frames(), std::clamp(entries_per_block / frame, std::size_t{2}, frames_per_block));
     auto messages = room_for_messages(energy, window, block, memory_budget / 2, folder);
     const auto find = [&](auto&& passing) { return passing.bound(passes, tick); };
-    return at_least_nothing(with_passing(energy, window, coarse ? &*coarse : nullptr, block, messages, find), energy);
+    return sum_of(with_passing(energy, window, coarse ? &*coarse : nullptr, block, messages, find), energy);
 }
 
 struct ConsecutiveBounds::Kept {
     Messages messages;
-    int first_entry;      ///< of the window
-    int first_seam;       ///< number of the first seam that shares these messages
-    bool forward = true;  ///< the way that comes next
+    int first_entry;             ///< of the window
+    int first_seam;              ///< number of the first seam that shares these messages
+    std::size_t per_frame;       ///< columns
+    bool forward = true;         ///< the way that comes next
+    std::vector<double> from{};  ///< what the frames from each one on add to the last bound
 };
 
 ConsecutiveBounds::ConsecutiveBounds(std::uint64_t memory_budget, std::string folder) : memory_budget_(memory_budget), folder_(std::move(folder)) {}
@@ -450,12 +469,29 @@ double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, 
     if (first) {
         kept_.reset();
         coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_);
-        kept_ = std::make_unique<Kept>(Kept{room_for_messages(energy, window, energy.frames(), memory_budget_ / 2, folder_), window.first, first_with(number)});
+        kept_ = std::make_unique<Kept>(Kept{room_for_messages(energy, window, energy.frames(), memory_budget_ / 2, folder_), window.first, first_with(number),
+                                           energy.columns_per_frame()});
     }
     const Ways ways{kept_->forward, first, true};
     kept_->forward = !kept_->forward;
     const auto find = [&](auto&& passing) { return passing.bound(passes, tick, ways); };
-    return at_least_nothing(with_passing(energy, window, coarse ? &*coarse : nullptr, energy.frames(), kept_->messages, find), energy);
+    const auto parts = with_passing(energy, window, coarse ? &*coarse : nullptr, energy.frames(), kept_->messages, find);
+    kept_->from.assign(parts.size() + 1, 0);
+    for (auto t = parts.size(); t-- > 0;) kept_->from[t] = kept_->from[t + 1] + parts[t];
+    return sum_of(parts, energy);
+}
+
+double ConsecutiveBounds::with(const SeamStart& start) const {
+    double paid = 0;
+    if (kept_->messages.has(time))
+        for (std::size_t c = 0; c < kept_->per_frame; ++c) {
+            const auto entry = static_cast<std::size_t>(start.entries[c * start.step] - kept_->first_entry);
+            paid += static_cast<double>(kept_->messages.entry(time, start.frame * kept_->per_frame + c, entry));
+        }
+    // The last messages went against the order of the frames if the next ones will go in it. Then they say what the frames that follow pay beyond
+    // their parts of the bound. Else they say what the frames before pay, which is contained in the parts of the others.
+    if (kept_->forward) return start.with_frame + kept_->from[start.frame + 1] + paid;
+    return start.before + kept_->from[start.frame] - paid * (1 + largest_cut);
 }
 
 void ConsecutiveBounds::follow(std::span<const std::uint16_t> at, int number) {

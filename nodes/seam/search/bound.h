@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/search/find_seams.h"
+#include "nodes/seam/search/seam_bounds.h"
 
 #include <cstdint>
 #include <memory>
@@ -41,6 +41,9 @@ public:
     /// @param window  loses its last entry with each seam
     /// @param number  of seams before
     double operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick);
+    /// Lower bound on the cost of any seam that begins so, in the energy of the last bound. What the last messages know of the frames that
+    /// follow, or of those before, is part of it. Any thread may call this.
+    double with(const SeamStart& start) const;
     /// Follows a seam that is deleted from the energy, if there are messages. From then on all must be told.
     /// @param at  its entry in each column, `[t][column]`
     void follow(std::span<const std::uint16_t> at, int number);

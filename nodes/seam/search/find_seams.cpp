@@ -159,7 +159,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         }
         if (number + 1 == searches) return;
         const Window left{window.first, window.last - number};
-        if (continued.follow) continued.follow(energy, left, at, number);
+        if (continued.bounds) continued.bounds->follow(energy, left, at, number);
         energy.remove(at, left);
     };
     // A seam that was found becomes seams of the set.
@@ -202,9 +202,9 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
             break;
         }
         const auto tell = [&](double fraction) { tick((n - known + fraction) / (searches - known)); };
-        auto seam = find(energy, left, n, tell);
+        auto seam = find(energy, left, n, tell, continued.bounds);
         const auto end = std::chrono::steady_clock::now();
-        if (!seam.lower_bound && continued.bound) seam.lower_bound = continued.bound(energy, left, seam, n, tell);
+        if (!seam.lower_bound && continued.bounds) seam.lower_bound = continued.bounds->energy(energy, left, seam.at.all(), n, tell);
         const auto bounded = std::chrono::steady_clock::now() - end;
         meet(seam.at, n);
         const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count();

@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "nodes/seam/energy/volume.h"
 #include "nodes/seam/search/columns.h"
+#include "nodes/seam/search/seam_bounds.h"
 #include "nodes/seams/seams.h"
 #include "nodes/seams/window.h"
 
@@ -12,28 +13,34 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
 
-/// Takes the progress of the work, 0 to 1. Called a few times a second, from several threads at once; stops the work by throwing.
-using Tick = std::function<void(double fraction)>;
-
 /// A solver: finds one seam in a window that holds at least one. It works on the energy as it is now, codes or sums. The seam is feasible,
 /// passes no protected vertex, and comes with its energy, in which attracted vertices count 0.
 /// @param number  number of seams found before; ties lean to one side for even numbers, to the other for odd
-using FindSeam = std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick)>;
+/// One that searches with the help of bounds takes them as a fifth argument, `SeamBounds*`; null: there are none.
+class FindSeam {
+public:
+    template <class Find>
+        requires(!std::is_same_v<std::remove_cvref_t<Find>, FindSeam>)
+    FindSeam(Find find) {
+        if constexpr (std::is_invocable_v<Find&, const EnergyVolume&, Window, int, const Tick&, SeamBounds*>) find_ = std::move(find);
+        else
+            find_ = [find = std::move(find)](const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* /*bounds*/) mutable {
+                return find(energy, window, number, tick);
+            };
+    }
+    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds = nullptr) const {
+        return find_(energy, window, number, tick, bounds);
+    }
 
-/// Bounds the energy of any seam from below, in the place where one was found; nothing: no bound is sought.
-/// @param seam    as found
-/// @param number  as for FindSeam
-using BoundEnergy = std::function<std::optional<double>(const EnergyVolume& energy, Window window, const Seams::Seam& seam, int number, const Tick& tick)>;
-
-/// Follows a seam that is about to be deleted from the energy.
-/// @param window  what earlier seams left of it
-/// @param at      its entry in each column of the energy
-/// @param number  of seams before it
-using FollowSeam = std::function<void(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> at, int number)>;
+private:
+    std::function<Seams::Seam(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds)> find_;
+};
 
 /// Moves a found seam to where it is kept; null: seams stay in memory.
 using KeepSeam = std::function<SeamEntries(SeamEntries)>;
@@ -58,7 +65,7 @@ struct NoSeam : Failure {
 /// Seams and what each of them meets.
 struct FoundSeams {
     std::vector<Seams::Seam> seams;
-    std::vector<double> wall_s;               ///< per seam, seconds without its bound; 0 for seams that were found before
+    std::vector<double> wall_s;               ///< per seam, seconds without those of a bound that is found after it; 0 for seams that were found before
     std::vector<double> zero_share;           ///< per seam, share of its columns without energy, 0 to 1
     std::vector<std::size_t> attracted;       ///< per seam, number of attracted vertices that it takes
     std::vector<std::size_t> blocked;         ///< per seam, number of protected vertices that it passes
@@ -76,8 +83,7 @@ struct FullSize {
 struct Continued {
     std::vector<Seams::Seam> before;  ///< the set's first seams, as they were found
     StartFrom start_from;             ///< called with the last of them; null: the solver needs none
-    BoundEnergy bound;                ///< called for each new seam whose solver gives no lower bound; null: they get none
-    FollowSeam follow;                ///< called for each seam, found before or now, when it is deleted; null: nobody follows
+    SeamBounds* bounds = nullptr;     ///< of each new seam whose solver gives no lower bound; null: they get none
     /// Called with all seams found so far, after each new one.
     std::function<void(const FoundSeams& found)> found;
     /// Bytes that the search may hold besides energies and seams. Beyond, it uses files in `folder`.

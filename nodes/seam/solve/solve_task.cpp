@@ -1,9 +1,8 @@
 #include "nodes/seam/solve/solve_task.h"
 
-#include "nodes/seam/search/bound.h"
-#include "nodes/seam/search/strip.h"
 #include "nodes/seam/solve/no_more.h"
 #include "nodes/seam/solve/report.h"
+#include "nodes/seam/solve/task_bounds.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,11 +14,6 @@ namespace fluidcarve {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Up to this many energies, each seam gets a bound, which takes no longer than a search.
-constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
-/// Passes beyond the usual for the one bound of larger sets.
-constexpr int passes_of_large = 1;
 
 /// A search under way: the pairs that it has found, how far it is, and when it last handed over what there was.
 class TaskSearch {
@@ -88,23 +82,9 @@ private:
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
         if (setup_.finest > 1) continued.full = FullSize{all_columns(), task_.shape[dimension(task_.axis)]};
-        ConsecutiveBounds bounds(continued.memory_budget, continued.folder);
-        const auto few = [](const EnergyVolume& energy, Window now) {
-            return Columns(energy).count() * static_cast<std::size_t>(now.size()) <= most_entries_bounded;
-        };
-        continued.bound = [&](const EnergyVolume& energy, Window now, const Seams::Seam& seam, int number, const Tick& tell) -> std::optional<double> {
-            if (few(energy, now)) return energy_bound(energy, seam.at, bounds(energy, now, number, setup_.bound_passes.value_or(0), tell));
-            if (!setup_.bound_passes && number > 0) return std::nullopt;
-            const int passes = setup_.bound_passes.value_or(passes_of_large);
-            return energy_bound(energy, seam.at, lower_bound(energy, now, passes, tell, continued.memory_budget, continued.folder));
-        };
-        // Bounds after seams that were found before are the same as in one go.
-        const int before = static_cast<int>(continued.before.size()), first_followed = ConsecutiveBounds::first_with(before);
-        continued.follow = [&](const EnergyVolume& energy, Window now, std::span<const std::uint16_t> at, int number) {
-            if (number < first_followed || !few(energy, now)) return;
-            if (number < before) bounds(energy, now, number, setup_.bound_passes.value_or(0), [&](double) { context_.check_cancelled(); });
-            bounds.follow(at, number);
-        };
+        TaskBounds bounds(setup_.bound_passes, static_cast<int>(continued.before.size()), [&] { context_.check_cancelled(); }, continued.memory_budget,
+                          continued.folder);
+        continued.bounds = &bounds;
         try {
             auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep, part.static_, continued);
             done_ += share;
