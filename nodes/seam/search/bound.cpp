@@ -2,6 +2,7 @@
 
 #include "nodes/seam/energy/decode.h"
 #include "nodes/seam/energy/wide.h"
+#include "nodes/seam/search/bound_column.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/wavefront.h"
@@ -52,30 +53,6 @@ std::vector<std::size_t> dimensions_of_lines(const Columns& columns) {
     return out;
 }
 
-/// The smallest of some values, found in lanes for vector instructions.
-FLUIDCARVE_WIDE float least_of(std::span<const float> values) {
-    std::array<float, 8> lanes;
-    lanes.fill(std::numeric_limits<float>::infinity());
-    const auto whole = values.size() / lanes.size() * lanes.size();
-    for (std::size_t i = 0; i < whole; i += lanes.size())
-        for (std::size_t n = 0; n < lanes.size(); ++n) lanes[n] = std::min(lanes[n], values[i + n]);
-    for (auto i = whole; i < values.size(); ++i) lanes[0] = std::min(lanes[0], values[i]);
-    return std::ranges::min(lanes);
-}
-
-FLUIDCARVE_WIDE void add_both(const float* __restrict one, const float* __restrict other, std::span<float> out) {
-    auto* __restrict const sum = out.data();
-    for (std::size_t i = 0; i < out.size(); ++i) sum[i] += one[i] + other[i];
-}
-
-FLUIDCARVE_WIDE void multiply(std::span<float> values, float by) {
-    for (auto& value : values) value *= by;
-}
-
-FLUIDCARVE_WIDE void subtract(const float* __restrict from, std::span<const float> values, float* __restrict out) {
-    for (std::size_t i = 0; i < values.size(); ++i) out[i] = from[i] - values[i];
-}
-
 /// Interpolates along the axis to twice the resolution.
 /// @param coarse  with the first value also before it, and the last also behind it
 FLUIDCARVE_WIDE void interpolate(const float* __restrict coarse, std::span<float> out) {
@@ -102,50 +79,19 @@ void fill_infinite(std::span<float> values) {
     }
 }
 
-/// What steps cost.
-struct StepPrice {
-    float rigidity, weight;
-};
-
-/// Each entry pays for the cheapest within 1, and for the step, whose cost is as in StepCosts::lift().
-/// @param part         costs, with an infinity before the first and behind the last
-/// @param here, there  the field of the columns that the message comes from and goes to; there also before the first and behind the last
-/// @param least        is left out
-FLUIDCARVE_WIDE void pay_edges(const float* __restrict part, const float* __restrict here, const float* __restrict there, StepPrice price, float least,
-                               std::span<float> out) {
-    auto* __restrict const message = out.data();
-    const auto* const part_before = part - 1;
-    const auto* const there_before = there - 1;
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        const float rise = part_before[i] + (price.rigidity + price.weight * std::abs(there_before[i] - here[i]));
-        const float fall = part[i + 1] + (price.rigidity + price.weight * std::abs(here[i] - there[i + 1]));
-        const float beside = rise < fall ? rise : fall;
-        message[i] = (part[i] < beside ? part[i] : beside) - least;
-    }
-}
-
-/// The same where all steps cost alike.
-FLUIDCARVE_WIDE void pay_steps(const float* __restrict part, float rigidity, float least, std::span<float> out) {
-    auto* __restrict const message = out.data();
-    const auto* const part_before = part - 1;
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        const float beside = rigidity + (part_before[i] < part[i + 1] ? part_before[i] : part[i + 1]);
-        message[i] = (part[i] < beside ? part[i] : beside) - least;
-    }
-}
-
 /// Messages to columns, `[dimension][column][entry]`. A message has, for each entry of a column, what the line on one side of it pays at
 /// least for a seam through the entry, less the smallest of these. The upper half of each float's bits is kept: any message is valid.
 class Messages {
 public:
     Messages(std::span<const std::size_t> dimensions, std::size_t columns, std::size_t width, std::uint64_t memory_budget, const std::string& folder)
-        : columns_(columns), width_(width) {
-        for (const auto d : dimensions) stores_[d].emplace(1, columns * width, memory_budget / dimensions.size(), folder);
+        : columns_(columns), width_(whole_eights(width)) {
+        for (const auto d : dimensions) stores_[d].emplace(1, columns * width_, memory_budget / dimensions.size(), folder);
     }
-    /// @param message  at most as many entries as the messages have
-    void set(std::size_t dimension, std::size_t column, std::span<const float> message) { keep_upper(message, of(*stores_[dimension], column)); }
+    /// The upper halves of a message's entries; whole_eights() of them.
+    std::uint16_t* of(std::size_t dimension, std::size_t column) { return stores_[dimension]->entries(0).data() + column * width_; }
     void get(std::size_t dimension, std::size_t column, std::span<float> message) const {
-        from_upper(stores_[dimension]->entries(0).data() + column * width_, message);
+        const auto* const bits = stores_[dimension]->entries(0).data() + column * width_;
+        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
     }
     /// One entry of a message.
     float entry(std::size_t dimension, std::size_t column, std::size_t at) const {
@@ -157,23 +103,15 @@ public:
     /// @param first  is taken from each of the entries
     void remove(std::span<const std::uint16_t> entries, std::size_t first) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
-            for (auto& store : stores_)
-                for (auto c = range.begin(); store && c < range.end(); ++c) {
-                    auto* const message = of(*store, c);
+            for (std::size_t d = 0; d < stores_.size(); ++d)
+                for (auto c = range.begin(); has(d) && c < range.end(); ++c) {
+                    auto* const message = of(d, c);
                     std::copy(message + (entries[c] - first) + 1, message + width_, message + (entries[c] - first));
                 }
         });
     }
 
 private:
-    std::uint16_t* of(FrameStore& store, std::size_t column) { return store.entries(0).data() + column * width_; }
-    FLUIDCARVE_WIDE static void keep_upper(std::span<const float> message, std::uint16_t* __restrict out) {
-        for (std::size_t i = 0; i < message.size(); ++i) out[i] = static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(message[i]) >> 16);
-    }
-    FLUIDCARVE_WIDE static void from_upper(const std::uint16_t* __restrict bits, std::span<float> message) {
-        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
-    }
-
     std::size_t columns_, width_;
     std::array<std::optional<FrameStore>, 3> stores_;
 };
@@ -241,12 +179,13 @@ public:
           columns_(energy),
           first_(static_cast<std::size_t>(window.first)),
           width_(static_cast<std::size_t>(window.size())),
+          whole_(whole_eights(width_)),
           dimensions_(dimensions_of_lines(columns_)),
           size_(sizes(columns_)),
           frames_(std::min(size_[2], frames_per_block)),
           messages_(messages),
-          fronts_{std::vector<float>(size_[1] * frames_ * width_), std::vector<float>(size_[0] * frames_ * width_),
-                  std::vector<float>(columns_.per_frame() * width_)},
+          fronts_{std::vector<float>(size_[1] * frames_ * whole_), std::vector<float>(size_[0] * frames_ * whole_),
+                  std::vector<float>(columns_.per_frame() * whole_)},
           from_block_before_(fronts_[2].size()) {}
 
     /// The bound, after a way through each block and `passes` more to and fro.
@@ -277,11 +216,15 @@ public:
 private:
     /// Buffers of a thread.
     struct Work {
-        std::vector<float> sum, part, field, field_beside, coarse;
+        std::vector<float> costs, coarse;
+        ColumnValues field, field_beside;
+        std::size_t column_of_field = Columns::none;
         std::array<std::vector<float>, 3> ahead;
+        std::array<ColumnValues, 3> parts;
 
-        explicit Work(std::size_t width) : sum(width), part(width + 2), field(width), field_beside(width + 2) {
-            for (auto& message : ahead) message.resize(width);
+        explicit Work(std::size_t width)
+            : costs(whole_eights(width)), field(width), field_beside(width), parts{ColumnValues(width), ColumnValues(width), ColumnValues(width)} {
+            for (auto& message : ahead) message.resize(whole_eights(width));
         }
     };
     /// One way through a block, in the columns' order (`forward`) or against it.
@@ -322,42 +265,39 @@ private:
         const auto in_block = columns_.at(at[0], at[1], at[2]), column = in_block + turn.block.begin * columns_.per_frame();
         const std::array<std::size_t, 3> front_at{at[1] + size_[1] * at[2], at[0] + size_[0] * at[2], at[0] + size_[0] * at[1]};
         const Sizes size{size_[0], size_[1], turn.block.frames};
-        auto* const sum = work.sum.data();
-        double out = read_costs(column, work.sum);
-        for (const auto d : dimensions_) {
-            const std::span<float> front(fronts_[d].data() + front_at[d] * width_, width_);
+        double out = read_costs(column, {work.costs.data(), width_});
+        std::array<ColumnLine, 3> through;
+        const auto lines = std::span(through).first(dimensions_.size());
+        for (std::size_t n = 0; n < lines.size(); ++n) {
+            const auto d = dimensions_[n];
+            const std::span<float> front(fronts_[d].data() + front_at[d] * whole_, whole_), ahead(work.ahead[d]);
             const bool begins = at[d] == (turn.forward ? 0 : size[d] - 1), ends = at[d] == (turn.forward ? size[d] - 1 : 0);
-            auto& ahead = work.ahead[d];
             if (begins && !turn.forward) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, front, work);
-            else if (begins && d != 2) std::ranges::fill(front, 0.0f);
-            if (ends && d == 2 && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * width_, width_, ahead.data());
+            else if (begins && d != time) std::ranges::fill(front, 0.0f);
+            bool read = false;
+            if (ends && d == time && !turn.forward) std::copy_n(from_block_before_.data() + front_at[d] * whole_, whole_, ahead.data());
             else if (turn.first || (ends && turn.forward)) from_behind(d, {at[0], at[1], at[2] + turn.block.begin}, ahead, work);
             else if (ends) std::ranges::fill(ahead, 0.0f);
-            else messages_.get(d, in_block, ahead);
-            if (turn.kept) messages_.set(d, in_block, front);
-            add_both(front.data(), ahead.data(), work.sum);
+            else read = true;
+            lines[n] = {front.data(), ahead.data(), messages_.of(d, in_block), read, turn.kept, work.parts[d].data()};
         }
-        const float share = (1 - rounding) / static_cast<float>(dimensions_.size());
-        multiply(work.sum, share);
-        if (energy_.has_field()) decode_fields(field_of(column), work.field);
-        auto* const part = work.part.data() + 1;
-        for (const auto d : dimensions_) {
-            subtract(work.sum.data(), work.ahead[d], part);
-            // Where no seam can pass, both may be infinite.
-            if (energy_.protects())
-                for (std::size_t i = 0; i < width_; ++i)
-                    if (std::isinf(sum[i])) part[i] = sum[i];
-            const float least = least_of({part, width_});
-            out += static_cast<double>(least);
-            const auto place = d == 2 ? at[2] + turn.block.begin : at[d];
-            if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, least, work, fronts_[d].data() + front_at[d] * width_);
+        divide_column(lines, work.costs.data(), width_, (1 - rounding) / static_cast<float>(dimensions_.size()));
+        if (energy_.has_field() && work.column_of_field != column) {
+            decode_fields(field_of(column), {work.field.data(), width_});
+            work.column_of_field = column;
+        }
+        for (auto n = lines.size(); n-- > 0;) {
+            const auto d = dimensions_[n];
+            out += static_cast<double>(lines[n].least);
+            const auto place = d == time ? at[2] + turn.block.begin : at[d];
+            if (place != (turn.forward ? size_[d] - 1 : 0)) send(turn.forward, d, column, lines[n], work);
         }
         return out;
     }
 
     /// The message from behind a column, as it is before one has been passed.
     void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message, Work& work) const {
-        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message, work.coarse);
+        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message.first(width_), work.coarse);
         else std::ranges::fill(message, 0.0f);
     }
 
@@ -382,24 +322,24 @@ private:
         return energy_.field(column / columns_.per_frame()).subspan(column % columns_.per_frame() * energy_.stride() + first_, width_);
     }
 
-    /// Sends a line's costs to its next column. Each entry there pays for the cheapest within 1, and for the step.
-    /// @param column  from where
-    /// @param least   the smallest of these costs, which the message leaves out
-    void send(bool forward, std::size_t dimension, std::size_t column, float least, Work& work, float* out) const {
-        auto* const part = work.part.data() + 1;
-        part[-1] = part[width_] = std::numeric_limits<float>::infinity();
-        const StepPrice price{energy_.rigidity()[dimension == 2 ? 1 : 0], energy_.field_weight()};
-        if (!energy_.has_field()) return pay_steps(part, price.rigidity, least, {out, width_});
+    /// Sends a line's message to its next column, whose place in the front it takes.
+    void send(bool forward, std::size_t dimension, std::size_t column, const ColumnLine& line, Work& work) const {
+        const StepPrice price{energy_.rigidity()[dimension == time ? 1 : 0], energy_.field_weight()};
+        if (!energy_.has_field()) return send_to_column(line.part, nullptr, nullptr, price, line.least, width_, line.front);
         const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
-        auto* const there = work.field_beside.data() + 1;
-        decode_fields(field_of(forward ? column + step : column - step), {there, width_});
-        pay_edges(part, work.field.data(), there, price, least, {out, width_});
+        const auto next = forward ? column + step : column - step;
+        decode_fields(field_of(next), {work.field_beside.data(), width_});
+        send_to_column(line.part, work.field.data(), work.field_beside.data(), price, line.least, width_, line.front);
+        // The next column of a row is visited next.
+        if (dimension != 0) return;
+        std::swap(work.field, work.field_beside);
+        work.column_of_field = next;
     }
 
     const EnergyVolume& energy_;
     const CoarseMessages* const coarse_;
     const Columns columns_;
-    const std::size_t first_, width_;
+    const std::size_t first_, width_, whole_;
     const std::vector<std::size_t> dimensions_;
     const Sizes size_;
     const std::size_t frames_;  ///< in a block
