@@ -60,6 +60,13 @@ public:
         return true;
     }
     Value value(std::size_t place) const { return Value(values_[place]); }
+    const auto& values() const { return values_; }
+    /// Where a voxel is: the place of one beside it, along index axis `axis`, is step(axis) further on.
+    std::ptrdiff_t place(const openvdb::Coord& at) const {
+        const auto from = at - low_;
+        return from.x() * step(0) + from.y() * step(1) + from.z();
+    }
+    std::ptrdiff_t step(int axis) const { return (axis == 0 ? std::ptrdiff_t{size_.y()} : 1) * (axis < 2 ? size_.z() : 1); }
     bool on(std::size_t place) const { return (on_[place / 8] >> place % 8 & 1) != 0; }
 
     /// Interpolates trilinearly in a cell.

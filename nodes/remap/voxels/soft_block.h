@@ -1,0 +1,167 @@
+#pragma once
+
+#include "nodes/lattice/alignment.h"
+#include "nodes/remap/voxels/blend.h"
+#include "nodes/remap/voxels/blocks.h"
+#include "nodes/remap/voxels/windows.h"
+#include "nodes/seams/carve_step.h"
+#include "nodes/seams/smooth_displacement.h"
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+namespace fluidcarve {
+
+/// Where the content of the 8^3 points of a block comes from under a smoothed step. Each point belongs to a voxel; arrays are ordered as a leaf is.
+/// Content moves only along the lines of voxels that run along the step's axis.
+struct SoftSources {
+    static constexpr std::size_t voxels = 512;
+    std::array<std::int32_t, voxels> shift;  ///< entries from a point to the one whose content it gets
+    std::array<float, voxels> part;          ///< of the way from there to the next entry, 0 to 1
+    std::bitset<voxels> freed;               ///< nothing comes to these points
+    int least, most;                         ///< shifts of the others, and 0
+};
+
+/// The lines of voxels along a step's axis.
+struct SoftLines {
+    const Alignment& alignment;
+    const CarveStep& step;  ///< smoothed
+    int index_axis;         ///< along which the lines run
+    int direction;          ///< 1: entries rise with the index; -1: they fall
+
+    SoftLines(const Alignment& aligned, const CarveStep& smoothed) : alignment(aligned), step(smoothed) {
+        const auto& along = aligned.step[static_cast<std::size_t>(smoothed.axis())];
+        index_axis = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
+        direction = along[index_axis];
+    }
+};
+
+/// Where points stand beside their voxels.
+struct Beside {
+    int axis = 0;  ///< of the lattice
+    int side = 0;  ///< half a vertex below the voxel's vertex (-1) or above it (1); 0: at the vertex
+};
+
+/// Finds the sources of the points of a block.
+/// @param block  the voxel of the lowest indices
+void find_sources(const SoftLines& lines, const openvdb::Coord& block, const Beside& beside, SoftSources& out);
+
+/// Carves blocks of a grid whose voxels stand on the vertices, under a single smoothed step. Each value comes from between two voxels of a line.
+template <class GridT>
+class SoftBlock {
+    using TreeT = typename GridT::TreeType;
+    using Leaf = typename TreeT::LeafNodeType;
+    using Value = typename TreeT::ValueType;
+    using Voxel = typename BlockWindow<TreeT>::Voxel;
+    static constexpr bool has_faces = openvdb::VecTraits<Value>::IsVec && can_blend<Value>;
+
+public:
+    SoftBlock(const GridT& grid, const Alignment& alignment, const CarveStep& step)
+        : lines_(alignment, step), nothing_(grid.background()), staggered_(has_faces && grid.getGridClass() == openvdb::GRID_STAGGERED) {
+        for (int c = 0; c < 3; ++c)
+            for (int axis = 0; axis < 3; ++axis)
+                if (const int along = alignment.step[static_cast<std::size_t>(axis)][c]; along != 0) faces_[static_cast<std::size_t>(c)] = {axis, -along};
+    }
+
+    /// Whether component c of a value stands half a voxel below its voxel's centre along index axis c.
+    bool staggered() const { return staggered_; }
+
+    /// Carves the block that a leaf stands for.
+    /// @param window  holds all voxels that the step may read
+    /// @param held    these voxels
+    void carve(const BlockWindow<TreeT>& window, const openvdb::CoordBBox& held, Leaf& out) {
+        const auto components = staggered_ ? std::size_t{3} : 1;
+        int least = 0, most = 0;
+        for (std::size_t c = 0; c < components; ++c) {
+            find_sources(lines_, out.origin(), staggered_ ? faces_[c] : Beside{}, sources_[c]);
+            least = std::min(least, sources_[c].least);
+            most = std::max(most, sources_[c].most);
+        }
+        auto read = openvdb::CoordBBox::createCube(out.origin(), 8);
+        const auto low = lines_.direction * (lines_.direction > 0 ? least : most + 1), high = lines_.direction * (lines_.direction > 0 ? most + 1 : least);
+        read.min()[lines_.index_axis] += low;
+        read.max()[lines_.index_axis] += high;
+        read.intersect(held);
+        voxels_.move_to(window, read);
+        const auto next = lines_.direction * voxels_.step(lines_.index_axis);
+        std::array<Voxel, 8> row;
+        for (std::size_t n = 0; n < SoftSources::voxels; n += row.size()) {
+            const auto first = voxels_.place(out.offsetToGlobalCoord(static_cast<openvdb::Index>(n)));
+            if constexpr (has_faces) {
+                if (staggered_) {
+                    carve_faces(n, first, next, row);
+                    BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
+                    continue;
+                }
+            }
+            carve_row(n, first, next, row);
+            BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
+        }
+    }
+
+private:
+    /// Carves eight voxels along z.
+    /// @param n      offset of the first one in the leaf
+    /// @param first  its place in voxels_
+    /// @param next   from a place to that of the next entry
+    void carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+        const auto& sources = sources_[0];
+        for (std::size_t z = 0; z < row.size(); ++z) {
+            if (sources.freed[n + z]) {
+                row[z] = {nothing_, false};
+                continue;
+            }
+            const auto part = sources.part[n + z];
+            const auto from = first + static_cast<std::ptrdiff_t>(z) + next * sources.shift[n + z], nearer = part < 0.5f ? from : from + next;
+            if constexpr (can_blend<Value>)
+                row[z].value = part == 0 ? voxels_.value(place(from)) : mix(voxels_.value(place(from)), voxels_.value(place(from + next)), part);
+            else row[z].value = voxels_.value(place(nearer));
+            row[z].on = voxels_.on(place(nearer));
+        }
+    }
+
+    /// The same in a staggered grid, component by component.
+    void carve_faces(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+        for (std::size_t z = 0; z < row.size(); ++z) {
+            row[z].on = false;
+            for (int c = 0; c < 3; ++c) {
+                const auto& sources = sources_[static_cast<std::size_t>(c)];
+                if (sources.freed[n + z]) {
+                    row[z].value[c] = nothing_[c];
+                    continue;
+                }
+                const auto part = sources.part[n + z];
+                const auto from = first + static_cast<std::ptrdiff_t>(z) + next * sources.shift[n + z];
+                const auto& value = voxels_.values()[place(from)][c];
+                row[z].value[c] = part == 0 ? value : mix(value, voxels_.values()[place(from + next)][c], part);
+                row[z].on = row[z].on || voxels_.on(place(part < 0.5f ? from : from + next));
+            }
+        }
+    }
+
+    static std::size_t place(std::ptrdiff_t at) { return static_cast<std::size_t>(at); }
+
+    /// The value between two. @param part  of the way to the second, 0 to 1
+    template <class T>
+    static T mix(const T& from, const T& to, float part) {
+        using Weight = typename openvdb::VecTraits<T>::ElementType;
+        return T(from + (to - from) * static_cast<Weight>(part));
+    }
+
+    SoftLines lines_;
+    Value nothing_;
+    bool staggered_;
+    std::array<Beside, 3> faces_;  ///< where a staggered grid's components stand
+    std::array<SoftSources, 3> sources_;
+    VoxelWindow<TreeT> voxels_;
+};
+
+}  // namespace fluidcarve
