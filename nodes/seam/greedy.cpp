@@ -3,7 +3,7 @@
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/lanes.h"
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/ranked_costs.h"

@@ -19,6 +19,9 @@ namespace fluidcarve {
 
 namespace {
 
+/// Up to this many bytes come from the allocator, which has them from one store to the next: fresh pages take longer than all that is done with them.
+constexpr std::size_t most_reused = std::size_t{1} << 25;
+
 /// Six of these at the end of a name: mkostemp replaces them.
 const std::string unique_part(6, 'X');
 
@@ -55,18 +58,27 @@ FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries, std::u
         throw Failure(fmt::format("{} frames of {} values each are more than any memory holds; use a coarser or smaller lattice", count, entries));
     on_disk_ = bytes > memory_budget;
     if (bytes == 0) return;
+    const auto fault = [&](int code) {
+        return Failure(fmt::format("can't get memory for {} of energies, seams or displacements: {}", size_text(bytes), std::strerror(code)));
+    };
+    if (!on_disk_ && bytes <= most_reused) {
+        data_ = {static_cast<Entry*>(std::calloc(bytes, 1)), Release{0}};
+        if (!data_) throw fault(ENOMEM);
+        return;
+    }
     const int file = on_disk_ ? scratch_file(folder, bytes) : -1;
     void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);
-    if (at == MAP_FAILED) throw Failure(fmt::format("can't get memory for {} of energies, seams or displacements: {}", size_text(bytes), std::strerror(code)));
+    if (at == MAP_FAILED) throw fault(code);
     if (!on_disk_) madvise(at, bytes, MADV_HUGEPAGE);
-    data_ = {static_cast<Entry*>(at), Unmap{bytes}};
+    data_ = {static_cast<Entry*>(at), Release{bytes}};
 }
 
 template <class Entry>
-void FrameStoreOf<Entry>::Unmap::operator()(Entry* data) const {
-    munmap(data, bytes);
+void FrameStoreOf<Entry>::Release::operator()(Entry* data) const {
+    if (mapped > 0) munmap(data, mapped);
+    else std::free(data);
 }
 
 template class FrameStoreOf<std::uint16_t>;

@@ -26,13 +26,13 @@ public:
     std::span<const Entry> entries(std::size_t n) const { return {data_.get() + n * entries_, entries_}; }
 
 private:
-    struct Unmap {
-        std::size_t bytes;
+    struct Release {
+        std::size_t mapped;  ///< bytes; 0: from the allocator
         void operator()(Entry* data) const;
     };
     std::size_t count_, entries_;
     bool on_disk_;
-    std::unique_ptr<Entry, Unmap> data_;
+    std::unique_ptr<Entry, Release> data_;
 };
 
 using FrameStore = FrameStoreOf<std::uint16_t>;

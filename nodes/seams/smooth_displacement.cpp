@@ -1,5 +1,7 @@
 #include "nodes/seams/smooth_displacement.h"
 
+#include "nodes/vectors/eight.h"
+
 #include <tbb/parallel_for.h>
 
 #include <cmath>
@@ -32,26 +34,20 @@ std::vector<float> tent(double reach) {
 
 /// Computes the weighted mean of rows, and rounds it where a whole number is near. The mean of equal values is that value, bit for bit.
 /// @param weights  an odd number; their sum is 1
-/// @param row      the n-th row: a pointer to padded(size) floats
+/// @param rows     one for each weight: padded(size) floats
 /// @param to       padded(size) floats; not part of a row
-template <class Row>
-void weighted_mean(std::span<const float> weights, const Row& row, std::size_t size, float* to) {
+FLUIDCARVE_WIDE void weighted_mean(std::span<const float> weights, const float* const* rows, std::size_t size, float* to) {
     const auto middle = weights.size() / 2;
     for (std::size_t e = 0; e < size; e += lanes) {
-        const float* const base = row(middle) + e;
-        std::array<float, lanes> sum{};
-        for (std::size_t n = 0; n < weights.size(); ++n) {
-            if (n == middle) continue;
-            const float* const from = row(n) + e;
-            for (std::size_t i = 0; i < lanes; ++i) sum[i] += weights[n] * (from[i] - base[i]);
-        }
-        for (std::size_t i = 0; i < lanes; ++i) {
-            const float mean = base[i] + sum[i];
-            // Adding this number, 1.5 * 2^23, leaves no bits for a fraction.
-            constexpr float whole_only = 12582912;
-            const float whole = (mean + whole_only) - whole_only;
-            to[e + i] = std::abs(mean - whole) < snap ? whole : mean;
-        }
+        const auto base = eight_at(rows[middle] + e);
+        Eight sum{};
+        for (std::size_t n = 0; n < weights.size(); ++n)
+            if (n != middle) sum += weights[n] * (eight_at(rows[n] + e) - base);
+        const auto mean = base + sum;
+        // Adding this number, 1.5 * 2^23, leaves no bits for a fraction.
+        constexpr float whole_only = 12582912;
+        const auto whole = (mean + whole_only) - whole_only, out = size_of(mean - whole) < snap ? whole : mean;
+        std::memcpy(to + e, &out, sizeof out);
     }
 }
 
@@ -173,12 +169,14 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
         // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
         const auto row = padded(size);
         std::vector<float> frames(row * steps.size()), now(row), beyond(row + along.size()), smoothed(row);
+        std::vector<const float*> of_frames, shifted;
+        for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);
+        for (std::size_t n = 0; n < along.size(); ++n) shifted.push_back(beyond.data() + n);
         for (auto column = range.begin(); column < range.end(); ++column) {
             const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
             for (std::size_t n = 0; n < steps.size(); ++n)
                 write_displacements(*steps[n], steps[n]->bounds(lateral, k), {first, last}, frames.data() + n * row + 1);
-            weighted_mean(
-                over, [&](std::size_t n) { return frames.data() + n * row; }, size, now.data());
+            weighted_mean(over, of_frames.data(), size, now.data());
             now.front() = static_cast<float>(out.ends_->first);
             now[size - 1] = static_cast<float>(out.ends_->second);
             auto* const to = out.entries() + column * out.row_;
@@ -190,8 +188,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
                 for (int e = low; e < span.entries.first; ++e) beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
                 std::copy_n(now.data() + (span.entries.first - first + 1), length, beyond.data() + reach);
                 for (int e = span.entries.last + 1; e <= high; ++e) beyond[static_cast<std::size_t>(e - low)] = mirrored(e, span);
-                weighted_mean(
-                    along, [&](std::size_t n) { return beyond.data() + n; }, length, smoothed.data());
+                weighted_mean(along, shifted.data(), length, smoothed.data());
                 std::copy_n(smoothed.data(), length, to + (span.entries.first - first + 1));
             }
         }
@@ -238,16 +235,17 @@ void SmoothDisplacement::smooth_across(std::span<const float> weights, bool alon
     // Every line of columns is smoothed in place, from a copy.
     tbb::parallel_for(tbb::blocked_range<int>(0, along_w ? laterals_ : slices_), [&](const tbb::blocked_range<int>& lines) {
         std::vector<float> copy(row_ * static_cast<std::size_t>(count));
+        std::vector<const float*> rows(weights.size());
         for (int line = lines.begin(); line < lines.end(); ++line) {
             auto* const first = entries() + static_cast<std::size_t>(line) * between;
             for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) std::copy_n(first + n * stride, row_, copy.data() + n * row_);
             for (int at = 0; at < count; ++at) {
-                const auto row = [&](std::size_t n) {
+                for (std::size_t n = 0; n < rows.size(); ++n) {
                     const int near = at + static_cast<int>(n) - reach;
                     const int held = ring ? (near % count + count) % count : std::clamp(near, 0, count - 1);
-                    return copy.data() + static_cast<std::size_t>(held) * row_;
-                };
-                weighted_mean(weights, row, row_, first + static_cast<std::size_t>(at) * stride);
+                    rows[n] = copy.data() + static_cast<std::size_t>(held) * row_;
+                }
+                weighted_mean(weights, rows.data(), row_, first + static_cast<std::size_t>(at) * stride);
             }
         }
     });

@@ -1,6 +1,6 @@
 #include "nodes/seam/energy/decode.h"
 
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 
 #include <bit>
 #include <cstddef>

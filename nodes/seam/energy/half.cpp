@@ -2,7 +2,7 @@
 
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/decode.h"
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,7 +1,7 @@
 #include "nodes/seam/search/bound.h"
 
 #include "nodes/seam/energy/decode.h"
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/bound_column.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"

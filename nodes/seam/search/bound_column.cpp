@@ -1,6 +1,6 @@
 #include "nodes/seam/search/bound_column.h"
 
-#include "nodes/seam/search/eight.h"
+#include "nodes/vectors/eight.h"
 
 #include <algorithm>
 #include <array>
@@ -16,12 +16,6 @@ using EightBits = std::uint32_t __attribute__((vector_size(32)));
 using EightCodes = std::uint16_t __attribute__((vector_size(16)));
 
 constexpr auto infinity = std::numeric_limits<float>::infinity();
-
-FLUIDCARVE_INLINE Eight eight_at(const float* values) {
-    Eight out;
-    std::memcpy(&out, values, sizeof out);
-    return out;
-}
 
 FLUIDCARVE_INLINE Eight from_upper(const std::uint16_t* codes) {
     EightCodes eight;

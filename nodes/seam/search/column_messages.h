@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/search/eight.h"
+#include "nodes/vectors/eight.h"
 
 namespace fluidcarve {
 

@@ -1,7 +1,7 @@
 #include "nodes/seam/search/open_line.h"
 
 #include "nodes/seam/energy/decode.h"
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/strip.h"
 
 #include <tbb/parallel_for.h>

@@ -31,11 +31,6 @@ std::array<std::size_t, 3> box_of_messages(const std::array<std::size_t, 3>& siz
     return {128, 8, 2};
 }
 
-FLUIDCARVE_INLINE Eight load(const float* values) {
-    Eight out;
-    std::memcpy(&out, values, sizeof out);
-    return out;
-}
 /// The values at other places, each 0 to 7.
 FLUIDCARVE_INLINE Eight picked(Eight values, EightPlaces from) {
 #if defined(__clang__)
@@ -83,9 +78,9 @@ FLUIDCARVE_INLINE Eight sent(const Pass& pass, const Eight& costs, std::size_t f
     const auto rigidity = eight_of(pass.rigidity[along]);
     if constexpr (!edges) return least(stay, least(rise, fall) + rigidity);
     const auto* const there = pass.fields + to * (pass.width + 2);
-    const auto here = load(pass.fields + from * (pass.width + 2) + 1 - off), weight = eight_of(pass.weight);
-    rise += rigidity + weight * size_of(here - load(there));
-    fall += rigidity + weight * size_of(here - load(there + 2));
+    const auto here = eight_at(pass.fields + from * (pass.width + 2) + 1 - off), weight = eight_of(pass.weight);
+    rise += rigidity + weight * size_of(here - eight_at(there));
+    fall += rigidity + weight * size_of(here - eight_at(there + 2));
     return least(stay, least(rise, fall));
 }
 
@@ -165,7 +160,7 @@ FLUIDCARVE_INLINE void pass_row(const Pass& pass, std::size_t begin, std::size_t
                 closings[d] = closing_of(pass, column, neighbours[d], at[d], d);
                 lines += closings[d].is ? 1 : 0;
             }
-        auto sum = least(load(pass.energies + column * pass.width), eight_of(endless_cost)), choice = sum;
+        auto sum = least(eight_at(pass.energies + column * pass.width), eight_of(endless_cost)), choice = sum;
 #pragma GCC unroll 3
         for (std::size_t d = 0; d < 3; ++d) {
             if (d > 0 && before[d]) sum += message(d, false);
@@ -264,7 +259,7 @@ public:
         set(24, eight_of(coarse[7]));
     }
     /// Eight entries of the finer column, from one on that is counted from the window's first.
-    FLUIDCARVE_INLINE Eight from(int entry) const { return load(values_.data() + std::clamp(entry - 2 * first_ + 8, 0, 24)); }
+    FLUIDCARVE_INLINE Eight from(int entry) const { return eight_at(values_.data() + std::clamp(entry - 2 * first_ + 8, 0, 24)); }
 
 private:
     FLUIDCARVE_INLINE void set(std::size_t at, Eight values) { std::memcpy(values_.data() + at, &values, sizeof values); }

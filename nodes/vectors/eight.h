@@ -1,8 +1,9 @@
 #pragma once
 
-#include "nodes/seam/energy/wide.h"
+#include "nodes/vectors/wide.h"
 
 #include <cstdint>
+#include <cstring>
 
 namespace fluidcarve {
 
@@ -17,6 +18,12 @@ constexpr EightPlaces eight_places{0, 1, 2, 3, 4, 5, 6, 7};
 // These functions are never called: how a call would pass vectors does not matter.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
+/// Eight values that follow one another.
+FLUIDCARVE_INLINE Eight eight_at(const float* values) {
+    Eight out;
+    std::memcpy(&out, values, sizeof out);
+    return out;
+}
 FLUIDCARVE_INLINE Eight eight_of(float value) { return Eight{} + value; }
 FLUIDCARVE_INLINE Eight least(Eight a, Eight b) { return a < b ? a : b; }
 FLUIDCARVE_INLINE Eight size_of(Eight values) { return values < 0 ? -values : values; }
