@@ -19,6 +19,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -373,22 +374,27 @@ template <class Cell, class Values>
 std::optional<Seams::Seam> race(const EnergyVolume& energy, Window window, int number, std::span<const Entry> starts, const GuideTable& guide,
                                 const Limit& limit, const Tick& tick) {
     const auto threads = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), starts.size());
+    // Seams beside each other read the same memory. But bounds also end most of them at once: then each sweep has some from everywhere.
+    std::vector<std::vector<Entry>> shares(threads);
+    for (std::size_t n = 0; n < starts.size(); ++n) shares[limit.bounds ? n % threads : n * threads / starts.size()].push_back(starts[n]);
     std::vector<std::optional<Sweep<Cell, Values>>> sweeps(threads);
     tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t n) {
-        const auto begin = starts.size() * n / threads, end = starts.size() * (n + 1) / threads;
-        sweeps[n].emplace(energy, window, number, starts.subspan(begin, end - begin), guide);
+        sweeps[n].emplace(energy, window, number, shares[n], guide);
         if (!sweeps[n]->run(limit, tick)) sweeps[n].reset();
     });
-    const Sweep<Cell, Values>* best = nullptr;
-    std::size_t seam = 0;
-    for (const auto& sweep : sweeps)
-        for (std::size_t s = 0; sweep && s < sweep->sums().size(); ++s)
-            if (!best || sweep->sums()[s] < best->sums()[seam]) {
-                best = &*sweep;
-                seam = s;
-            }
+    struct Best {
+        double sum;
+        Entry start;
+        std::size_t sweep, seam;
+    };
+    std::optional<Best> best;
+    for (std::size_t n = 0; n < threads; ++n)
+        for (std::size_t s = 0; sweeps[n] && s < shares[n].size(); ++s) {
+            const Best other{sweeps[n]->sums()[s], shares[n][s], n, s};
+            if (!best || std::tie(other.sum, other.start) < std::tie(best->sum, best->start)) best = other;
+        }
     if (!best) return std::nullopt;
-    return Seams::Seam{best->entries(seam), best->sums()[seam]};
+    return Seams::Seam{sweeps[best->sweep]->entries(best->seam), best->sum};
 }
 
 /// What a search is given.
