@@ -3,11 +3,11 @@
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/lanes.h"
-#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/ranked_costs.h"
 #include "nodes/seam/search/strip.h"
+#include "nodes/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

@@ -99,7 +99,8 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam; },
                          [&] { bounded = bounds && bounds->find(energy, window, number, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
-    const auto greedy = greedy_seam_within(energy, window, number, starts_, least, [&](double) { alive(); }, bounded ? bounds : nullptr);
+    const auto greedy = greedy_seam_within(
+        energy, window, number, starts_, least, [&](double) { alive(); }, bounded ? bounds : nullptr);
     if (const auto cost = !greedy ? least : energy.attracts() ? cost_of(energy, greedy->at) : greedy->energy; cost < least) {
         best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);

@@ -117,7 +117,8 @@ FLUIDCARVE_WIDE void find_sources(const SoftLines& lines, const Coord& block, co
                 out.part[static_cast<std::size_t>(to)] = line.part[n];
             }
             for (std::size_t n = 0; line.freed >> n != 0; ++n)
-                if (line.freed >> n & 1) out.freed.set(static_cast<std::size_t>(begin + i * offset_stride(p) + j * offset_stride(q) + static_cast<std::ptrdiff_t>(n) * step));
+                if (line.freed >> n & 1)
+                    out.freed.set(static_cast<std::size_t>(begin + i * offset_stride(p) + j * offset_stride(q) + static_cast<std::ptrdiff_t>(n) * step));
         }
     out.least = out.most = 0;
     for (int n = 0; n < 8; ++n) {

@@ -1,12 +1,12 @@
 #include "nodes/seam/search/bound.h"
 
 #include "nodes/seam/energy/decode.h"
-#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/bound_column.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/wavefront.h"
 #include "nodes/seams/frame_store.h"
+#include "nodes/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 
@@ -297,7 +297,8 @@ private:
 
     /// The message from behind a column, as it is before one has been passed.
     void from_behind(std::size_t dimension, const Sizes& at, std::span<float> message, Work& work) const {
-        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension]) coarse_->get(dimension, at, message.first(width_), work.coarse);
+        if (coarse_ != nullptr && coarse_->has(dimension) && at[dimension] + 1 < size_[dimension])
+            coarse_->get(dimension, at, message.first(width_), work.coarse);
         else std::ranges::fill(message, 0.0f);
     }
 
@@ -410,7 +411,7 @@ double ConsecutiveBounds::operator()(const EnergyVolume& energy, Window window, 
         kept_.reset();
         coarse = messages_at_half(energy, window, passes_at_half, tick, memory_budget_ / 2, folder_);
         kept_ = std::make_unique<Kept>(Kept{room_for_messages(energy, window, energy.frames(), memory_budget_ / 2, folder_), window.first, first_with(number),
-                                           energy.columns_per_frame()});
+                                            energy.columns_per_frame()});
     }
     const Ways ways{kept_->forward, first, true};
     kept_->forward = !kept_->forward;

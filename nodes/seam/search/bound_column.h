@@ -25,13 +25,13 @@ private:
 
 /// What goes through a column along one dimension.
 struct ColumnLine {
-    float* front;           ///< message from the columns before
-    float* ahead;           ///< message from those behind, to be read from `kept` or given
-    std::uint16_t* kept;    ///< the upper halves of a message
-    bool read_ahead;        ///< `ahead` is read from `kept`
-    bool keep_front;        ///< `front` is kept instead, afterwards
-    float* part;            ///< becomes the line's part of the costs, with the message from before
-    float least = 0;        ///< becomes the smallest of that
+    float* front;         ///< message from the columns before
+    float* ahead;         ///< message from those behind, to be read from `kept` or given
+    std::uint16_t* kept;  ///< the upper halves of a message
+    bool read_ahead;      ///< `ahead` is read from `kept`
+    bool keep_front;      ///< `front` is kept instead, afterwards
+    float* part;          ///< becomes the line's part of the costs, with the message from before
+    float least = 0;      ///< becomes the smallest of that
 };
 
 /// Divides a column's costs, and all messages to it, in equal parts among the lines that go through it.

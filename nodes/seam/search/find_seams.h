@@ -26,8 +26,7 @@ namespace fluidcarve {
 class FindSeam {
 public:
     template <class Find>
-        requires(!std::is_same_v<std::remove_cvref_t<Find>, FindSeam>)
-    FindSeam(Find find) {
+    requires(!std::is_same_v<std::remove_cvref_t<Find>, FindSeam>) FindSeam(Find find) {
         if constexpr (std::is_invocable_v<Find&, const EnergyVolume&, Window, int, const Tick&, SeamBounds*>) find_ = std::move(find);
         else
             find_ = [find = std::move(find)](const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* /*bounds*/) mutable {

@@ -1,8 +1,8 @@
 #include "nodes/seam/search/open_line.h"
 
 #include "nodes/seam/energy/decode.h"
-#include "nodes/vectors/wide.h"
 #include "nodes/seam/search/strip.h"
+#include "nodes/vectors/wide.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

@@ -82,8 +82,8 @@ private:
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
         if (setup_.finest > 1) continued.full = FullSize{all_columns(), task_.shape[dimension(task_.axis)]};
-        TaskBounds bounds(setup_.bound_passes, static_cast<int>(continued.before.size()), [&] { context_.check_cancelled(); }, continued.memory_budget,
-                          continued.folder);
+        TaskBounds bounds(
+            setup_.bound_passes, static_cast<int>(continued.before.size()), [&] { context_.check_cancelled(); }, continued.memory_budget, continued.folder);
         continued.bounds = &bounds;
         try {
             auto out = find_seams(energy_, part.kind, count_, part.window, setup_.find, tick, keep, part.static_, continued);

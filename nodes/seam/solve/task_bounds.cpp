@@ -15,9 +15,7 @@ constexpr std::size_t most_entries_bounded = std::size_t{1} << 24;
 /// Passes beyond the usual for the one bound of larger sets.
 constexpr int passes_of_large = 1;
 
-bool few(const EnergyVolume& energy, Window window) {
-    return Columns(energy).count() * static_cast<std::size_t>(window.size()) <= most_entries_bounded;
-}
+bool few(const EnergyVolume& energy, Window window) { return Columns(energy).count() * static_cast<std::size_t>(window.size()) <= most_entries_bounded; }
 
 }  // namespace
 
