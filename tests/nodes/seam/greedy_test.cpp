@@ -1,6 +1,7 @@
 #include "nodes/seam/greedy.h"
 #include "nodes/payloads.h"
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/solve/task_bounds.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/searches.h"
 
@@ -126,7 +127,7 @@ TEST_CASE("a greedy seam takes the cheapest entry that its passed neighbours all
     }
 }
 
-TEST_CASE("a greedy search within a cost finds the same seam, or none if each costs more") {
+TEST_CASE("a greedy search within a cost finds the same seam, or none if each costs more, with bounds and without") {
     int found = 0;
     for (unsigned seed = 0; seed < 40; ++seed) {
         // Steps are dear in some, and some are rings.
@@ -134,17 +135,21 @@ TEST_CASE("a greedy search within a cost finds the same seam, or none if each co
         if (seed % 3 == 0) energy.set_rigidity({0.5f, 0.25f});
         const Window window{1, 12};
         const auto free = greedy_seam(energy, window, int(seed), 40, nobody);
-        for (const double share : {0.0, 0.5, 0.99, 1.0001, 1.2, 3.0}) {
-            const auto seam = greedy_seam_within(energy, window, int(seed), 40, share * free.energy, nobody);
-            INFO("seed " << seed << ", share " << share);
-            REQUIRE(seam.has_value() == (share > 1));
-            if (!seam) continue;
-            CHECK(seam->at == free.at);
-            CHECK(seam->energy == free.energy);
-            ++found;
-        }
+        TaskBounds bounds(
+            4, 0, [] {}, 0, Scratch().path());
+        REQUIRE(bounds.find(energy, window, 0, nobody));
+        for (const double share : {0.0, 0.5, 0.99, 1.0001, 1.2, 3.0})
+            for (const auto* const given : {static_cast<const TaskBounds*>(nullptr), static_cast<const TaskBounds*>(&bounds)}) {
+                const auto seam = greedy_seam_within(energy, window, int(seed), 40, share * free.energy, nobody, given);
+                INFO("seed " << seed << ", share " << share << ", bounds " << (given != nullptr));
+                REQUIRE(seam.has_value() == (share > 1));
+                if (!seam) continue;
+                CHECK(seam->at == free.at);
+                CHECK(seam->energy == free.energy);
+                ++found;
+            }
     }
-    CHECK(found == 120);
+    CHECK(found == 240);
 }
 
 TEST_CASE("starts stand at the centres of equal parts of the window") {
