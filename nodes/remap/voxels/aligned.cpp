@@ -39,11 +39,8 @@ class AlignedCarve {
 
 public:
     AlignedCarve(const GridT& grid, const Alignment& alignment, const CarveMap& map)
-        : alignment_(alignment), map_(map), steps_(map.steps()), window_(grid.tree()), nothing_{grid.background(), false} {
-        const auto& along = alignment.step[static_cast<std::size_t>(steps_.back().axis())];
-        index_axis_ = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
-        direction_ = along[index_axis_];
-        if (steps_.back().soft()) soft_.emplace(grid, alignment, steps_.back());
+        : alignment_(alignment), map_(map), steps_(map.steps()), lines_(alignment, steps_.back()), window_(grid.tree()), nothing_{grid.background(), false} {
+        if (steps_.back().soft()) soft_.emplace(grid, lines_);
     }
 
     bool operator()(const Coord& block, Leaf& out) {
@@ -65,8 +62,8 @@ public:
         const bool within = held(a.z()) && held(b.z());
         if (!within) window_.read(out);
         Coord line;
-        const int p = index_axis_ == 0 ? 1 : 0, q = index_axis_ == 2 ? 1 : 2;
-        line[index_axis_] = block[index_axis_] + (direction_ > 0 ? 0 : 7);
+        const int p = lines_.index_axis == 0 ? 1 : 0, q = lines_.index_axis == 2 ? 1 : 2;
+        line[lines_.index_axis] = block[lines_.index_axis] + (lines_.direction > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
                 if (!within && !held(alignment_.vertex(line).z())) continue;
@@ -87,11 +84,11 @@ private:
         auto passed = CarveStep::passed(first[axis], bounds);
 
         const int end = first[axis] + 8;
-        for (int entry = first[axis], count = 1; entry < end; entry += count, voxel[index_axis_] += direction_ * count) {
+        for (int entry = first[axis], count = 1; entry < end; entry += count, voxel[lines_.index_axis] += lines_.direction * count) {
             while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
             const auto moved = [&](int source) {
                 auto place = voxel;
-                place[index_axis_] += direction_ * (source - entry);
+                place[lines_.index_axis] += lines_.direction * (source - entry);
                 return place;
             };
             const auto at = [&](int source) { return rest == 0 ? window_.get(moved(source)) : resolve(rest, alignment_.vertex(moved(source))); };
@@ -111,7 +108,7 @@ private:
             if (in_step) same = std::min({end, step.last() + 1, passed < bounds.size() ? static_cast<int>(bounds[passed]) : end});
             else if (carved && entry < step.low()) same = std::min(end, step.low());
             count = same - entry;
-            window_.copy_line(moved(entry + d / 2), index_axis_, direction_, count, out, Leaf::coordToOffset(voxel));
+            window_.copy_line(moved(entry + d / 2), lines_.index_axis, lines_.direction, count, out, Leaf::coordToOffset(voxel));
         }
     }
 
@@ -152,9 +149,9 @@ private:
     const Alignment& alignment_;
     const CarveMap& map_;
     const std::vector<CarveStep>& steps_;
+    const StepLines lines_;  ///< of the last step
     BlockWindow<TreeT> window_;
     const Voxel nothing_;
-    int index_axis_, direction_;
     std::optional<SoftBlock<GridT>> soft_;  ///< if the last step is smoothed; then it is the only one
 };
 

@@ -89,7 +89,7 @@ private:
 
 }  // namespace
 
-FLUIDCARVE_WIDE void find_sources(const SoftLines& lines, const Coord& block, const Beside& beside, SoftSources& out) {
+FLUIDCARVE_WIDE void find_sources(const StepLines& lines, const Coord& block, const Beside& beside, SoftSources& out) {
     const SourceFinder finder(lines.step, beside);
     const int p = lines.index_axis == 0 ? 1 : 0, q = lines.index_axis == 2 ? 1 : 2;
     auto corner = block;

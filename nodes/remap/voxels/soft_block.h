@@ -31,14 +31,14 @@ struct SoftSources {
 };
 
 /// The lines of voxels along a step's axis.
-struct SoftLines {
+struct StepLines {
     const Alignment& alignment;
-    const CarveStep& step;  ///< smoothed
-    int index_axis;         ///< along which the lines run
-    int direction;          ///< 1: entries rise with the index; -1: they fall
+    const CarveStep& step;
+    int index_axis;  ///< along which the lines run
+    int direction;   ///< 1: entries rise with the index; -1: they fall
 
-    SoftLines(const Alignment& aligned, const CarveStep& smoothed) : alignment(aligned), step(smoothed) {
-        const auto& along = aligned.step[static_cast<std::size_t>(smoothed.axis())];
+    StepLines(const Alignment& aligned, const CarveStep& carve) : alignment(aligned), step(carve) {
+        const auto& along = aligned.step[static_cast<std::size_t>(carve.axis())];
         index_axis = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
         direction = along[index_axis];
     }
@@ -51,8 +51,9 @@ struct Beside {
 };
 
 /// Finds the sources of the points of a block.
+/// @param lines  of a smoothed step
 /// @param block  the voxel of the lowest indices
-void find_sources(const SoftLines& lines, const openvdb::Coord& block, const Beside& beside, SoftSources& out);
+void find_sources(const StepLines& lines, const openvdb::Coord& block, const Beside& beside, SoftSources& out);
 
 /// Carves blocks of a grid whose voxels stand on the vertices, under a single smoothed step. Each value comes from between two voxels of a line.
 template <class GridT>
@@ -64,11 +65,11 @@ class SoftBlock {
     static constexpr bool has_faces = openvdb::VecTraits<Value>::IsVec && can_blend<Value>;
 
 public:
-    SoftBlock(const GridT& grid, const Alignment& alignment, const CarveStep& step)
-        : lines_(alignment, step), nothing_(grid.background()), staggered_(has_faces && grid.getGridClass() == openvdb::GRID_STAGGERED) {
+    SoftBlock(const GridT& grid, const StepLines& lines)
+        : lines_(lines), nothing_(grid.background()), staggered_(has_faces && grid.getGridClass() == openvdb::GRID_STAGGERED) {
         for (int c = 0; c < 3; ++c)
             for (int axis = 0; axis < 3; ++axis)
-                if (const int along = alignment.step[static_cast<std::size_t>(axis)][c]; along != 0) faces_[static_cast<std::size_t>(c)] = {axis, -along};
+                if (const int along = lines.alignment.step[static_cast<std::size_t>(axis)][c]; along != 0) faces_[static_cast<std::size_t>(c)] = {axis, -along};
     }
 
     /// Whether component c of a value stands half a voxel below its voxel's centre along index axis c.
@@ -95,13 +96,6 @@ public:
         std::array<Voxel, 8> row;
         for (std::size_t n = 0; n < SoftSources::voxels; n += row.size()) {
             const auto first = voxels_.place(out.offsetToGlobalCoord(static_cast<openvdb::Index>(n)));
-            if constexpr (has_faces) {
-                if (staggered_) {
-                    carve_faces(n, first, next, row);
-                    BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
-                    continue;
-                }
-            }
             carve_row(n, first, next, row);
             BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
         }
@@ -113,6 +107,9 @@ private:
     /// @param first  its place in voxels_
     /// @param next   from a place to that of the next entry
     void carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+        if constexpr (has_faces) {
+            if (staggered_) return carve_faces(n, first, next, row);
+        }
         const auto& sources = sources_[0];
         for (std::size_t z = 0; z < row.size(); ++z) {
             if (sources.freed[n + z]) {
@@ -156,7 +153,7 @@ private:
         return T(from + (to - from) * static_cast<Weight>(part));
     }
 
-    SoftLines lines_;
+    StepLines lines_;
     Value nothing_;
     bool staggered_;
     std::array<Beside, 3> faces_;  ///< where a staggered grid's components stand
