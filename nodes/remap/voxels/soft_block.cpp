@@ -19,6 +19,12 @@ FLUIDCARVE_INLINE Eight eight_entries(const SmoothDisplacement& soft, std::span<
     return out;
 }
 
+/// Sets a point's bit.
+FLUIDCARVE_INLINE void mark(std::array<std::uint8_t, SoftSources::voxels / 8>& bits, std::ptrdiff_t point) {
+    auto& row = bits[static_cast<std::size_t>(point) / 8];
+    row = static_cast<std::uint8_t>(row | 1 << (point & 7));
+}
+
 /// The sources of eight points of a line, in the direction of rising entries.
 struct LineSources {
     EightPlaces shift;
@@ -41,13 +47,14 @@ public:
           last_before_(step.last_before()) {}
 
     /// @param vertex  of the voxel of the first point
-    FLUIDCARVE_INLINE void find(const Coord& vertex, LineSources& out) const {
-        out = {EightPlaces{}, Eight{}, 0};
+    /// @return whether the step has the line; if not, nothing is found
+    FLUIDCARVE_INLINE bool find(const Coord& vertex, LineSources& out) const {
+        out.freed = 0;
         // A point between two columns, or between two entries of one, moves by their mean.
         auto low_vertex = vertex, high_vertex = vertex;
         if (beside_.side < 0) --low_vertex[beside_.axis];
         if (beside_.side > 0) ++high_vertex[beside_.axis];
-        if (!carved(low_vertex) || !carved(high_vertex)) return;
+        if (!carved(low_vertex) || !carved(high_vertex)) return false;
         auto moved = displacements(low_vertex);
         if (beside_.side != 0) {
             const auto other = displacements(high_vertex);
@@ -64,6 +71,7 @@ public:
         out.part = d - __builtin_convertvector(out.shift, Eight);
         const auto ends = step_.ends(at, 1);
         if (u < low_ || u + 7 > high_ || u < ends.begin || u + 7 > ends.end) leave_or_free(u, ends, out);
+        return true;
     }
 
 private:
@@ -75,9 +83,12 @@ private:
             const double point = u + n;
             const bool held = point >= low_ && point <= high_;
             if (held && point >= ends.begin && point <= ends.end) continue;
+            if (held && point >= origin_ && point <= last_before_) {
+                out.freed |= 1u << n;
+                continue;
+            }
             out.shift[n] = 0;
             out.part[n] = 0;
-            if (held && point >= origin_ && point <= last_before_) out.freed |= 1u << n;
         }
     }
 
@@ -103,24 +114,26 @@ FLUIDCARVE_WIDE void find_sources(const StepLines& lines, const Coord& block, co
     const auto along_p = from_first(p), along_q = from_first(q);
     const auto step = static_cast<std::ptrdiff_t>(lines.direction) * offset_stride(lines.index_axis);
     const auto begin = std::ptrdiff_t{corner[lines.index_axis] & 7} * offset_stride(lines.index_axis);
-    out.freed.reset();
-    EightPlaces smallest{}, largest{};
+    out.in_lines.fill(0);
+    out.freed.fill(0);
+    auto smallest = EightPlaces{} + std::numeric_limits<int>::max(), largest = EightPlaces{} + std::numeric_limits<int>::min();
     LineSources line;
     for (int i = 0; i < 8; ++i)
         for (int j = 0; j < 8; ++j) {
-            finder.find(first + Coord(i * along_p.x() + j * along_q.x(), i * along_p.y() + j * along_q.y(), i * along_p.z() + j * along_q.z()), line);
+            if (!finder.find(first + Coord(i * along_p.x() + j * along_q.x(), i * along_p.y() + j * along_q.y(), i * along_p.z() + j * along_q.z()), line))
+                continue;
             smallest = line.shift < smallest ? line.shift : smallest;
             largest = line.shift > largest ? line.shift : largest;
             auto to = begin + i * offset_stride(p) + j * offset_stride(q);
             for (std::size_t n = 0; n < 8; ++n, to += step) {
                 out.shift[static_cast<std::size_t>(to)] = line.shift[n];
                 out.part[static_cast<std::size_t>(to)] = line.part[n];
+                mark(out.in_lines, to);
+                if (line.freed >> n & 1) mark(out.freed, to);
             }
-            for (std::size_t n = 0; line.freed >> n != 0; ++n)
-                if (line.freed >> n & 1)
-                    out.freed.set(static_cast<std::size_t>(begin + i * offset_stride(p) + j * offset_stride(q) + static_cast<std::ptrdiff_t>(n) * step));
         }
-    out.least = out.most = 0;
+    out.least = smallest[0];
+    out.most = largest[0];
     for (int n = 0; n < 8; ++n) {
         out.least = std::min(out.least, smallest[n]);
         out.most = std::max(out.most, largest[n]);

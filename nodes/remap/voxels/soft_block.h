@@ -11,7 +11,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -24,10 +24,11 @@ namespace fluidcarve {
 /// Content moves only along the lines of voxels that run along the step's axis.
 struct SoftSources {
     static constexpr std::size_t voxels = 512;
-    std::array<std::int32_t, voxels> shift;  ///< entries from a point to the one whose content it gets
-    std::array<float, voxels> part;          ///< of the way from there to the next entry, 0 to 1
-    std::bitset<voxels> freed;               ///< nothing comes to these points
-    int least, most;                         ///< shifts of the others, and 0
+    std::array<std::int32_t, voxels> shift;         ///< entries from a point to the one whose content it gets
+    std::array<float, voxels> part;                 ///< of the way from there to the next entry, 0 to 1
+    std::array<std::uint8_t, voxels / 8> in_lines;  ///< a bit for each point, whether the step has its line; others stay as they are
+    std::array<std::uint8_t, voxels / 8> freed;     ///< likewise, whether nothing comes there
+    int least, most;                                ///< shifts in lines of the step; none: `least` is larger
 };
 
 /// The lines of voxels along a step's axis.
@@ -80,12 +81,16 @@ public:
     /// @param held    these voxels
     void carve(const BlockWindow<TreeT>& window, const openvdb::CoordBBox& held, Leaf& out) {
         const auto components = staggered_ ? std::size_t{3} : 1;
-        int least = 0, most = 0;
+        int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
+        bool all = true;
         for (std::size_t c = 0; c < components; ++c) {
             find_sources(lines_, out.origin(), staggered_ ? faces_[c] : Beside{}, sources_[c]);
             least = std::min(least, sources_[c].least);
             most = std::max(most, sources_[c].most);
+            all = all && std::ranges::all_of(sources_[c].in_lines, [](std::uint8_t row) { return row == 0xff; });
         }
+        if (!all) window.read(out);
+        if (least > most) return;
         auto read = openvdb::CoordBBox::createCube(out.origin(), 8);
         const auto low = lines_.direction * (lines_.direction > 0 ? least : most + 1), high = lines_.direction * (lines_.direction > 0 ? most + 1 : least);
         read.min()[lines_.index_axis] += low;
@@ -95,8 +100,9 @@ public:
         const auto next = lines_.direction * voxels_.step(lines_.index_axis);
         std::array<Voxel, 8> row;
         for (std::size_t n = 0; n < SoftSources::voxels; n += row.size()) {
-            const auto first = voxels_.place(out.offsetToGlobalCoord(static_cast<openvdb::Index>(n)));
-            carve_row(n, first, next, row);
+            const auto at = out.offsetToGlobalCoord(static_cast<openvdb::Index>(n));
+            if (!all) window.read(at, row);
+            if (!carve_row(n, voxels_.place(at), next, row)) continue;
             BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
         }
     }
@@ -106,13 +112,17 @@ private:
     /// @param n      offset of the first one in the leaf
     /// @param first  its place in voxels_
     /// @param next   from a place to that of the next entry
-    void carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+    /// @param row    as before the carve, if some voxels stay so
+    /// @return whether the step has some of their lines
+    bool carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
         if constexpr (has_faces) {
             if (staggered_) return carve_faces(n, first, next, row);
         }
         const auto& sources = sources_[0];
-        for (std::size_t z = 0; z < row.size(); ++z) {
-            if (sources.freed[n + z]) {
+        const unsigned in_lines = sources.in_lines[n / 8];
+        for (auto left = in_lines; left != 0; left &= left - 1) {
+            const auto z = static_cast<std::size_t>(std::countr_zero(left));
+            if (sources.freed[n / 8] >> z & 1) {
                 row[z] = {nothing_, false};
                 continue;
             }
@@ -123,15 +133,19 @@ private:
             else row[z].value = voxels_.value(place(nearer));
             row[z].on = voxels_.on(place(nearer));
         }
+        return in_lines != 0;
     }
 
     /// The same in a staggered grid, component by component.
-    void carve_faces(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+    bool carve_faces(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+        const auto in_lines = [&](std::size_t c) { return sources_[c].in_lines[n / 8]; };
         for (std::size_t z = 0; z < row.size(); ++z) {
-            row[z].on = false;
+            const bool stays_on = (in_lines(0) & in_lines(1) & in_lines(2) & 1 << z) == 0 && row[z].on;
+            row[z].on = stays_on;
             for (int c = 0; c < 3; ++c) {
                 const auto& sources = sources_[static_cast<std::size_t>(c)];
-                if (sources.freed[n + z]) {
+                if ((sources.in_lines[n / 8] >> z & 1) == 0) continue;
+                if (sources.freed[n / 8] >> z & 1) {
                     row[z].value[c] = nothing_[c];
                     continue;
                 }
@@ -142,6 +156,7 @@ private:
                 row[z].on = row[z].on || voxels_.on(place(part < 0.5f ? from : from + next));
             }
         }
+        return (in_lines(0) | in_lines(1) | in_lines(2)) != 0;
     }
 
     static std::size_t place(std::ptrdiff_t at) { return static_cast<std::size_t>(at); }
