@@ -29,7 +29,7 @@ enum class Guide {
 Seams::Seam greedy_seam(const EnergyVolume& energy, Window window, int number, int starts, const Tick& tick, Guide guide = Guide::cone);
 
 /// The same seam, or none if it costs more than `most`. Searches are given up as soon as that is certain.
-/// @param bounds  for this seam, found; null: none
+/// @param bounds  lower bounds that have been found for this seam; null: none
 std::optional<Seams::Seam> greedy_seam_within(const EnergyVolume& energy, Window window, int number, int starts, double most, const Tick& tick,
                                               const SeamBounds* bounds = nullptr);
 

@@ -19,7 +19,8 @@ namespace fluidcarve {
 
 namespace {
 
-/// Up to this many bytes come from the allocator, which has them from one store to the next: fresh pages take longer than all that is done with them.
+/// Stores of up to this many bytes come from the allocator, which hands the same memory to one store after the other. Fresh pages of the system
+/// would take longer than the work on them.
 constexpr std::size_t most_reused = std::size_t{1} << 25;
 
 /// Six of these at the end of a name: mkostemp replaces them.

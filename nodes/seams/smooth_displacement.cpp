@@ -17,11 +17,6 @@ namespace {
 /// Displacements this close to a whole number of vertices are rounded to it.
 constexpr float snap = 1e-4f;
 
-/// Rows of displacements have a multiple of this many floats. A loop over so many becomes vector instructions.
-constexpr std::size_t lanes = 8;
-
-std::size_t padded(std::size_t size) { return (size + lanes - 1) / lanes * lanes; }
-
 /// Weights of a tent from -n to n; their sum is 1.
 std::vector<float> tent(double reach) {
     const int n = static_cast<int>(std::ceil(reach));
@@ -34,11 +29,11 @@ std::vector<float> tent(double reach) {
 
 /// Computes the weighted mean of rows, and rounds it where a whole number is near. The mean of equal values is that value, bit for bit.
 /// @param weights  an odd number; their sum is 1
-/// @param rows     one for each weight: padded(size) floats
-/// @param to       padded(size) floats; not part of a row
+/// @param rows     one for each weight: whole_eights(size) floats
+/// @param to       whole_eights(size) floats; not part of a row
 FLUIDCARVE_WIDE void weighted_mean(std::span<const float> weights, const float* const* rows, std::size_t size, float* to) {
     const auto middle = weights.size() / 2;
-    for (std::size_t e = 0; e < size; e += lanes) {
+    for (std::size_t e = 0; e < size; e += 8) {
         const auto base = eight_at(rows[middle] + e);
         Eight sum{};
         for (std::size_t n = 0; n < weights.size(); ++n)
@@ -119,7 +114,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int las
 
 void SmoothDisplacement::resize(int last) {
     last_ = last;
-    row_ = padded(static_cast<std::size_t>(last_ - first_) + 1);
+    row_ = whole_eights(static_cast<std::size_t>(last_ - first_) + 1);
     const auto count = row_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_);
     entries_ = std::make_shared<FloatFrameStore>(1, count, std::numeric_limits<std::uint64_t>::max(), "");
 }
@@ -167,7 +162,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     const auto laterals = static_cast<std::size_t>(out.laterals_), size = static_cast<std::size_t>(last - first) + 3;
     const auto smooth = [&](const tbb::blocked_range<std::size_t>& range) {
         // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
-        const auto row = padded(size);
+        const auto row = whole_eights(size);
         std::vector<float> frames(row * steps.size()), now(row), beyond(row + along.size()), smoothed(row);
         std::vector<const float*> of_frames, shifted;
         for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);

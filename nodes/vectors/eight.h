@@ -2,6 +2,7 @@
 
 #include "nodes/vectors/wide.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -10,6 +11,9 @@ namespace fluidcarve {
 /// Eight values at once.
 using Eight = float __attribute__((vector_size(32)));
 using EightPlaces = std::int32_t __attribute__((vector_size(32)));
+
+/// The next multiple of eight: so many values fill vectors.
+constexpr std::size_t whole_eights(std::size_t values) { return (values + 7) / 8 * 8; }
 
 /// Stands for an infinite cost; sums and differences of it stay finite.
 constexpr float endless_cost = 1e30f;

@@ -7,9 +7,7 @@
 #include "nodes/remap/voxels/soft_block.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -53,16 +51,13 @@ public:
         window_.move_to(read);
         if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;
 
-        if (soft_) {
-            soft_->carve(window_, read, out);
-            return true;
-        }
+        if (soft_) return soft_->carve(window_, read, out);
         // In planes outside the lattice nothing moves. Of a block of an image, that is all but one.
         const auto held = [&](int k) { return k >= 0 && k < steps_.back().slices(); };
         const bool within = held(a.z()) && held(b.z());
         if (!within) window_.read(out);
         Coord line;
-        const int p = lines_.index_axis == 0 ? 1 : 0, q = lines_.index_axis == 2 ? 1 : 2;
+        const auto [p, q] = lines_.across;
         line[lines_.index_axis] = block[lines_.index_axis] + (lines_.direction > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {

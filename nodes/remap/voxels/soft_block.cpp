@@ -2,6 +2,8 @@
 
 #include "nodes/vectors/eight.h"
 
+#include <span>
+
 namespace fluidcarve {
 
 namespace {
@@ -102,7 +104,7 @@ private:
 
 FLUIDCARVE_WIDE void find_sources(const StepLines& lines, const Coord& block, const Beside& beside, SoftSources& out) {
     const SourceFinder finder(lines.step, beside);
-    const int p = lines.index_axis == 0 ? 1 : 0, q = lines.index_axis == 2 ? 1 : 2;
+    const auto [p, q] = lines.across;
     auto corner = block;
     if (lines.direction < 0) corner[lines.index_axis] += 7;
     const auto first = lines.alignment.vertex(corner);

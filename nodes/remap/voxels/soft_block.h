@@ -12,11 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 
 namespace fluidcarve {
 
@@ -35,13 +33,15 @@ struct SoftSources {
 struct StepLines {
     const Alignment& alignment;
     const CarveStep& step;
-    int index_axis;  ///< along which the lines run
-    int direction;   ///< 1: entries rise with the index; -1: they fall
+    int index_axis;             ///< along which the lines run
+    int direction;              ///< 1: entries rise with the index; -1: they fall
+    std::array<int, 2> across;  ///< the other index axes, rising
 
     StepLines(const Alignment& aligned, const CarveStep& carve) : alignment(aligned), step(carve) {
         const auto& along = aligned.step[static_cast<std::size_t>(carve.axis())];
         index_axis = along.x() != 0 ? 0 : along.y() != 0 ? 1 : 2;
         direction = along[index_axis];
+        across = {index_axis == 0 ? 1 : 0, index_axis == 2 ? 1 : 2};
     }
 };
 
@@ -79,7 +79,8 @@ public:
     /// Carves the block that a leaf stands for.
     /// @param window  holds all voxels that the step may read
     /// @param held    these voxels
-    void carve(const BlockWindow<TreeT>& window, const openvdb::CoordBBox& held, Leaf& out) {
+    /// @return false if the block stays as it is; then `out` is not set
+    bool carve(const BlockWindow<TreeT>& window, const openvdb::CoordBBox& held, Leaf& out) {
         const auto components = staggered_ ? std::size_t{3} : 1;
         int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
         bool all = true;
@@ -89,8 +90,7 @@ public:
             most = std::max(most, sources_[c].most);
             all = all && std::ranges::all_of(sources_[c].in_lines, [](std::uint8_t row) { return row == 0xff; });
         }
-        if (!all) window.read(out);
-        if (least > most) return;
+        if (least > most) return false;
         auto read = openvdb::CoordBBox::createCube(out.origin(), 8);
         const auto low = lines_.direction * (lines_.direction > 0 ? least : most + 1), high = lines_.direction * (lines_.direction > 0 ? most + 1 : least);
         read.min()[lines_.index_axis] += low;
@@ -102,9 +102,10 @@ public:
         for (std::size_t n = 0; n < SoftSources::voxels; n += row.size()) {
             const auto at = out.offsetToGlobalCoord(static_cast<openvdb::Index>(n));
             if (!all) window.read(at, row);
-            if (!carve_row(n, voxels_.place(at), next, row)) continue;
+            carve_row(n, voxels_.place(at), next, row);
             BlockWindow<TreeT>::write(out, static_cast<openvdb::Index>(n), row);
         }
+        return true;
     }
 
 private:
@@ -113,14 +114,12 @@ private:
     /// @param first  its place in voxels_
     /// @param next   from a place to that of the next entry
     /// @param row    as before the carve, if some voxels stay so
-    /// @return whether the step has some of their lines
-    bool carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+    void carve_row(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
         if constexpr (has_faces) {
             if (staggered_) return carve_faces(n, first, next, row);
         }
         const auto& sources = sources_[0];
-        const unsigned in_lines = sources.in_lines[n / 8];
-        for (auto left = in_lines; left != 0; left &= left - 1) {
+        for (unsigned left = sources.in_lines[n / 8]; left != 0; left &= left - 1) {
             const auto z = static_cast<std::size_t>(std::countr_zero(left));
             if (sources.freed[n / 8] >> z & 1) {
                 row[z] = {nothing_, false};
@@ -133,15 +132,14 @@ private:
             else row[z].value = voxels_.value(place(nearer));
             row[z].on = voxels_.on(place(nearer));
         }
-        return in_lines != 0;
     }
 
     /// The same in a staggered grid, component by component.
-    bool carve_faces(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
-        const auto in_lines = [&](std::size_t c) { return sources_[c].in_lines[n / 8]; };
+    void carve_faces(std::size_t n, std::ptrdiff_t first, std::ptrdiff_t next, std::array<Voxel, 8>& row) const {
+        const unsigned all_in_lines = sources_[0].in_lines[n / 8] & sources_[1].in_lines[n / 8] & sources_[2].in_lines[n / 8];
         for (std::size_t z = 0; z < row.size(); ++z) {
-            const bool stays_on = (in_lines(0) & in_lines(1) & in_lines(2) & 1 << z) == 0 && row[z].on;
-            row[z].on = stays_on;
+            // A component that stays keeps its voxel's state.
+            if (all_in_lines >> z & 1) row[z].on = false;
             for (int c = 0; c < 3; ++c) {
                 const auto& sources = sources_[static_cast<std::size_t>(c)];
                 if ((sources.in_lines[n / 8] >> z & 1) == 0) continue;
@@ -156,7 +154,6 @@ private:
                 row[z].on = row[z].on || voxels_.on(place(part < 0.5f ? from : from + next));
             }
         }
-        return (in_lines(0) | in_lines(1) | in_lines(2)) != 0;
     }
 
     static std::size_t place(std::ptrdiff_t at) { return static_cast<std::size_t>(at); }

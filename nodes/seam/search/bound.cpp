@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -91,12 +90,10 @@ public:
     std::uint16_t* of(std::size_t dimension, std::size_t column) { return stores_[dimension]->entries(0).data() + column * width_; }
     void get(std::size_t dimension, std::size_t column, std::span<float> message) const {
         const auto* const bits = stores_[dimension]->entries(0).data() + column * width_;
-        for (std::size_t i = 0; i < message.size(); ++i) message[i] = std::bit_cast<float>(std::uint32_t{bits[i]} << 16);
+        for (std::size_t i = 0; i < message.size(); ++i) message[i] = from_upper(bits[i]);
     }
     /// One entry of a message.
-    float entry(std::size_t dimension, std::size_t column, std::size_t at) const {
-        return std::bit_cast<float>(std::uint32_t{stores_[dimension]->entries(0)[column * width_ + at]} << 16);
-    }
+    float entry(std::size_t dimension, std::size_t column, std::size_t at) const { return from_upper(stores_[dimension]->entries(0)[column * width_ + at]); }
     /// Whether there are messages along a dimension.
     bool has(std::size_t dimension) const { return stores_[dimension].has_value(); }
     /// Deletes an entry of each message to a column: those behind it move down.

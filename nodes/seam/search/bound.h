@@ -41,8 +41,7 @@ public:
     /// @param window  loses its last entry with each seam
     /// @param number  of seams before
     double operator()(const EnergyVolume& energy, Window window, int number, int passes, const Tick& tick);
-    /// Lower bound on the cost of any seam that begins so, in the energy of the last bound. What the last messages know of the frames that
-    /// follow, or of those before, is part of it. Any thread may call this.
+    /// Lower bound on the cost of any seam that begins so, in the energy of the last bound. Any thread may call this.
     double with(const SeamStart& start) const;
     /// Follows a seam that is deleted from the energy, if there are messages. From then on all must be told.
     /// @param at  its entry in each column, `[t][column]`

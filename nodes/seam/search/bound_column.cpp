@@ -1,7 +1,5 @@
 #include "nodes/seam/search/bound_column.h"
 
-#include "nodes/vectors/eight.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,7 +15,7 @@ using EightCodes = std::uint16_t __attribute__((vector_size(16)));
 
 constexpr auto infinity = std::numeric_limits<float>::infinity();
 
-FLUIDCARVE_INLINE Eight from_upper(const std::uint16_t* codes) {
+FLUIDCARVE_INLINE Eight eight_from_upper(const std::uint16_t* codes) {
     EightCodes eight;
     std::memcpy(&eight, codes, sizeof eight);
     return std::bit_cast<Eight>(__builtin_convertvector(eight, EightBits) << 16);
@@ -62,7 +60,7 @@ FLUIDCARVE_WIDE void divide_column(std::span<ColumnLine> lines, const float* cos
         auto sum = eight_at(costs + i);
         for (auto& line : lines) {
             const auto front = eight_at(line.front + i);
-            const auto ahead = line.read_ahead ? from_upper(line.kept + i) : eight_at(line.ahead + i);
+            const auto ahead = line.read_ahead ? eight_from_upper(line.kept + i) : eight_at(line.ahead + i);
             if (line.read_ahead) std::memcpy(line.ahead + i, &ahead, sizeof ahead);
             if (line.keep_front) keep_upper(front, line.kept + i);
             sum += front + ahead;

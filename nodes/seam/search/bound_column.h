@@ -1,5 +1,8 @@
 #pragma once
 
+#include "nodes/vectors/eight.h"
+
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,7 +13,8 @@ namespace fluidcarve {
 /// The work on a single column that a lower bound consists of (search/bound.h). Arrays of floats, and messages, have whole_eights() of a
 /// column's entries, so that vectors fill them; what is behind the entries is arbitrary.
 
-constexpr std::size_t whole_eights(std::size_t entries) { return (entries + 7) / 8 * 8; }
+/// A message keeps the upper half of each float's bits.
+inline float from_upper(std::uint16_t bits) { return std::bit_cast<float>(std::uint32_t{bits} << 16); }
 
 /// Values of a column, with room for one more value before the first and behind the last.
 class ColumnValues {
@@ -26,10 +30,10 @@ private:
 /// What goes through a column along one dimension.
 struct ColumnLine {
     float* front;         ///< message from the columns before
-    float* ahead;         ///< message from those behind, to be read from `kept` or given
-    std::uint16_t* kept;  ///< the upper halves of a message
-    bool read_ahead;      ///< `ahead` is read from `kept`
-    bool keep_front;      ///< `front` is kept instead, afterwards
+    float* ahead;         ///< message from the columns behind
+    std::uint16_t* kept;  ///< a message in upper halves
+    bool read_ahead;      ///< first `kept` is read into `ahead`
+    bool keep_front;      ///< then `front` is written to `kept`
     float* part;          ///< becomes the line's part of the costs, with the message from before
     float least = 0;      ///< becomes the smallest of that
 };

@@ -204,7 +204,7 @@ FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window 
         const auto tell = [&](double fraction) { tick((n - known + fraction) / (searches - known)); };
         auto seam = find(energy, left, n, tell, continued.bounds);
         const auto end = std::chrono::steady_clock::now();
-        if (!seam.lower_bound && continued.bounds) seam.lower_bound = continued.bounds->energy(energy, left, seam.at.all(), n, tell);
+        if (!seam.lower_bound && continued.bounds) seam.lower_bound = continued.bounds->energy_bound(energy, left, seam.at.all(), n, tell);
         const auto bounded = std::chrono::steady_clock::now() - end;
         meet(seam.at, n);
         const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count();

@@ -38,8 +38,9 @@ public:
     virtual bool find(const EnergyVolume& energy, Window window, int number, const Tick& tick) = 0;
     /// Lower bound on the cost of any seam that begins so, in the energy of the last find(), which found one. Any thread may call this.
     virtual double with(const SeamStart& start) const = 0;
-    /// The bound on the energy of any seam, where one was found; nothing: as find().
-    virtual std::optional<double> energy(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number, const Tick& tick) = 0;
+    /// Lower bound on the energy of any seam, in the place of a seam that was found; nothing if none is sought.
+    virtual std::optional<double> energy_bound(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number,
+                                               const Tick& tick) = 0;
     /// Follows a seam that is about to be deleted from the energy, just found or known before.
     /// @param window  what earlier seams left of it
     /// @param at      its entry in each column of the energy

@@ -28,10 +28,10 @@ bool TaskBounds::find(const EnergyVolume& energy, Window window, int number, con
     return true;
 }
 
-std::optional<double> TaskBounds::energy(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number, const Tick& tick) {
-    if (find(energy, window, number, tick)) return energy_bound(energy, found, *found_);
+std::optional<double> TaskBounds::energy_bound(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number, const Tick& tick) {
+    if (find(energy, window, number, tick)) return fluidcarve::energy_bound(energy, found, *found_);
     if (!passes_ && number > 0) return std::nullopt;
-    return energy_bound(energy, found, lower_bound(energy, window, passes_.value_or(passes_of_large), tick, memory_budget_, folder_));
+    return fluidcarve::energy_bound(energy, found, lower_bound(energy, window, passes_.value_or(passes_of_large), tick, memory_budget_, folder_));
 }
 
 void TaskBounds::follow(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> at, int number) {

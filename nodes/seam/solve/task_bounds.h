@@ -21,7 +21,7 @@ public:
 
     bool find(const EnergyVolume& energy, Window window, int number, const Tick& tick) override;
     double with(const SeamStart& start) const override { return consecutive_.with(start); }
-    std::optional<double> energy(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number, const Tick& tick) override;
+    std::optional<double> energy_bound(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> found, int number, const Tick& tick) override;
     void follow(const EnergyVolume& energy, Window window, std::span<const std::uint16_t> at, int number) override;
 
 private:
