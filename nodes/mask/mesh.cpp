@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
 #include "nodes/mask/threshold.h"
+#include "nodes/mesh/made_once.h"
 #include "nodes/mesh/topology.h"
 #include "nodes/sdf/from_mesh.h"
 
@@ -40,11 +41,15 @@ struct MaskMesh {
         if (params.where == Where::near && params.distance == 0) check.fault("where", "`where: near` needs a 'distance' above 0");
     }
 
-    static void run(const Params& params, Ports& io, Context&) {
+    void run(const Params& params, Ports& io, Context&) const {
         cubic_voxel_size(*io.like->grid);
         const auto& transform = io.like->grid->transform();
-        io.mask = params.where == Where::inside ? inside_mask(*io.mesh, transform) : near_mask(*io.mesh, transform, params.distance);
+        io.mask = made_(io.mesh, transform,
+                        [&] { return params.where == Where::inside ? inside_mask(*io.mesh, transform) : near_mask(*io.mesh, transform, params.distance); });
     }
+
+private:
+    MadeOnce<MaskGrid> made_;
 };
 
 constexpr double least_band = 3;  ///< voxels; wide enough for signs to be right everywhere

@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
+#include "nodes/mesh/made_once.h"
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"
 
@@ -126,14 +127,16 @@ struct SdfFromMesh {
         if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
     }
 
-    static void run(const Params& params, Ports& io, Context& context) {
+    void run(const Params& params, Ports& io, Context& context) const {
         const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
         if (io.like) cubic_voxel_size(*io.like->grid);
-        auto surface = mesh_distance(*io.mesh, *transform, params.band, params.thickness);
-        if (surface->getGridClass() != openvdb::GRID_LEVEL_SET)
+        io.surface = made_(io.mesh, *transform, [&] { return mesh_distance(*io.mesh, *transform, params.band, params.thickness); });
+        if (io.surface->getGridClass() != openvdb::GRID_LEVEL_SET)
             context.warn("the mesh is not closed, so that it has no inside: the distances have no sign; state a `thickness` for a shell around its faces");
-        io.surface = std::move(surface);
     }
+
+private:
+    MadeOnce<FloatGrid> made_;
 };
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "nodes/sdf/from_points.h"
 
 #include "nodes/field/stencil.h"
+#include "nodes/sdf/balls.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/LevelSetFilter.h>
-#include <openvdb/tools/ParticlesToLevelSet.h>
 
 namespace fluidcarve {
 namespace {
@@ -12,29 +12,19 @@ namespace {
 /// Maximum distance of a point from the grid's origin, voxels.
 constexpr double farthest_point = 1e9;
 
-/// Moves positions that are exactly at a voxel centre by a tiny amount: in a ball smaller than the band, ParticlesToLevelSet would make a
-/// hole there.
-/// @throws Failure if a position is too far from the grid's origin
-std::vector<openvdb::Vec3d> off_centres(std::vector<openvdb::Vec3d> positions, const openvdb::math::Transform& transform) {
-    const double voxel = transform.voxelSize().x();
-    for (auto& at : positions) {
-        const auto index = [&] { return transform.worldToIndex(at); };
-        if (!(index().length() < farthest_point))
+/// Index coordinates of points.
+/// @throws Failure if one is too far from the grid's origin
+std::vector<openvdb::Vec3d> index_coordinates(std::vector<openvdb::Vec3d> positions, const openvdb::math::Transform& transform) {
+    for (auto& position : positions) {
+        const auto at = transform.worldToIndex(position);
+        if (!(at.length() < farthest_point))
             throw Failure(fmt::format(
-                "a particle at [{}, {}, {}] is too far from the grid's origin for this size of voxels; choose larger voxels, or remove the particle", at.x(),
-                at.y(), at.z()));
-        for (double hair = 1e-9 * voxel; hair < voxel && index() == openvdb::Coord::round(index()).asVec3d(); hair *= 2) at.x() += hair;
+                "a particle at [{}, {}, {}] is too far from the grid's origin for this size of voxels; choose larger voxels, or remove the particle",
+                position.x(), position.y(), position.z()));
+        position = at;
     }
     return positions;
 }
-
-/// The interface to points that ParticlesToLevelSet needs.
-struct Balls {
-    using PosType = openvdb::Vec3R;
-    const std::vector<openvdb::Vec3d>& positions;
-    std::size_t size() const { return positions.size(); }
-    void getPos(std::size_t n, PosType& at) const { at = positions[n]; }
-};
 
 struct FromPoints {
     struct Params {
@@ -65,19 +55,11 @@ struct FromPoints {
 }  // namespace
 
 FloatGrid::Ptr sdf_of_points(const Points& points, const openvdb::math::Transform& transform, const Splat& splat) {
-    const double voxel = transform.voxelSize().x();
-    const auto out = FloatGrid::create(static_cast<float>(splat.half_width * voxel));
+    const auto centres = index_coordinates(points.positions(), transform);
+    const auto out = FloatGrid::create(distances_to_balls({centres, splat.radius, splat.half_width}, transform.voxelSize().x()));
     out->setTransform(transform.copy());
     out->setGridClass(openvdb::GRID_LEVEL_SET);
     out->setName("surface");
-    const auto positions = off_centres(points.positions(), transform);
-    if (positions.empty()) return out;
-    openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*out);
-    // Accept balls smaller than a voxel, though they only show if they contain a voxel centre.
-    raster.setRmin(0);
-    raster.setRmax(2 * splat.radius);
-    raster.rasterizeSpheres(Balls{positions}, splat.radius * voxel);
-    raster.finalize(true);
     if (splat.smoothing > 0 && !out->tree().empty()) {
         openvdb::tools::LevelSetFilter<FloatGrid> filter(*out);
         for (int pass = 0; pass < splat.smoothing; ++pass) filter.mean(1);

@@ -4,7 +4,7 @@
 //
 // --large: the paper's smoke vortex, 322 x 105 x 331 vertices and 84 frames (needs 3 GB), and smoke in 1000 x 600 x 600 voxels
 // --keep: write the figures to pipelines/gallery/bench.md
-// --only: pipeline, memory, cache, energy, remap, vortex, cut, lqr, greedy, pyramid, sparse, warp or page
+// --only: pipeline, memory, cache, energy, remap, points, vortex, cut, lqr, greedy, pyramid, sparse, warp or page
 // the folder: another sequence like tests/data/vortex
 
 #include "graph/build_pipeline.h"
@@ -14,9 +14,12 @@
 #include "nodes/energy/vorticity.h"
 #include "nodes/io/vdb_file.h"
 #include "nodes/lattice/build.h"
+#include "nodes/points/file.h"
 #include "nodes/remap/grid.h"
 #include "nodes/remap/rim.h"
 #include "nodes/rig/circle.h"
+#include "nodes/sdf/balls.h"
+#include "nodes/sdf/balls.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seam/greedy.h"
@@ -31,6 +34,7 @@
 #include "tests/bench/sparse.h"
 #include "tests/bench/vortex.h"
 #include "tests/bench/warp.h"
+#include "tests/support/balls_by_openvdb.h"
 #include "tests/support/program.h"
 #include "tests/support/seams_through.h"
 #include "tests/support/synthetic_energy.h"
@@ -236,6 +240,17 @@ void bench_memory() {
     line("read, vorticity, write: peak memory of 160 frames / of 16", many / few, fmt::format("{:.1f} MB, {:.1f} MB", many / 1e6, few / 1e6), Better::lower);
 }
 
+void bench_points() {
+    const auto points = read_points(SOURCE_ROOT "/tests/data/river/meander.0037.vdb", "", PointOffset::detect, {});
+    auto centres = points.positions();
+    const double voxel = points.grid->voxelSize().x();
+    for (auto& centre : centres) centre = points.grid->worldToIndex(centre);
+    const Balls balls{centres, 1.4, 3};
+    const double rival = seconds(5, [&] { test::balls_by_openvdb(balls, voxel); }), ours = seconds(15, [&] { distances_to_balls(balls, voxel); });
+    line(fmt::format("river, {} particles: ParticlesToLevelSet / sdf.from_points", centres.size()), rival / ours,
+         fmt::format("{:.3f} s, {:.3f} s", rival, ours));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -262,6 +277,7 @@ int main(int argc, char** argv) {
              bench_remap("dense 161x52x165", dense, lattice_around(*dense));
              bench_remap("ring in dense 322x105x331", dense_field({322, 105, 331}), ring_in({322, 105, 331}));
          }},
+        {"points", bench_points},
         {"vortex", [&] { bench_vortex(vortex); }},
         {"cut", bench_cut},
         {"lqr", bench_lqr},

@@ -3,6 +3,7 @@
 #include "nodes/mesh/topology.h"
 #include "nodes/sdf/from_mesh.h"
 #include "nodes/sdf/to_mesh.h"
+#include "tests/support/grid_bytes.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/sampled.h"
 
@@ -237,6 +238,38 @@ TEST_CASE("sdf.from_mesh takes its voxels from a size or from a grid, and warns 
     run(boxed(Vec3d(0), Vec3d(1), true));
     REQUIRE(heard.warnings.size() == 1);
     CHECK(heard.warnings[0].starts_with("the mesh is not closed"));
+}
+
+TEST_CASE("frames that share a mesh and its voxels share the distances and masks that nodes make of it") {
+    const auto mesh = std::make_shared<Mesh>(boxed(Vec3d(0), Vec3d(1))), other = std::make_shared<Mesh>(boxed(Vec3d(0), Vec3d(0.5)));
+    const auto like = [](double size) {
+        const auto out = FloatGrid::create();
+        out->setTransform(voxels(size));
+        return Payload(std::make_shared<AnyGrid>(AnyGrid{out}));
+    };
+    const auto check = [&]<class GridT>(NodeBench bench, const char* output, GridT*) {
+        const auto run = [&](const std::shared_ptr<Mesh>& of, double size) {
+            return bench.run({{"mesh", {Payload(of)}}, {"like", {like(size)}}}).at(output).template as<GridT>();
+        };
+        const auto first = run(mesh, 0.1);
+        CHECK(run(mesh, 0.1) == first);
+        const auto coarse = run(mesh, 0.2), small = run(other, 0.2);
+        CHECK(coarse->voxelSize() == Vec3d(0.2));
+        CHECK(small->activeVoxelCount() < coarse->activeVoxelCount());
+        CHECK(bytes(run(mesh, 0.1)->tree()) == bytes(first->tree()));
+    };
+    check(NodeBench(sdf_from_mesh(), "{}", {{"like", 1}}), "surface", static_cast<FloatGrid*>(nullptr));
+    check(NodeBench(mask_mesh(), "{}", {{"like", 1}}), "mask", static_cast<MaskGrid*>(nullptr));
+}
+
+TEST_CASE("a mesh that can't be made into a grid fails in each frame, not in the first alone") {
+    NodeBench bench(mask_mesh(), "{}", {{"like", 1}});
+    const auto open = std::make_shared<Mesh>(boxed(Vec3d(0), Vec3d(1), true));
+    const auto like = std::make_shared<AnyGrid>(AnyGrid{FloatGrid::create()});
+    for (int frame = 0; frame < 2; ++frame) {
+        INFO(frame);
+        CHECK(failure_of([&] { bench.run({{"mesh", {Payload(open)}}, {"like", {Payload(like)}}}); }).starts_with("the mesh is not closed"));
+    }
 }
 
 TEST_CASE("the voxels in a mesh, and near it, are those whose centres are") {
