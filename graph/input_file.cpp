@@ -77,6 +77,16 @@ void InputFile::require_same_size() const {
     if (static_cast<std::uint64_t>(now.st_size) != size_) changed(static_cast<std::uint64_t>(now.st_size));
 }
 
+void InputFile::advise(Use use) const {
+    if (use == Use::over) {
+        posix_fadvise(file_, 0, 0, POSIX_FADV_DONTNEED);
+        return;
+    }
+    // Linux reads no more than this at one request, where the disk's read-ahead is as by default.
+    constexpr std::uint64_t at_once = 128 * 1024;
+    for (std::uint64_t at = 0; at < size_; at += at_once) posix_fadvise(file_, static_cast<off_t>(at), at_once, POSIX_FADV_WILLNEED);
+}
+
 std::size_t InputFile::read_some(std::uint64_t at, char* into, std::size_t bytes) const {
     std::size_t done = 0;
     while (done < bytes) {

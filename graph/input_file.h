@@ -50,6 +50,10 @@ public:
     /// @throws Unreadable if the file holds more or less bytes than when it was opened
     void require_same_size() const;
 
+    enum class Use { soon, over };
+    /// Tells the system that all of the file will be read soon, so that it begins to, or that nobody will read it again, so that it need not hold it.
+    void advise(Use use) const;
+
 private:
     /// @return the bytes read; fewer than `bytes` at the end of the file
     std::size_t read_some(std::uint64_t at, char* into, std::size_t bytes) const;

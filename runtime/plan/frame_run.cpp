@@ -1,8 +1,13 @@
 #include "runtime/plan/frame_run.h"
 
+#include <algorithm>
 #include <set>
 
 namespace fluidcarve {
+
+bool Wiring::failed_before(std::size_t node, const FrameRun& frame) const {
+    return std::ranges::any_of(sources[node], [&](std::size_t source) { return frame.failed[source] != 0; });
+}
 
 Wiring wire(const Pipeline& pipeline, const Pass& pass) {
     Wiring out;

@@ -36,6 +36,9 @@ struct Wiring {
     std::vector<std::size_t> units;                 ///< nodes of the pass: per-frame nodes, then gatherers
     std::vector<std::vector<std::size_t>> sources;  ///< per pipeline node: per-frame nodes that it reads, each once
     std::vector<std::vector<std::size_t>> readers;  ///< per pipeline node: units that read it
+
+    /// Whether a node that this one reads failed in a frame.
+    bool failed_before(std::size_t node, const FrameRun& frame) const;
 };
 
 Wiring wire(const Pipeline& pipeline, const Pass& pass);

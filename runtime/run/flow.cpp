@@ -4,6 +4,7 @@
 #include "runtime/run/file_provenance.h"
 #include "runtime/run/out_of_memory.h"
 #include "runtime/run/ports.h"
+#include "runtime/run/read_ahead.h"
 
 #include <fmt/format.h>
 #include <tbb/flow_graph.h>
@@ -185,7 +186,7 @@ struct Flow::Self {
     }
 
     /// Whether a frame can't be run: a node before failed there, or the run was cancelled.
-    bool hopeless(std::size_t n, const FrameRun& frame, const Wiring& wiring) const { return upstream_failed(n, frame, wiring) || cancelled(); }
+    bool hopeless(std::size_t n, const FrameRun& frame, const Wiring& wiring) const { return wiring.failed_before(n, frame) || cancelled(); }
 
     /// Frame number at a place; nothing for a node that runs once.
     std::optional<int> frame_at(std::size_t n, std::size_t place) const {
@@ -283,10 +284,6 @@ struct Flow::Self {
         release(n, frame, wiring);
     }
 
-    static bool upstream_failed(std::size_t n, const FrameRun& frame, const Wiring& wiring) {
-        return std::any_of(wiring.sources[n].begin(), wiring.sources[n].end(), [&](std::size_t source) { return frame.failed[source]; });
-    }
-
     /// Computes or loads a gatherer's digest of a frame, concurrently with other frames. It becomes the gatherer's only output in
     /// the frame.
     void digest(std::size_t n, FrameRun& frame, const Wiring& wiring) {
@@ -328,7 +325,7 @@ struct Flow::Self {
     bool add(std::size_t n, FrameRun& frame, const Wiring& wiring, bool all) {
         bool good = true;
         if (const auto how = frame.scheduled.takes[n]; how != Take::none) {
-            good = !cancelled() && !frame.failed[n] && (how == Take::kept || !upstream_failed(n, frame, wiring));
+            good = !cancelled() && !frame.failed[n] && (how == Take::kept || !wiring.failed_before(n, frame));
             Line line(*this, n);
             if (good && all) good = take(line, frame);
             if (!behaviours[n].digest) {
@@ -414,6 +411,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     for (std::size_t place = 0; place < frames_of_pass.size(); ++place)
         if (!frames_of_pass[place].empty()) places.push_back(place);
 
+    ReadAhead ahead(files_read(self.store, wiring, frames_of_pass, places), static_cast<std::size_t>(self.options.in_flight), self.options.memory);
     flow::graph graph;
     std::size_t next = 0;
     // Only numbers wait in front of the limiter. Frames are created behind it.
@@ -426,6 +424,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     for (const auto unit : wiring.units) ends += wiring.readers[unit].empty() ? 1 : 0;
     flow::function_node<std::size_t, Token> admit(graph, flow::unlimited, [&](std::size_t order) {
         ++self.in_flight;
+        ahead.begin(order);
         auto frame = std::make_shared<FrameRun>(places[order], order, frames_of_pass[places[order]]);
         frame->open = ends;
         for (const auto unit : wiring.units) {
@@ -437,6 +436,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     flow::function_node<Token, flow::continue_msg> retire(graph, flow::unlimited, [&](const Token& frame) {
         if (frame->open.fetch_sub(1) == 1) {
             --self.in_flight;
+            ahead.end(frame->order);
             if (frame->scheduled.computes()) self.progress.passed(self.frames[frame->place]);
             limiter.decrementer().try_put(flow::continue_msg{});
         }

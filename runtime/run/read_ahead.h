@@ -1,0 +1,54 @@
+#pragma once
+
+#include "runtime/keep/store.h"
+#include "runtime/plan/frame_run.h"
+#include "runtime/plan/schedule.h"
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace fluidcarve {
+
+/// Has the system read the files of the next frames while earlier ones are worked on. It asks in a thread of its own, since a slow disk may keep who asks
+/// waiting. If all files together are larger than memory, it also gives back the memory of those that no later frame reads.
+class ReadAhead {
+public:
+    /// @param files   paths that frames read, `[frame]`, in the order in which frames begin
+    /// @param ahead   number of frames to read ahead
+    /// @param memory  bytes
+    ReadAhead(std::vector<std::vector<std::string>> files, std::size_t ahead, std::uint64_t memory);
+    ~ReadAhead();
+    ReadAhead(const ReadAhead&) = delete;
+    ReadAhead& operator=(const ReadAhead&) = delete;
+
+    /// Tells that the work on a frame begins, or is done. For any thread.
+    void begin(std::size_t frame);
+    void end(std::size_t frame);
+
+private:
+    void work(const std::stop_token& stop);
+
+    const std::vector<std::vector<std::string>> files_;
+    const std::size_t ahead_;
+    std::map<std::string, std::size_t> last_;  ///< file to the last frame that reads it
+    bool drops_ = false;
+    std::mutex mutex_;
+    std::condition_variable_any changed_;
+    std::size_t next_ = 0, until_ = 0;  ///< frames that are asked for next
+    std::vector<std::size_t> done_;     ///< frames whose files may be dropped
+    std::jthread thread_;
+};
+
+/// Paths of the files that nodes read in the frames of a pass, `[frame]`.
+/// @param scheduled  the pass's frames, by place
+/// @param places     of the frames, in the order in which they begin
+std::vector<std::vector<std::string>> files_read(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled,
+                                                 const std::vector<std::size_t>& places);
+
+}  // namespace fluidcarve
