@@ -4,7 +4,6 @@
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/declare_solver.h"
 #include "nodes/seam/search/columns.h"
-#include "nodes/seam/search/open_line.h"
 
 #include <fmt/format.h>
 
@@ -25,7 +24,9 @@ bool in_open_line(const EnergyVolume& energy) {
     return in_line(columns) && !closes(columns);
 }
 
-Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) {
+Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick) { return DynamicSeams()(energy, window, number, tick); }
+
+Seams::Seam DynamicSeams::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const {
     const Columns columns(energy);
     if (!in_line(columns))
         throw Failure(fmt::format(
@@ -33,13 +34,13 @@ Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, 
             columns.laterals(), columns.slices(), columns.frames()));
     tick(0);
     if (closes(columns)) return exact_seam(energy, window, number, [&] { tick(0); });
-    return open_line_seam(energy, window, number);
+    return (*line_)(energy, window, number);
 }
 
 namespace {
 
 struct Dynamic : SeamNode {
-    void finish(const Params& params, Ports& io, Context& context) { solve(params, io, context, dynamic_seam); }
+    void finish(const Params& params, Ports& io, Context& context) { solve(params, io, context, DynamicSeams()); }
 };
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include "graph/types/node_type.h"
 #include "nodes/seam/search/find_seams.h"
+#include "nodes/seam/search/open_line.h"
+
+#include <memory>
 
 namespace fluidcarve {
 
@@ -13,7 +16,16 @@ bool in_open_line(const EnergyVolume& energy);
 /// @throws Failure if columns stand beside each other in more than one dimension
 Seams::Seam dynamic_seam(const EnergyVolume& energy, Window window, int number, const Tick& tick);
 
-/// `seam.dynamic`: the node of dynamic_seam().
+/// The same for seams that are found one after the other, by find_seams(): each begins with what the last one left. Copies share it.
+class DynamicSeams {
+public:
+    Seams::Seam operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick) const;
+
+private:
+    std::shared_ptr<OpenLine> line_ = std::make_shared<OpenLine>();
+};
+
+/// `seam.dynamic`: the node of DynamicSeams.
 NodeType seam_dynamic();
 
 }  // namespace fluidcarve

@@ -2,7 +2,6 @@
 
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/declare_solver.h"
-#include "nodes/seam/dynamic.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/line_sweeps.h"
@@ -92,7 +91,7 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
 
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds) const {
     const auto alive = [&] { tick(0); };
-    if (in_open_line(energy)) return dynamic_seam(energy, window, number, tick);
+    if (in_open_line(energy)) return lines_(energy, window, number, tick);
     if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
     bool bounded = false;

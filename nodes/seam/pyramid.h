@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/node_type.h"
+#include "nodes/seam/dynamic.h"
 #include "nodes/seam/search/find_seams.h"
 #include "nodes/seam/search/strip_messages.h"
 
@@ -44,7 +45,8 @@ private:
 
     Quality quality_;
     int starts_;
-    KeptMemory memory_;  ///< of strips and messages
+    KeptMemory memory_;   ///< of strips and messages
+    DynamicSeams lines_;  ///< of energies whose columns stand in one line
 };
 
 /// `seam.pyramid`: the node of Pyramid.

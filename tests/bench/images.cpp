@@ -113,7 +113,7 @@ std::vector<Solver> solvers(std::size_t seams) {
     return {{"random", random_walk, none, none},
             {"greedy, 1 start", [] { return greedy(1); }, none, none},
             {"greedy, 16 starts", [] { return greedy(16); }, none, none},
-            {"dynamic", [] { return FindSeam(dynamic_seam); }, none, none},
+            {"dynamic", [] { return FindSeam(DynamicSeams()); }, none, none},
             {"pyramid", [] { return FindSeam(Pyramid(Quality::normal, 16)); }, none, none}};
 }
 

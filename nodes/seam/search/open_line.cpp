@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,169 +46,240 @@ FLUIDCARVE_WIDE void extend_by_steps(const float* __restrict energies, const dou
     }
 }
 
-/// Reads the energies of a window's entries.
-class Rows {
-public:
-    Rows(const EnergyVolume& energy, Window window) : energy_(energy), first_(static_cast<std::size_t>(window.first)) {}
-
-    /// The energies of `count` entries of a column; valid until the next call. @param begin  the first, counted from the window's first
-    const float* operator()(std::size_t column, std::size_t begin, std::size_t count) {
-        const auto per_frame = energy_.columns_per_frame(), frame = column / per_frame, cell = column % per_frame * energy_.stride() + first_ + begin;
-        if (energy_.summed()) return energy_.cells<float>(frame) + cell;
-        const auto* const codes = energy_.cells<std::uint16_t>(frame) + cell;
-        decoded_.resize(count);
-        if (energy_.protects() || energy_.attracts()) std::transform(codes, codes + count, decoded_.begin(), energy_.costs());
-        else decode_energies({codes, count}, decoded_);
-        return decoded_.data();
-    }
-
-private:
-    const EnergyVolume& energy_;
-    std::size_t first_;
-    std::vector<float> decoded_;
-};
-
 constexpr double endless = std::numeric_limits<double>::infinity();
 
-/// Finds the cheapest ways to a part of the window's entries, a run of columns at a time. Ways reach one entry further with each column, so the part looks at
-/// as many entries beyond its ends as a run has columns.
-class Part {
-public:
-    static constexpr std::size_t run = 64;  ///< columns
+/// The line in which a seam is sought now.
+struct Line {
+    const EnergyVolume& energy;
+    std::size_t first, width;  ///< of the window; entries below are counted from its first
+    StepCosts steps;
+    bool in_time;
+    float rigidity, weight;
+    std::size_t length;  ///< columns
 
-    /// @param begin, end  entries, counted from the window's first
-    Part(const EnergyVolume& energy, Window window, std::size_t begin, std::size_t end)
-        : rows_(energy, window),
-          steps_(energy.steps()),
-          rigidity_(energy.rigidity()[energy.frames() > 1 ? 1 : 0]),
-          weight_(energy.field_weight()),
-          begin_(begin),
-          end_(end),
-          from_(begin > run ? begin - run : 0),
-          count_(std::min(end + run, static_cast<std::size_t>(window.size())) - from_),
-          first_field_(static_cast<std::size_t>(window.first) + from_),
-          field_(count_ + 2),
-          field_before_(count_ + 2),
-          ways_(count_ + 2, endless),
-          ways_before_(count_ + 2, endless) {}
+    Line(const EnergyVolume& energy, Window window)
+        : energy(energy),
+          first(static_cast<std::size_t>(window.first)),
+          width(static_cast<std::size_t>(window.size())),
+          steps(energy.steps()),
+          in_time(energy.frames() > 1),
+          rigidity(energy.rigidity()[in_time ? 1 : 0]),
+          weight(energy.field_weight()),
+          length(energy.columns_per_frame() * energy.frames()) {}
 
-    /// Extends ways by the columns of a run.
-    /// @param before  costs of the ways to all entries of the column before
-    /// @param now     becomes those of the last column, for the part's entries
-    /// @param keep    called with each column, and the costs of the ways to the part's entries there
-    template <class Keep>
-    void extend_by(std::size_t first_column, std::size_t end_column, std::span<const double> before, std::span<double> now, const Keep& keep) {
-        std::ranges::copy(before.subspan(from_, count_), ways_before_.begin() + 1);
-        const auto own = [&](const std::vector<double>& ways) { return std::span(ways).subspan(1 + begin_ - from_, end_ - begin_); };
-        for (auto c = first_column; c < end_column; ++c) {
-            read_field(c);
-            const auto* const energies = rows_(c, from_, count_);
-            if (!steps_ || c == 0) extend(energies, ways_before_.data() + 1, count_, ways_.data() + 1);
-            else extend_by_steps(energies, ways_before_.data() + 1, field_.data() + 1, field_before_.data() + 1, rigidity_, weight_, count_, ways_.data() + 1);
-            keep(c, begin_, own(ways_));
-            std::swap(ways_before_, ways_);
-        }
-        std::ranges::copy(own(ways_before_), now.begin() + static_cast<std::ptrdiff_t>(begin_));
+    /// The energies of `count` entries of a column. @param decoded  where they may be put
+    const float* energies(std::size_t column, std::size_t begin, std::size_t count, std::vector<float>& decoded) const {
+        const auto per_frame = energy.columns_per_frame(), frame = column / per_frame, cell = column % per_frame * energy.stride() + first + begin;
+        if (energy.summed()) return energy.cells<float>(frame) + cell;
+        const auto* const codes = energy.cells<std::uint16_t>(frame) + cell;
+        decoded.resize(count);
+        if (energy.protects() || energy.attracts()) std::transform(codes, codes + count, decoded.begin(), energy.costs());
+        else decode_energies({codes, count}, decoded);
+        return decoded.data();
     }
-
-private:
-    /// Takes the next column's field.
-    void read_field(std::size_t column) {
-        if (!steps_.has_field()) return;
-        std::swap(field_, field_before_);
-        decode_fields({steps_.field(column) + first_field_, count_}, std::span(field_).subspan(1, count_));
+    /// Cost of the step to an entry of a column from one of the column before.
+    double step_cost(std::size_t column, std::ptrdiff_t entry, std::ptrdiff_t from) const {
+        const auto place = [&](std::ptrdiff_t n) { return static_cast<int>(first) + static_cast<int>(n); };
+        return steps ? static_cast<double>(steps(column, place(entry), column - 1, place(from), in_time)) : 0;
     }
-
-    Rows rows_;
-    StepCosts steps_;
-    float rigidity_, weight_;
-    std::size_t begin_, end_, from_, count_, first_field_;
-    std::vector<float> field_, field_before_;  ///< of a column and of the one before, with an entry more at both ends
-    std::vector<double> ways_, ways_before_;   ///< costs, with an infinity at both ends
 };
 
-/// Finds the cheapest way through a line of columns.
-class OpenLine {
-public:
-    OpenLine(const EnergyVolume& energy, Window window)
-        : rows_(energy, window),
-          steps_(energy.steps()),
-          in_time_(energy.frames() > 1),
-          length_(energy.columns_per_frame() * energy.frames()),
-          width_(static_cast<std::size_t>(window.size())),
-          first_(window.first) {
-        constexpr std::size_t least = 4 * Part::run;
-        const auto count = std::clamp<std::size_t>(width_ / least, 1, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
-        for (std::size_t n = 0; n < count; ++n) parts_.emplace_back(energy, window, width_ * n / count, width_ * (n + 1) / count);
+/// Entries `begin` to `end - 1`.
+struct EntryRange {
+    std::size_t begin = 0, end = 0;
+    bool empty() const { return begin >= end; }
+    std::size_t size() const { return end - begin; }
+    void add(const EntryRange& other) {
+        if (other.empty()) return;
+        *this = empty() ? other : EntryRange{std::min(begin, other.begin), std::max(end, other.end)};
     }
+    EntryRange widened(std::size_t by, std::size_t width) const { return {begin > by ? begin - by : 0, std::min(end + by, width)}; }
+};
 
-    /// Finds the cheapest way through all columns.
-    /// @param at  becomes its entries, counted from the window's first
-    /// @return its cost
-    double solve(int number, std::vector<std::uint16_t>& at) {
-        std::vector<double> before(width_, 0.0), now(width_);
-        kept_.resize(((length_ - 1) / apart + 1) * width_);
-        const auto keep = [&](std::size_t column, std::size_t entry, std::span<const double> ways) {
-            if (column % apart == 0) std::ranges::copy(ways, kept_.begin() + static_cast<std::ptrdiff_t>(column / apart * width_ + entry));
-        };
-        for (std::size_t c = 0; c < length_; c += Part::run) {
-            const auto end = std::min(c + Part::run, length_);
-            tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t n) { parts_[n].extend_by(c, end, before, now, keep); });
-            std::swap(before, now);
+/// Extends the cheapest ways to some entries by a few columns. Ways reach one entry further with each column, so this looks at as many entries beyond both
+/// ends as there are columns.
+class Extension {
+public:
+    /// @param column      the last one that the ways before reach
+    /// @param before      costs of these ways, to all entries
+    /// @param end_column  behind the last column
+    /// @param now         becomes the costs of the ways to the last column, for the entries of `range`
+    void operator()(const Line& line, std::size_t column, std::span<const double> before, std::size_t end_column, const EntryRange& range, double* now) {
+        const auto all = range.widened(end_column - column - 1, line.width);
+        const auto count = all.size();
+        for (auto* const ways : {&ways_, &ways_before_}) {
+            ways->resize(count + 2);
+            ways->front() = ways->back() = endless;
         }
-        const auto least = std::ranges::min_element(before);
-        at.resize(length_);
-        at.back() = static_cast<std::uint16_t>(least - before.begin());
-        for (auto last = length_ - 1; last > 0; last = (last - 1) / apart * apart) go_back(last, number, at);
-        return *least;
+        std::ranges::copy(before.subspan(all.begin, count), ways_before_.begin() + 1);
+        read_field(line, column, all);
+        for (auto c = column + 1; c < end_column; ++c) {
+            std::swap(field_, field_before_);
+            read_field(line, c, all);
+            const auto* const energies = line.energies(c, all.begin, count, decoded_);
+            if (!line.steps) extend(energies, ways_before_.data() + 1, count, ways_.data() + 1);
+            else
+                extend_by_steps(energies, ways_before_.data() + 1, field_.data() + 1, field_before_.data() + 1, line.rigidity, line.weight, count,
+                                ways_.data() + 1);
+            std::swap(ways_before_, ways_);
+        }
+        std::copy_n(ways_before_.begin() + static_cast<std::ptrdiff_t>(1 + range.begin - all.begin), range.size(), now);
     }
 
 private:
+    /// Reads a column's field, with an entry more at both ends.
+    void read_field(const Line& line, std::size_t column, const EntryRange& all) {
+        field_.resize(all.size() + 2);
+        field_before_.resize(all.size() + 2);
+        if (line.steps.has_field()) decode_fields({line.steps.field(column) + line.first + all.begin, all.size()}, std::span(field_).subspan(1, all.size()));
+    }
+
+    std::vector<float> decoded_, field_, field_before_;
+    std::vector<double> ways_, ways_before_;  ///< costs, with an infinity at both ends
+};
+
+}  // namespace
+
+struct OpenLine::Self {
     static constexpr std::size_t apart = 32;  ///< columns from one whose ways are kept to the next
     /// Costs of the ways to those entries of a column from which the seam can be reached, with infinities around.
     using Ways = std::array<double, 2 * apart + 3>;
 
-    /// Cost of the step to an entry of a column from one of the column before; entries counted from the window's first.
-    double step_cost(std::size_t column, std::ptrdiff_t entry, std::ptrdiff_t from) const {
-        return steps_ ? static_cast<double>(steps_(column, first_ + static_cast<int>(entry), column - 1, first_ + static_cast<int>(from), in_time_)) : 0;
+    /// The last seam, and where it was found.
+    struct Last {
+        std::vector<std::uint16_t> at;  ///< entries of the window
+        int number;
+        const EnergyVolume* energy;
+        int energy_width;
+        std::size_t first, width, length;  ///< as in Line
+    };
+
+    std::size_t row_size = 0;
+    std::vector<double> kept;  ///< costs of the ways to the entries of every 32nd column and of the last one, `[row][entry]`
+    std::optional<Last> last;
+    std::vector<double> found;
+    std::vector<Extension> extensions;
+    std::vector<float> decoded;
+    std::array<Ways, apart> ways;
+
+    static std::size_t rows(const Line& line) { return (line.length + apart - 2) / apart + 1; }
+    static std::size_t column_of(const Line& line, std::size_t row) { return std::min(row * apart, line.length - 1); }
+    std::span<double> row(const Line& line, std::size_t r) { return std::span(kept).subspan(r * row_size, line.width); }
+
+    /// Whether the last seam is all that was deleted since.
+    bool follows(const Line& line, int number) const {
+        return last && number == last->number + 1 && &line.energy == last->energy && line.energy.width() + 1 == last->energy_width &&
+               line.first == last->first && line.width + 1 == last->width && line.length == last->length;
+    }
+
+    /// Brings the ways of a row up to date.
+    /// @param changed  entries of the row before that changed; becomes those of this one
+    /// @param near     entries of the columns since where energies or steps may have changed; of the first row: all
+    void update(const Line& line, std::size_t r, const EntryRange& near, EntryRange& changed) {
+        const auto column = column_of(line, r);
+        changed.add(near);
+        if (changed.empty()) return;
+        const auto range = r == 0 ? EntryRange{0, line.width} : changed.widened(column - column_of(line, r - 1), line.width);
+        found.resize(range.size());
+        if (r == 0) {
+            const auto* const energies = line.energies(0, 0, line.width, decoded);
+            std::copy_n(energies, line.width, found.begin());
+        } else {
+            extend_to(line, r, range);
+        }
+        auto* const here = row(line, r).data() + range.begin;
+        std::size_t begin = 0, end = range.size();
+        while (begin < end && here[begin] == found[begin]) ++begin;
+        while (end > begin && here[end - 1] == found[end - 1]) --end;
+        std::copy(found.begin() + static_cast<std::ptrdiff_t>(begin), found.begin() + static_cast<std::ptrdiff_t>(end), here + begin);
+        changed = {range.begin + begin, range.begin + end};
+    }
+
+    /// Finds the ways to entries of a row, in parts by all threads.
+    void extend_to(const Line& line, std::size_t r, const EntryRange& range) {
+        constexpr std::size_t least = 8 * apart;
+        const auto parts = std::clamp<std::size_t>(range.size() / least, 1, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+        if (extensions.size() < parts) extensions.resize(parts);
+        const auto extend_part = [&](std::size_t n) {
+            const EntryRange part{range.begin + range.size() * n / parts, range.begin + range.size() * (n + 1) / parts};
+            extensions[n](line, column_of(line, r - 1), row(line, r - 1), column_of(line, r) + 1, part, found.data() + (part.begin - range.begin));
+        };
+        if (parts == 1) extend_part(0);
+        else tbb::parallel_for(std::size_t{0}, parts, extend_part);
+    }
+
+    /// Entries beside the last seam, in some columns, whose energies or steps may be others now.
+    EntryRange near_seam(const Line& line, std::size_t first_column, std::size_t end_column) const {
+        const auto columns = std::span(last->at).subspan(first_column, end_column - first_column);
+        const auto [low, high] = std::ranges::minmax_element(columns);
+        // What is handed on, the edges that this changes, and the entries that now stand beside others.
+        const auto margin = static_cast<std::size_t>(line.energy.spread()) + 3;
+        return EntryRange{*low, *high + std::size_t{1}}.widened(margin, line.width);
+    }
+
+    /// Finds the cheapest way through all columns.
+    /// @param at  becomes its entries
+    /// @return its cost
+    double solve(const Line& line, int number, std::vector<std::uint16_t>& at) {
+        const bool goes_on = follows(line, number);
+        if (!goes_on) {
+            row_size = line.width;
+            kept.assign(rows(line) * row_size, std::numeric_limits<double>::quiet_NaN());
+        }
+        EntryRange changed;
+        for (std::size_t r = 0; r < rows(line); ++r) {
+            const auto column = column_of(line, r);
+            if (goes_on) {
+                auto* const here = kept.data() + r * row_size;
+                std::copy(here + last->at[column] + 1, here + line.width + 1, here + last->at[column]);
+            }
+            update(line, r, goes_on && r > 0 ? near_seam(line, column_of(line, r - 1) + 1, column + 1) : EntryRange{0, line.width}, changed);
+        }
+        const auto ends = row(line, rows(line) - 1);
+        const auto least = std::ranges::min_element(ends);
+        at.resize(line.length);
+        at.back() = static_cast<std::uint16_t>(least - ends.begin());
+        for (auto c = line.length - 1; c > 0; c = (c - 1) / apart * apart) go_back(line, c, number, at);
+        last = Last{at, number, &line.energy, line.energy.width(), line.first, line.width, line.length};
+        return *least;
     }
 
     /// Cost of a way to the entry before that a step comes from, and of the step.
     /// @param to   costs of the ways to the column before
     /// @param n    of the entry, in `to`, which begins at entry `low`
-    double way_from(const Ways& to, std::ptrdiff_t n, int step, std::size_t column, std::ptrdiff_t low) const {
+    static double way_from(const Line& line, const Ways& to, std::ptrdiff_t n, int step, std::size_t column, std::ptrdiff_t low) {
         const double way = to[static_cast<std::size_t>(n + step)];
-        return way < endless ? way + step_cost(column, low + n, low + n + step) : way;
+        return way < endless ? way + line.step_cost(column, low + n, low + n + step) : way;
     }
 
     /// Follows the seam from its entry in a column back to the nearest column before whose ways were kept.
-    void go_back(std::size_t last, int number, std::vector<std::uint16_t>& at) {
-        const auto first = (last - 1) / apart * apart;
-        const auto reach = static_cast<std::ptrdiff_t>(last - first), low = static_cast<std::ptrdiff_t>(at[last]) - reach - 1;
+    void go_back(const Line& line, std::size_t last_column, int number, std::vector<std::uint16_t>& at) {
+        const auto first = (last_column - 1) / apart * apart;
+        const auto reach = static_cast<std::ptrdiff_t>(last_column - first), low = static_cast<std::ptrdiff_t>(at[last_column]) - reach - 1;
         // Index n stands for entry low + n.
-        for (std::size_t c = first; c < last; ++c) {
-            auto& ways = ways_[c - first];
-            ways.fill(endless);
+        for (std::size_t c = first; c < last_column; ++c) {
+            auto& here = ways[c - first];
+            here.fill(endless);
             const auto begin = static_cast<std::size_t>(std::max<std::ptrdiff_t>(low, 0));
-            const auto* const row = c == first ? nullptr : rows_(c, begin, std::min(width_, begin + ways.size()) - begin);
+            const auto* const energies = c == first ? nullptr : line.energies(c, begin, std::min(line.width, begin + here.size()) - begin, decoded);
             const auto slack = static_cast<std::ptrdiff_t>(c - first) + 1;
             for (std::ptrdiff_t n = slack; n <= 2 * reach + 2 - slack; ++n) {
                 const auto entry = low + n;
-                if (entry < 0 || entry >= static_cast<std::ptrdiff_t>(width_)) continue;
+                if (entry < 0 || entry >= static_cast<std::ptrdiff_t>(line.width)) continue;
                 const auto place = static_cast<std::size_t>(n), e = static_cast<std::size_t>(entry);
-                if (!row) {
-                    ways[place] = kept_[first / apart * width_ + e];
+                if (!energies) {
+                    here[place] = row(line, first / apart)[e];
                 } else {
-                    const auto& to = ways_[c - first - 1];
-                    const auto from = [&](int step) { return way_from(to, n, step, c, low); };
-                    ways[place] = static_cast<double>(row[e - begin]) + std::min({from(-1), from(0), from(1)});
+                    const auto& to = ways[c - first - 1];
+                    const auto from = [&](int step) { return way_from(line, to, n, step, c, low); };
+                    here[place] = static_cast<double>(energies[e - begin]) + std::min({from(-1), from(0), from(1)});
                 }
             }
         }
         const int side = number % 2 == 0 ? -1 : 1;
         auto n = reach + 1;
-        for (auto c = last; c-- > first;) {
-            const auto way = [&](int step) { return way_from(ways_[c - first], n, step, c + 1, low); };
+        for (auto c = last_column; c-- > first;) {
+            const auto way = [&](int step) { return way_from(line, ways[c - first], n, step, c + 1, low); };
             int best = 0;
             for (const int step : {side, -side})
                 if (way(step) < way(best)) best = step;
@@ -215,22 +287,14 @@ private:
             at[c] = static_cast<std::uint16_t>(low + n);
         }
     }
-
-    Rows rows_;
-    const StepCosts steps_;
-    const bool in_time_;
-    const std::size_t length_, width_;
-    const int first_;
-    std::vector<Part> parts_;
-    std::vector<double> kept_;  ///< `[column / apart][entry]`
-    std::array<Ways, apart> ways_;
 };
 
-}  // namespace
+OpenLine::OpenLine() : self_(std::make_unique<Self>()) {}
+OpenLine::~OpenLine() = default;
 
-Seams::Seam open_line_seam(const EnergyVolume& energy, Window window, int number) {
+Seams::Seam OpenLine::operator()(const EnergyVolume& energy, Window window, int number) {
     std::vector<std::uint16_t> at;
-    const auto least = OpenLine(energy, window).solve(number, at);
+    const auto least = self_->solve({energy, window}, number, at);
     for (auto& entry : at) entry = static_cast<std::uint16_t>(entry + window.first);
     const auto sum = energy.attracts() ? energy_of(energy, at) : least;
     return {std::move(at), sum, sum};

@@ -123,3 +123,55 @@ TEST_CASE("volumes are no images: dynamic programming names who takes them") {
           }) ==
           "seam.dynamic needs columns in one line, as in images, but there are 3 x 2 x 4 columns (lateral, k, frames); use seam.pyramid or seam.graph_cut");
 }
+
+TEST_CASE("seams that begin with what the last one left are those found anew") {
+    std::mt19937 random(8);
+    for (int n = 0; n < 40; ++n) {
+        INFO("case " << n);
+        const int columns = 1 + static_cast<int>(random() % 200), width = 40 + static_cast<int>(random() % 300);
+        const ColumnGraph graph(n % 3 == 0 ? std::array{1, 1, columns} : std::array{columns, 1, 1});
+        auto energy = random_volume(random, graph, width, n % 4 == 0 ? 3 : 1024);
+        energy.set_spread(n % 5);
+        if (n % 2 == 0) energy.set_rigidity({2, 3});
+        const bool edges = n % 3 == 1;
+        if (edges) {
+            energy.add_field(0.5f, ~std::uint64_t{0}, "");
+            for (std::size_t t = 0; t < energy.frames(); ++t)
+                for (auto& code : energy.field(t)) code = encode_field(static_cast<float>(random() % 64));
+            energy.count_edges(~std::uint64_t{0}, "");
+        }
+        if (n % 7 == 0) {
+            for (std::size_t t = 0; t < energy.frames(); ++t)
+                for (auto& code : energy.codes(t))
+                    if (random() % 40 == 0) code = random() % 2 == 0 ? protected_code : attracted_code;
+            energy.find_marks();
+        }
+        const Window window{3, width - 4};
+        const DynamicSeams consecutive;
+        for (int number = 0; number < 30; ++number) {
+            const Window left{window.first, window.last - number};
+            const auto seam = consecutive(energy, left, number, nobody), anew = dynamic_seam(energy, left, number, nobody);
+            REQUIRE(seam.at == anew.at);
+            REQUIRE(seam.energy == anew.energy);
+            energy.remove(seam.at, left);
+        }
+    }
+}
+
+TEST_CASE("a search that does not follow the last one begins anew") {
+    std::mt19937 random(9);
+    const ColumnGraph graph({70, 1, 1});
+    auto energy = random_volume(random, graph, 90), other = random_volume(random, graph, 90);
+    const DynamicSeams seams;
+    const auto same = [&](const EnergyVolume& in, Window window, int number) {
+        const auto seam = seams(in, window, number, nobody);
+        CHECK(seam.at == dynamic_seam(in, window, number, nobody).at);
+        return seam;
+    };
+    energy.remove(same(energy, {0, 89}, 0).at, {0, 89});
+    same(energy, {0, 88}, 2);
+    same(energy, {1, 88}, 3);
+    same(other, {1, 89}, 4);
+    other.remove(same(other, {0, 89}, 0).at);
+    same(other, {0, 88}, 1);
+}
