@@ -47,15 +47,17 @@ FLUIDCARVE_WIDE void weighted_mean(std::span<const float> weights, const float* 
 }
 
 /// Writes a column's displacements without smoothing.
-/// @param to  `[entry]`, entries of the range, vertices
-void write_displacements(const CarveStep& step, std::span<const std::uint16_t> bounds, const Window& entries, float* to) {
+/// @param to  `[entry]`, entries of the range, vertices; up to seven more are overwritten
+FLUIDCARVE_WIDE void write_displacements(const CarveStep& step, std::span<const std::uint16_t> bounds, const Window& entries, float* to) {
     for (int e = entries.first; e <= entries.last;) {
         const auto passed = CarveStep::passed(e, bounds);
         const float d = 0.5f * static_cast<float>(step.displacement(e, passed, bounds));
         // Displacements change at bounds. At the bound itself, a new entry has one of its own.
         const bool at_bound = passed > 0 && bounds[passed - 1] == e;
         const int end = at_bound ? e + 1 : passed < bounds.size() ? std::min<int>(bounds[passed], entries.last + 1) : entries.last + 1;
-        for (; e < end; ++e) to[e - entries.first] = d;
+        const auto eight = eight_of(d);
+        for (int at = e; at < end; at += 8) std::memcpy(to + (at - entries.first), &eight, sizeof eight);
+        e = end;
     }
 }
 
@@ -162,8 +164,9 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     const auto laterals = static_cast<std::size_t>(out.laterals_), size = static_cast<std::size_t>(last - first) + 3;
     const auto smooth = [&](const tbb::blocked_range<std::size_t>& range) {
         // Rows of displacements: in the frames, over time, with what lies beyond a span, smoothed.
-        const auto row = whole_eights(size);
-        std::vector<float> frames(row * steps.size()), now(row), beyond(row + along.size()), smoothed(row);
+        const auto row = whole_eights(size + 7);
+        std::vector<float> frames(row * steps.size()), mean(row), beyond(row + along.size()), smoothed(row);
+        auto& now = steps.size() == 1 ? frames : mean;
         std::vector<const float*> of_frames, shifted;
         for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);
         for (std::size_t n = 0; n < along.size(); ++n) shifted.push_back(beyond.data() + n);
@@ -171,7 +174,7 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
             const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
             for (std::size_t n = 0; n < steps.size(); ++n)
                 write_displacements(*steps[n], steps[n]->bounds(lateral, k), {first, last}, frames.data() + n * row + 1);
-            weighted_mean(over, of_frames.data(), size, now.data());
+            if (steps.size() > 1) weighted_mean(over, of_frames.data(), size, mean.data());
             now.front() = static_cast<float>(out.ends_->first);
             now[size - 1] = static_cast<float>(out.ends_->second);
             auto* const to = out.entries() + column * out.row_;
