@@ -19,7 +19,6 @@
 #include "nodes/remap/rim.h"
 #include "nodes/rig/circle.h"
 #include "nodes/sdf/balls.h"
-#include "nodes/sdf/balls.h"
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seam/greedy.h"
