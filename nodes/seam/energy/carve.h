@@ -12,7 +12,7 @@ namespace fluidcarve {
 /// Carves one frame's energy into the space that earlier seams and warps leave. Removed entries disappear. An inserted entry is the mean of
 /// its neighbours (METHOD 4), and marked if either of them is. Under a warp an entry lies between two vertices, and is marked if either of
 /// them is; an entry without content has no energy.
-/// @param codes   energy codes, laid out as by sample_energy()
+/// @param codes   energy codes, laid out as by sample_columns()
 /// @param shape  I, J, K of the frame at full size; the steps carve it in order
 /// @param axis   along which the codes are contiguous; the steps' own axes may differ
 /// @param finest  2: the codes are at half size, and so is the result: each entry comes from the one where its first vertex comes from

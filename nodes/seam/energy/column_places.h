@@ -2,10 +2,14 @@
 
 #include "nodes/lattice/lattice.h"
 #include "nodes/lattice/mapping.h"
+#include "nodes/seams/window.h"
 
+#include <openvdb/math/Coord.h>
 #include <openvdb/math/Transform.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace fluidcarve {
 
@@ -32,6 +36,28 @@ public:
     openvdb::Vec3d operator()(int entry) const {
         const auto at = first_ + entry * step_;
         return snapped(linear_ ? at : transform_.worldToIndex(at));
+    }
+
+    /// The entries of the column that may lie in a box; some beside them may not.
+    /// @param box      of voxels; may be empty
+    /// @param entries  of the column
+    /// @return empty if none do: first 0, last -1
+    Window within(const openvdb::CoordBBox& box, int entries) const {
+        constexpr Window none{0, -1};
+        if (box.empty()) return none;
+        double low = 0, high = entries - 1;
+        for (int d = 0; linear_ && d < 3; ++d) {
+            const double from = box.min()[d] - first_[d], to = box.max()[d] - first_[d];
+            constexpr double hair = 1e-3;  // voxels
+            if (std::abs(step_[d]) * entries < hair) {
+                if (from > 2 * hair || to < -2 * hair) return none;
+                continue;
+            }
+            low = std::max(low, std::min(from / step_[d], to / step_[d]) - 1);
+            high = std::min(high, std::max(from / step_[d], to / step_[d]) + 1);
+        }
+        if (low > high) return none;
+        return {static_cast<int>(low), static_cast<int>(high)};
     }
 
 private:

@@ -9,8 +9,10 @@
 #include "nodes/seam/energy/code.h"
 #include "nodes/seam/energy/half.h"
 #include "nodes/seam/energy/marks.h"
+#include "nodes/seam/energy/sample.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,29 +70,101 @@ void read(FrameEnergy& out, BinaryReader& from) {
 
 std::size_t plane_size(const std::array<int, 3>& shape) { return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]); }
 
-/// Samples some planes at a time, and halves them.
-/// @param sample  fills the codes of planes: `sample(planes, energy, field)`
-template <class Sample>
-void sample_halves(const Lattice& lattice, Axis axis, const Sample& sample, FrameEnergy& out) {
-    constexpr std::size_t vertices_at_once = std::size_t{1} << 22;
-    const auto size = plane_size(lattice.shape), coarse_size = plane_size(gathered_shape(lattice.shape, 2));
-    const int at_once = 2 * static_cast<int>(std::max<std::size_t>(vertices_at_once / (2 * size), 1));
-    std::vector<std::uint16_t> energy, field;
-    for (int first = 0; first < lattice.shape[2]; first += at_once) {
-        const Planes planes{first, std::min(at_once, lattice.shape[2] - first)};
-        const auto count = static_cast<std::size_t>(planes.count);
-        energy.resize(size * count);
-        field.resize(out.field.empty() ? 0 : energy.size());
-        sample(planes, energy, field);
-        const ColumnShape shape{static_cast<std::size_t>(lattice.shape[dimension(axis)]), static_cast<std::size_t>(lattice.shape[lateral_dimension(axis)]),
-                                count};
-        const auto halves = [&](std::vector<std::uint16_t>& codes) {
-            return std::span(codes).subspan(coarse_size * static_cast<std::size_t>(first / 2), coarse_size * halved(count));
-        };
-        halve_energy(energy, shape, halves(out.energy));
-        if (!field.empty()) halve_field(field, shape, halves(out.field));
+/// What is counted while a frame is sampled.
+struct Counts {
+    std::size_t attract = 0, protect = 0;
+    bool content = false;  ///< whether the energy at a vertex differs from the background
+};
+
+/// Samples a frame column by column, and halves it.
+class Halves {
+public:
+    Halves(const FrameGrids& grids, const Lattice& lattice, Axis axis, Measure measure)
+        : make_energy_(energy_sampler(grids.energy, lattice, axis, measure)),
+          make_field_(grids.field ? field_sampler(*grids.field, lattice, axis) : nullptr),
+          background_(encode_energy(grids.energy.background())),
+          width_(lattice.shape[dimension(axis)]),
+          laterals_(lattice.shape[lateral_dimension(axis)]),
+          planes_(lattice.shape[2]) {
+        if (grids.attract) attract_.emplace(*grids.attract, lattice, axis);
+        if (grids.protect) protect_.emplace(*grids.protect, lattice, axis);
     }
-}
+
+    Counts sample(FrameEnergy& out) {
+        const int laterals = halved(laterals_), planes = halved(planes_), across = (laterals + block - 1) / block;
+        const auto counts = tbb::parallel_reduce(
+            tbb::blocked_range<int>(0, across * ((planes + block - 1) / block)), Counts{},
+            [&](const tbb::blocked_range<int>& range, Counts before) {
+                for (int n = range.begin(); n < range.end(); ++n) {
+                    const int lateral = block * (n % across), k = block * (n / across);
+                    sample({lateral, std::min(lateral + block, laterals)}, {k, std::min(k + block, planes)}, before, out);
+                }
+                return before;
+            },
+            [](const Counts& a, const Counts& b) {
+                return Counts{a.attract + b.attract, a.protect + b.protect, a.content || b.content};
+            });
+        bad_energy_.require_none(make_energy_, laterals_);
+        if (make_field_) bad_field_.require_none(make_field_, laterals_);
+        return counts;
+    }
+
+private:
+    /// Coarse columns to either side that are sampled together: they pass the same leaves.
+    static constexpr int block = 4;
+
+    struct Range {
+        int begin, end;
+    };
+    /// Samples the columns that some coarse ones stand for.
+    void sample(const Range& laterals, const Range& planes, Counts& counts, FrameEnergy& out) {
+        const auto width = static_cast<std::size_t>(width_), coarse_width = halved(width);
+        std::vector<std::uint16_t> codes(width);
+        MeanEnergy energy(width);
+        MeanField field(width);
+        const auto sample_energy = make_energy_();
+        const auto sample_field = make_field_ ? make_field_() : nullptr;
+        auto attract = marker(attract_), protect = marker(protect_);
+        for (int coarse_k = planes.begin; coarse_k < planes.end; ++coarse_k)
+            for (int coarse_lateral = laterals.begin; coarse_lateral < laterals.end; ++coarse_lateral) {
+                const int lateral = 2 * coarse_lateral, k = 2 * coarse_k;
+                for (int fk = k; fk < std::min(k + 2, planes_); ++fk)
+                    for (int fl = lateral; fl < std::min(lateral + 2, laterals_); ++fl) {
+                        auto content = sampled(*sample_energy, bad_energy_, fl, fk, codes);
+                        counts.content = counts.content || std::ranges::any_of(content, [&](std::uint16_t code) { return code != background_; });
+                        const auto attracted = attract ? (*attract)(fl, fk, attracted_code, codes) : 0,
+                                   guarded = protect ? (*protect)(fl, fk, protected_code, codes) : 0;
+                        counts.attract += attracted;
+                        counts.protect += guarded;
+                        if (attracted + guarded > 0) content = codes;
+                        energy.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+                        if (!sample_field) continue;
+                        content = sampled(*sample_field, bad_field_, fl, fk, codes);
+                        field.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+                    }
+                const auto column = static_cast<std::size_t>(coarse_lateral) + static_cast<std::size_t>(halved(laterals_)) * static_cast<std::size_t>(coarse_k);
+                energy.end(std::span(out.energy).subspan(column * coarse_width, coarse_width));
+                if (sample_field) field.end(std::span(out.field).subspan(column * coarse_width, coarse_width));
+            }
+    }
+    /// @return the pairs of entries outside of which all codes are 0
+    std::span<std::uint16_t> sampled(ColumnSampler& sample, FirstInvalid& bad, int lateral, int k, std::span<std::uint16_t> codes) const {
+        const auto [content, valid] = sample(lateral, k, codes);
+        if (!valid) bad.meet(static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k));
+        if (content.last < 0) return codes.first(0);
+        const auto first = static_cast<std::size_t>(content.first / 2 * 2), end = std::min(static_cast<std::size_t>(content.last / 2 * 2 + 2), codes.size());
+        return codes.subspan(first, end - first);
+    }
+    static std::optional<MaskColumns::Marker> marker(const std::optional<MaskColumns>& mask) {
+        return mask && !mask->empty() ? std::optional<MaskColumns::Marker>(*mask) : std::nullopt;
+    }
+
+    const MakeSampler make_energy_, make_field_;
+    std::optional<MaskColumns> attract_, protect_;
+    const std::uint16_t background_;
+    const int width_, laterals_, planes_;
+    FirstInvalid bad_energy_, bad_field_;
+};
 
 }  // namespace
 
@@ -118,25 +192,25 @@ FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, A
     FrameEnergy out;
     out.lattice = lattice;
     out.finest = finest;
-    if (grids.attract) out.attract = 0;
-    if (grids.protect) out.protect = 0;
-    // What counts by some voxels may miss the few that a vertex sees.
-    const auto empty = encode_energy(grids.energy.background());
-    bool sees_content = false;
-    const auto sample = [&](const Planes& planes, std::span<std::uint16_t> energy, std::span<std::uint16_t> field) {
-        sample_energy(grids.energy, *lattice, axis, energy, measure, planes);
-        sees_content = sees_content || std::ranges::any_of(energy, [&](std::uint16_t code) { return code != empty; });
-        if (grids.attract) *out.attract += mark_vertices(*grids.attract, *lattice, axis, attracted_code, energy, planes);
-        if (grids.protect) *out.protect += mark_vertices(*grids.protect, *lattice, axis, protected_code, energy, planes);
-        if (grids.field) sample_field(*grids.field, *lattice, axis, field, planes);
-    };
     const auto shape = gathered_shape(lattice->shape, finest);
     out.energy.resize(plane_size(shape) * static_cast<std::size_t>(shape[2]));
     if (grids.field) out.field.resize(out.energy.size());
-    if (finest == 1) sample({0, shape[2]}, out.energy, out.field);
-    else sample_halves(*lattice, axis, sample, out);
+    Counts counts;
+    if (finest == 1) {
+        const auto background = encode_energy(grids.energy.background());
+        sample_energy(grids.energy, *lattice, axis, out.energy, measure);
+        counts.content = std::ranges::any_of(out.energy, [&](std::uint16_t code) { return code != background; });
+        if (grids.attract) counts.attract = mark_vertices(*grids.attract, *lattice, axis, attracted_code, out.energy);
+        if (grids.protect) counts.protect = mark_vertices(*grids.protect, *lattice, axis, protected_code, out.energy);
+        if (grids.field) sample_columns(field_sampler(*grids.field, *lattice, axis), *lattice, axis, out.field);
+    } else {
+        counts = Halves(grids, *lattice, axis, measure).sample(out);
+    }
+    if (grids.attract) out.attract = counts.attract;
+    if (grids.protect) out.protect = counts.protect;
     out.content = content_in(grids.energy, *lattice);
-    if (out.content.inside == 0 && sees_content) out.content.inside = 1;
+    // What counts by some voxels may miss the few that a vertex sees.
+    if (out.content.inside == 0 && counts.content) out.content.inside = 1;
     if (grids.attract) out.attract_missed = missed_range(*grids.attract);
     if (grids.protect) out.protect_missed = missed_range(*grids.protect);
     out.transform = grids.energy.transform().copy();

@@ -19,7 +19,7 @@ namespace fluidcarve {
 struct FrameEnergy {
     Ref<Lattice> lattice;
     int finest = 1;                                                 ///< 2: energy and field are at half size (halve_energy())
-    std::vector<std::uint16_t> energy;                              ///< energy codes at the lattice's vertices, marks included; laid out as by sample_energy()
+    std::vector<std::uint16_t> energy;                              ///< energy codes at the lattice's vertices, marks included; laid out as by sample_columns()
     std::vector<std::uint16_t> field;                               ///< field codes, laid out the same way; empty: no field
     std::optional<std::size_t> protect, attract;                    ///< number of vertices that each mask marks; nothing: no mask
     std::optional<MissedRange> protect_missed, attract_missed;      ///< why a mask is empty, if it says so
@@ -42,8 +42,8 @@ struct FrameGrids {
 void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget, int finest = 1);
 
 /// Samples grids at the vertices of a lattice.
-/// @param finest  1, or 2 for half the size: then only some planes at once are held at full size
-/// @throws Failure as sample_energy(), mark_vertices() and sample_field()
+/// @param finest  1, or 2 for half the size: then only single columns are held at full size
+/// @throws Failure as sample_columns() and MaskColumns
 FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure, int finest = 1);
 
 /// Registers the payload type `frame_energy`. Register `lattice` before.

@@ -34,34 +34,55 @@ inline std::array<int, 3> gathered_shape(std::array<int, 3> shape, int finest) {
     return shape;
 }
 
-/// Entries along the axis, columns beside each other, planes.
-using ColumnShape = std::array<std::size_t, 3>;
-
-/// The mean of the fields of some columns, at half their length.
-class MeanField {
+/// The mean of some columns, at half their length. Columns are added one by one, or what of them is not 0.
+class MeanColumn {
 public:
     /// @param width  entries of a column
-    explicit MeanField(std::size_t width) : values_(width), sums_(halved(width)) {}
+    explicit MeanColumn(std::size_t width) : values_(width), sums_(halved(width)) {}
 
-    /// Adds the field codes of a column.
-    void add(std::span<const std::uint16_t> codes);
-    /// Takes the mean's codes, and begins anew.
-    void end(std::span<std::uint16_t> out);
+protected:
+    /// Counts a column, and the coarse entries that it adds to.
+    /// @param from  its first entry that is given; even
+    /// @param size  number of those entries
+    void count(std::size_t from, std::size_t size);
+    /// Begins anew.
+    void reset();
 
-private:
     std::vector<float> values_, sums_;
+    std::size_t first_ = 0, end_ = 0;  ///< coarse entries that columns were added to
     float columns_ = 0;
 };
 
-/// Restricts energy codes of one frame to half the size along all three dimensions. A coarse entry gets the mean, over its columns, of
-/// cost_of_pair(). It is protected if a vertex is protected in it or in the entries next to it along the axis: so a fine seam that is
-/// interpolated from a coarse one passes no protected vertex. Else it is attracted if one of its vertices is.
-/// @param codes  laid out as by sample_energy()
-/// @param out    as many as the halves of `shape` have
-void halve_energy(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::span<std::uint16_t> out);
+/// Energies: a coarse entry gets the mean, over its columns, of cost_of_pair(). It is protected if a vertex is protected in it or in the
+/// entries next to it along the axis: so a fine seam that is interpolated from a coarse one passes no protected vertex. Else it is
+/// attracted if one of its vertices is.
+class MeanEnergy : MeanColumn {
+public:
+    explicit MeanEnergy(std::size_t width) : MeanColumn(width), marks_(halved(width)) {}
 
-/// The same for field codes: a coarse entry gets the mean of its vertices.
-void halve_field(std::span<const std::uint16_t> codes, const ColumnShape& shape, std::span<std::uint16_t> out);
+    /// Adds a column.
+    /// @param codes  from entry `from` on, which is even, to the column's end or before an even entry; the others are 0
+    void add(std::span<const std::uint16_t> codes, std::size_t from = 0);
+    /// Takes the codes of the mean, and begins anew.
+    void end(std::span<std::uint16_t> out);
+
+private:
+    struct Marks {
+        bool guarded = false, attracted = false;
+    };
+    void read_marks(std::span<const std::uint16_t> codes, std::size_t from);
+
+    std::vector<Marks> marks_;
+};
+
+/// Fields: a coarse entry gets the mean of its vertices.
+class MeanField : MeanColumn {
+public:
+    using MeanColumn::MeanColumn;
+    /// As of MeanEnergy.
+    void add(std::span<const std::uint16_t> codes, std::size_t from = 0);
+    void end(std::span<std::uint16_t> out);
+};
 
 /// Averages the codes of two frames. A mark in one of them stays; protection has precedence.
 /// @param out  codes of one frame, become the mean

@@ -1,6 +1,7 @@
 #include "nodes/seam/energy/sample.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/extent.h"
 #include "nodes/field/leaf_cell.h"
 #include "nodes/lattice/alignment.h"
 #include "nodes/seam/energy/code.h"
@@ -13,7 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
@@ -38,6 +39,30 @@ struct FieldCode {
     static float most() { return highest_field; }
 };
 
+/// Encodes entries of a column one by one.
+/// @param among   the others have the code of `beyond`
+template <class Code, class Read>
+ColumnSampler::Sampled encode_each(Read& read, const Window& among, float beyond, std::span<std::uint16_t> codes) {
+    const auto code_beyond = Code::encode(beyond);
+    const auto first = static_cast<std::size_t>(among.first), end = static_cast<std::size_t>(among.last + 1);
+    std::ranges::fill(codes.first(first), code_beyond);
+    for (auto entry = first; entry < end; ++entry) codes[entry] = Code::encode(read(static_cast<int>(entry)));
+    std::ranges::fill(codes.subspan(end), code_beyond);
+    const bool whole = code_beyond != 0;
+    return {whole ? Window{0, static_cast<int>(codes.size()) - 1} : among, std::ranges::find(codes, Code::invalid) == codes.end()};
+}
+
+/// Box outside of which a grid has its background everywhere.
+openvdb::CoordBBox box_of_values(const openvdb::FloatGrid& grid) {
+    openvdb::CoordBBox out;
+    auto tile = grid.tree().cbeginValueAll();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        if (!same_bits(*tile, grid.background())) out.expand(tile.getBoundingBox());
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) out.expand(leaf->getNodeBoundingBox());
+    return out;
+}
+
 /// Reads values by voxel index. All readers move to a column and then read its entries: its vertices stand on a line at equal distances.
 class ByIndex {
 public:
@@ -47,24 +72,32 @@ public:
     void move_to(const std::array<int, 3>& first) { first_ = alignment_.voxel(first[0], first[1], first[2]); }
     float operator()(int entry) { return values_.getValue(at(entry)); }
     /// Encodes the column: entries in one leaf at once, and those outside of leaves by one value.
-    /// @param codes  one for each entry
     template <class Code>
-    void encode(std::span<std::uint16_t> codes) {
+    ColumnSampler::Sampled encode(std::span<std::uint16_t> codes) {
         if (!in_same_blocks()) find_runs();
+        ColumnSampler::Sampled out{{0, -1}};
         int entry = 0;
         for (const auto& run : runs_) {
-            const auto out = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run.size));
+            const auto codes_of_run = codes.subspan(static_cast<std::size_t>(entry), static_cast<std::size_t>(run.size));
             if (run.values) {
                 const auto* value = run.values + Leaf::coordToOffset(at(entry));
-                for (auto& each : out) {
-                    each = Code::encode(*value);
+                for (auto& code : codes_of_run) {
+                    code = Code::encode(*value);
+                    out.valid = out.valid && code != Code::invalid;
                     value += offset_;
                 }
             } else {
-                std::ranges::fill(out, Code::encode(run.value));
+                const auto code = Code::encode(run.value);
+                std::ranges::fill(codes_of_run, code);
+                out.valid = out.valid && code != Code::invalid;
+            }
+            if (run.values || codes_of_run.front() != 0) {
+                if (out.content.last < 0) out.content.first = entry;
+                out.content.last = entry + run.size - 1;
             }
             entry += run.size;
         }
+        return out;
     }
 
 private:
@@ -109,7 +142,7 @@ private:
     }
 
     openvdb::FloatGrid::ConstAccessor values_;
-    const Alignment& alignment_;
+    const Alignment alignment_;
     const openvdb::Coord step_;
     const int entries_;
     const std::ptrdiff_t offset_ = 64 * step_.x() + 8 * step_.y() + step_.z();  ///< from an entry to the next in a leaf
@@ -140,12 +173,20 @@ private:
 /// Samples values at the vertices.
 class AtVertices {
 public:
-    AtVertices(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis) : sample_(grid), places_(grid.transform(), lattice, axis) {}
+    /// @param box  outside of which the grid has its background
+    AtVertices(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& box, const Lattice& lattice, Axis axis)
+        : sample_(grid), background_(grid.background()), reach_(box.empty() ? box : padded(box, 1)), places_(grid.transform(), lattice, axis) {}
     void move_to(const std::array<int, 3>& first) { places_.move_to(first); }
     float operator()(int entry) { return sample_(places_(entry)); }
+    template <class Code>
+    ColumnSampler::Sampled encode(std::span<std::uint16_t> codes) {
+        return encode_each<Code>(*this, places_.within(reach_, static_cast<int>(codes.size())), background_, codes);
+    }
 
 private:
     Trilinear sample_;
+    const float background_;
+    const openvdb::CoordBBox reach_;  ///< of the voxels around a vertex that may have another value
     ColumnPlaces places_;
 };
 
@@ -170,6 +211,10 @@ public:
         }
         return static_cast<float>(volume * sum / samples);
     }
+    template <class Code>
+    ColumnSampler::Sampled encode(std::span<std::uint16_t> codes) {
+        return encode_each<Code>(*this, {0, static_cast<int>(codes.size()) - 1}, 0, codes);
+    }
 
 private:
     /// Around a rig: area of the part of a plane nearest to a vertex, in squares of the spacing. Else 1.
@@ -187,49 +232,73 @@ private:
     Vec3d first_;
 };
 
-template <class Code, class MakeReader>
-void fill(const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, const Planes& planes, MakeReader&& make_reader) {
-    const int entries = lattice.shape[dimension(axis)], laterals = lattice.shape[lateral_dimension(axis)];
-    tbb::parallel_for(tbb::blocked_range<int>(0, planes.count * laterals, 16), [&](const tbb::blocked_range<int>& range) {
-        auto read = make_reader();
-        for (int column = range.begin(); column < range.end(); ++column) {
-            read.move_to(vertex_of(axis, 0, column % laterals, planes.first + column / laterals));
-            const auto out = codes.subspan(static_cast<std::size_t>(column) * static_cast<std::size_t>(entries), static_cast<std::size_t>(entries));
-            if constexpr (std::is_same_v<decltype(read), ByIndex>) read.template encode<Code>(out);
-            else
-                for (int entry = 0; entry < entries; ++entry) out[static_cast<std::size_t>(entry)] = Code::encode(read(entry));
+template <class Code, class Reader>
+class SamplerOf : public ColumnSampler {
+public:
+    SamplerOf(const Lattice& lattice, Axis axis, Reader reader) : lattice_(lattice), axis_(axis), read_(std::move(reader)) {}
+
+    Sampled operator()(int lateral, int k, std::span<std::uint16_t> codes) override {
+        read_.move_to(vertex_of(axis_, 0, lateral, k));
+        return read_.template encode<Code>(codes);
+    }
+    void report(int lateral, int k) override {
+        read_.move_to(vertex_of(axis_, 0, lateral, k));
+        for (int entry = 0; entry < lattice_.shape[dimension(axis_)]; ++entry) {
+            const float value = read_(entry);
+            if (Code::encode(value) != Code::invalid) continue;
+            const auto at = vertex_of(axis_, entry, lateral, k);
+            const auto world = lattice_.position(Vec3d(at[0], at[1], at[2]));
+            throw Failure(fmt::format(fmt::runtime(Code::what), value,
+                                      fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]),
+                                      Code::least(), Code::most()));
         }
-    });
-    // Searched serially, so that the message always names the first place.
-    const auto bad = std::find(codes.begin(), codes.end(), Code::invalid);
-    if (bad == codes.end()) return;
-    const auto place = bad - codes.begin();
-    const int entry = static_cast<int>(place % entries), lateral = static_cast<int>(place / entries % laterals);
-    const auto at = vertex_of(axis, entry, lateral, planes.first + static_cast<int>(place / entries / laterals));
-    const auto world = lattice.position(Vec3d(at[0], at[1], at[2]));
-    auto read = make_reader();
-    read.move_to(vertex_of(axis, 0, lateral, at[2]));
-    throw Failure(fmt::format(fmt::runtime(Code::what), read(entry),
-                              fmt::format("({:g}, {:g}, {:g}), vertex ({}, {}, {})", world.x(), world.y(), world.z(), at[0], at[1], at[2]), Code::least(),
-                              Code::most()));
+    }
+
+private:
+    const Lattice& lattice_;
+    const Axis axis_;
+    Reader read_;
+};
+
+/// @param make_reader  makes what reads the values of one thread's columns
+template <class Code, class MakeReader>
+MakeSampler sampler_of(const Lattice& lattice, Axis axis, const MakeReader& make_reader) {
+    return [&lattice, axis, make_reader] { return std::make_unique<SamplerOf<Code, decltype(make_reader())>>(lattice, axis, make_reader()); };
+}
+
+/// Samples at the vertices.
+template <class Code>
+MakeSampler vertex_sampler(const openvdb::FloatGrid& grid, const Lattice& lattice, Axis axis) {
+    if (const auto alignment = align(lattice, grid.transform()))
+        return sampler_of<Code>(
+            lattice, axis, [&grid, alignment = *alignment, axis, entries = lattice.shape[dimension(axis)]] { return ByIndex(grid, alignment, axis, entries); });
+    return sampler_of<Code>(lattice, axis, [&grid, &lattice, axis, box = box_of_values(grid)] { return AtVertices(grid, box, lattice, axis); });
 }
 
 }  // namespace
 
-void sample_energy(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, Measure measure,
-                   std::optional<Planes> planes) {
-    const auto these = planes.value_or(Planes{0, lattice.shape[2]});
-    if (const auto alignment = align(lattice, energy.transform()))
-        fill<EnergyCode>(lattice, axis, codes, these, [&] { return ByIndex(energy, *alignment, axis, lattice.shape[dimension(axis)]); });
-    else if (measure == Measure::vertex || lattice.is_box()) fill<EnergyCode>(lattice, axis, codes, these, [&] { return AtVertices(energy, lattice, axis); });
-    else fill<EnergyCode>(lattice, axis, codes, these, [&] { return OverCells(energy, lattice, axis); });
+MakeSampler energy_sampler(const openvdb::FloatGrid& energy, const Lattice& lattice, Axis axis, Measure measure) {
+    if (measure == Measure::vertex || lattice.is_box()) return vertex_sampler<EnergyCode>(energy, lattice, axis);
+    return sampler_of<EnergyCode>(lattice, axis, [&energy, &lattice, axis] { return OverCells(energy, lattice, axis); });
 }
 
-void sample_field(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes, std::optional<Planes> planes) {
-    const auto these = planes.value_or(Planes{0, lattice.shape[2]});
-    if (const auto alignment = align(lattice, field.transform()))
-        fill<FieldCode>(lattice, axis, codes, these, [&] { return ByIndex(field, *alignment, axis, lattice.shape[dimension(axis)]); });
-    else fill<FieldCode>(lattice, axis, codes, these, [&] { return AtVertices(field, lattice, axis); });
+MakeSampler field_sampler(const openvdb::FloatGrid& field, const Lattice& lattice, Axis axis) { return vertex_sampler<FieldCode>(field, lattice, axis); }
+
+void sample_columns(const MakeSampler& make, const Lattice& lattice, Axis axis, std::span<std::uint16_t> codes) {
+    const auto entries = static_cast<std::size_t>(lattice.shape[dimension(axis)]), laterals = static_cast<std::size_t>(lattice.shape[lateral_dimension(axis)]);
+    FirstInvalid invalid;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, codes.size() / entries, 16), [&](const tbb::blocked_range<std::size_t>& range) {
+        const auto sample = make();
+        for (auto column = range.begin(); column < range.end(); ++column)
+            if (!(*sample)(static_cast<int>(column % laterals), static_cast<int>(column / laterals), codes.subspan(column * entries, entries)).valid)
+                invalid.meet(column);
+    });
+    invalid.require_none(make, static_cast<int>(laterals));
+}
+
+void FirstInvalid::require_none(const MakeSampler& make, int laterals) const {
+    if (const auto column = first_.load(); column != none)
+        make()->report(static_cast<int>(column % static_cast<std::size_t>(laterals)), static_cast<int>(column / static_cast<std::size_t>(laterals)));
 }
 
 }  // namespace fluidcarve

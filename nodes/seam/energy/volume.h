@@ -30,7 +30,7 @@ struct Costs {
 };
 
 /// The energy `E(i,j,k,t)` in which seams are found, and from which found seams are deleted. It has one list of energy codes per frame
-/// (layout: sample_energy()). Besides energy, seams may pay for steps between columns, and for the edges that their removal makes in a
+/// (layout: sample_columns()). Besides energy, seams may pay for steps between columns, and for the edges that their removal makes in a
 /// field.
 class EnergyVolume {
 public:

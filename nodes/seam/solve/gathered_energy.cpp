@@ -5,6 +5,7 @@
 #include "nodes/seam/energy/carve.h"
 #include "nodes/seam/energy/half.h"
 #include "nodes/seam/solve/report.h"
+#include "nodes/vectors/wide.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -31,6 +32,19 @@ void join(std::optional<MissedRange>& all, const std::optional<MissedRange>& fra
     else all.reset();
 }
 
+/// Expands a range of energy codes by others, marks left out.
+FLUIDCARVE_WIDE void expand(std::uint16_t& lowest, std::uint16_t& highest, std::span<const std::uint16_t> codes) {
+    // As the lowest, marks are above all energies.
+    auto low = lowest, high = highest;
+    for (const auto code : codes) {
+        const auto energy = code < protected_code ? code : std::uint16_t{0};
+        low = low < code ? low : code;
+        high = high > energy ? high : energy;
+    }
+    lowest = low;
+    highest = high;
+}
+
 std::string box_text(const openvdb::BBoxd& box) {
     return fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})", box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
 }
@@ -50,11 +64,7 @@ void GatheredEnergy::add(const SolverParams& params, const FrameEnergy& frame, c
     if (params.count.value == 0) return;
     content_.add(frame.content);
     if (frame.active) active_box_.expand(*frame.active);
-    for (const auto code : frame.energy) {
-        if (code >= protected_code) continue;
-        lowest_ = std::min(lowest_, code);
-        highest_ = std::max(highest_, code);
-    }
+    expand(lowest_, highest_, frame.energy);
     if (frame.attract) marks_.attract = marks_.attract.value_or(0) + *frame.attract;
     if (frame.protect) marks_.protect = marks_.protect.value_or(0) + *frame.protect;
     if (lattices_.size() == 1) {

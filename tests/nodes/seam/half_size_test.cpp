@@ -21,6 +21,9 @@ namespace {
 
 using Codes = std::vector<std::uint16_t>;
 
+/// Entries along the axis, columns beside each other, planes.
+using ColumnShape = std::array<std::size_t, 3>;
+
 std::size_t size_of(const ColumnShape& shape) { return shape[0] * shape[1] * shape[2]; }
 
 /// Random energies in quarters, some of them marked.
@@ -41,6 +44,21 @@ void visit_fine(const Codes& codes, const ColumnShape& shape, std::size_t entry,
             const auto first = (fl + shape[1] * fk) * shape[0] + 2 * entry;
             visit(codes[first], 2 * entry + 1 < shape[0] ? codes[first + 1] : codes[first]);
         }
+}
+
+/// Restricts codes of one frame, whole columns, to half the size.
+template <class Mean>
+Codes halves(const Codes& codes, const ColumnShape& shape) {
+    const auto [width, laterals, planes] = shape;
+    Mean mean(width);
+    Codes out(halved(width) * halved(laterals) * halved(planes));
+    for (std::size_t c = 0; c < out.size() / halved(width); ++c) {
+        const auto lateral = 2 * (c % halved(laterals)), k = 2 * (c / halved(laterals));
+        for (auto fk = k; fk < std::min(k + 2, planes); ++fk)
+            for (auto fl = lateral; fl < std::min(lateral + 2, laterals); ++fl) mean.add(std::span(codes).subspan((fl + laterals * fk) * width, width));
+        mean.end(std::span(out).subspan(c * halved(width), halved(width)));
+    }
+    return out;
 }
 
 std::vector<FloatGrid::Ptr> hills(std::mt19937& random, const std::array<int, 3>& shape, std::size_t frames) {
@@ -94,8 +112,7 @@ TEST_CASE("a coarse entry has the mean cost of its columns, and the marks in and
     for (const auto& shape : {ColumnShape{8, 4, 6}, ColumnShape{7, 5, 3}, ColumnShape{9, 1, 1}, ColumnShape{1, 2, 3}}) {
         const auto codes = random_codes(random, size_of(shape));
         const ColumnShape coarse{halved(shape[0]), halved(shape[1]), halved(shape[2])};
-        Codes out(size_of(coarse));
-        halve_energy(codes, shape, out);
+        const auto out = halves<MeanEnergy>(codes, shape);
         std::vector<bool> guarded(out.size()), wanted(out.size());
         const auto at = [&](std::size_t entry, std::size_t lateral, std::size_t k) { return entry + coarse[0] * (lateral + coarse[1] * k); };
         for (std::size_t k = 0; k < coarse[2]; ++k)
@@ -122,9 +139,9 @@ TEST_CASE("a coarse entry has the mean cost of its columns, and the marks in and
                     CHECK(decode_energy(got) == Approx(sum / columns).epsilon(1e-3));
                 }
             }
-        Codes field(size_of(shape)), mean(out.size());
+        Codes field(size_of(shape));
         for (auto& code : field) code = encode_field(static_cast<float>(random() % 256) / 16 - 8);
-        halve_field(field, shape, mean);
+        const auto mean = halves<MeanField>(field, shape);
         for (std::size_t n = 0; n < mean.size(); ++n) {
             double sum = 0;
             int count = 0;
@@ -150,27 +167,41 @@ TEST_CASE("two frames become their mean in either order, and a mark in one of th
     CHECK(field == Codes{encode_field(1.5f)});
 }
 
-TEST_CASE("a frame sampled at half size is the halved frame, however many planes are held at once") {
-    const auto grid =
-        energy_grid(CoordBBox(Coord(0, 0, 0), Coord(40, 30, 6)), [](const Coord& at) { return static_cast<float>(at.x() * at.y() % 17 + at.z()); });
-    const auto mask = mask_grid({Coord(3, 4, 2), Coord(20, 9, 6)});
-    // Of the larger lattice, two planes fit at once.
-    for (const auto& size : {std::array{42, 31, 7}, std::array{1601, 1301, 7}}) {
-        const auto lattice = std::make_shared<Lattice>(box(size));
-        for (const auto axis : {Axis::u, Axis::v}) {
-            const FrameGrids grids{*grid, &*grid, mask.get(), nullptr};
-            const auto fine = sample_frame(grids, lattice, axis, Measure::vertex), coarse = sample_frame(grids, lattice, axis, Measure::vertex, 2);
-            const ColumnShape shape{std::size_t(size[dimension(axis)]), std::size_t(size[lateral_dimension(axis)]), std::size_t(size[2])};
-            Codes energy(halved(shape[0]) * halved(shape[1]) * halved(shape[2])), field(energy.size());
-            halve_energy(fine.energy, shape, energy);
-            halve_field(fine.field, shape, field);
-            CHECK(coarse.energy == energy);
-            CHECK(coarse.field == field);
-            CHECK(coarse.finest == 2);
-            CHECK(coarse.protect == fine.protect);
-            CHECK(coarse.content.inside == fine.content.inside);
-        }
-    }
+TEST_CASE("a frame sampled at half size is the halved frame, also where most of it is empty") {
+    const auto on = [](float background, const CoordBBox& box) {
+        auto grid = FloatGrid::create(background);
+        auto values = grid->getAccessor();
+        for (auto at = box.begin(); at; ++at) values.setValue(*at, static_cast<float>((*at).x() * (*at).y() % 17 + (*at).z()));
+        return grid;
+    };
+    const CoordBBox content(Coord(0, 0, 0), Coord(40, 30, 6)), far(Coord(61, 33, 3), Coord(62, 34, 4));
+    const auto mask = mask_grid({Coord(3, 4, 2), Coord(20, 9, 6), Coord(68, 35, 1)});
+    const auto empty = FloatGrid::create(), tile = on(0, far);
+    tile->tree().addTile(1, Coord(-20, 16, 0), 3, true);
+    const auto tilted = make_box(openvdb::Vec3d(-3.3, 0.2, 0.4), {71, 37, 9}, 0.9, {1, 0, 2});
+    for (const auto& grid : {on(0, content), on(2, content), on(0, far), empty, tile})
+        for (const auto& lattice : {box({42, 31, 7}), box({71, 37, 9}), tilted})
+            for (const auto axis : {Axis::u, Axis::v})
+                for (const auto& set : {mask, mask_grid({})}) {
+                    const auto shared = std::make_shared<Lattice>(lattice);
+                    const FrameGrids grids{*grid, &*grid, set.get(), nullptr};
+                    const auto fine = sample_frame(grids, shared, axis, Measure::vertex), coarse = sample_frame(grids, shared, axis, Measure::vertex, 2);
+                    const ColumnShape shape{std::size_t(lattice.shape[dimension(axis)]), std::size_t(lattice.shape[lateral_dimension(axis)]),
+                                            std::size_t(lattice.shape[2])};
+                    CHECK(coarse.energy == halves<MeanEnergy>(fine.energy, shape));
+                    CHECK(coarse.field == halves<MeanField>(fine.field, shape));
+                    CHECK(coarse.finest == 2);
+                    CHECK(coarse.protect == fine.protect);
+                    CHECK(coarse.content.inside == fine.content.inside);
+                }
+}
+
+TEST_CASE("at half size, too, the first vertex without an energy is named") {
+    auto grid = energy_grid(CoordBBox(Coord(0), Coord(9)), [](const Coord& at) { return at.z() == 7 && at.y() > 4 && at.x() > 2 ? -1.0f : 1.0f; });
+    const auto lattice = std::make_shared<Lattice>(box({10, 10, 10}));
+    for (const int finest : {1, 2})
+        CHECK(failure_of([&] { sample_frame({*grid}, lattice, Axis::u, Measure::vertex, finest); }) ==
+              "the energy is -1 at (3, 5, 7), vertex (3, 5, 7); energies must be from 0 to 4.29e+09");
 }
 
 TEST_CASE("seams of half size become twice as many of full size, which can be carved and stay in their window") {
