@@ -80,7 +80,6 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
     }
     graph_.sides.resize(graph_.columns.size());
     graph_.tags.resize(begin);
-    graph_.excess.resize(begin);
     graph_.arcs.resize(begin);
     if (lifts_of) graph_.level.resize(begin);
     flow_ = tbb::parallel_deterministic_reduce(
@@ -98,9 +97,9 @@ void Cut::fill(const Band& band, const CostOf& cost_of, const LiftsOf& lifts_of)
                     const auto cost = costs[n + 1];
                     const auto passed = std::min<std::int64_t>(flow, cost);
                     const auto node = column.begin + n;
-                    graph_.excess[node] = flow - passed;
+                    graph_.arcs[node].excess = flow - passed;
                     graph_.arcs[node].up = cost == endless ? endless : static_cast<std::int32_t>(cost - passed);
-                    graph_.tags[node].set_excess(graph_.excess[node] > 0);
+                    graph_.tags[node].set_excess(graph_.arcs[node].excess > 0);
                     graph_.tags[node].set_up(graph_.arcs[node].up > 0);
                     flow = passed;
                 }

@@ -156,7 +156,7 @@ private:
         tag.set_label(distance);
         out.push_back(spot);
         if (!tag.excess()) return;
-        left_ += graph_.excess[n];
+        left_ += graph_.arcs[n].excess;
         active_.push_back(spot);
     }
 
@@ -169,14 +169,14 @@ private:
         const auto own = Residual::node(column, entry);
         auto& tag = graph_.tags[own];
         auto& arcs = graph_.arcs[own];
-        auto excess = graph_.excess[own];
+        std::int64_t excess = arcs.excess;
         auto label = tag.label();
         if (excess == 0 || label == far) return 1;
         const auto give = [&](std::uint32_t n, std::size_t to, std::uint16_t at, int out, std::int64_t amount) {
             auto& other = graph_.tags[n];
             if (!other.excess()) (out < 0 ? next_ : sent_[static_cast<std::size_t>(out)]).push_back({static_cast<std::uint32_t>(to), at});
             other.set_excess(true);
-            graph_.excess[n] += amount;
+            graph_.arcs[n].excess += amount;
             excess -= amount;
         };
         for (int steps = 1;; ++steps) {
@@ -203,14 +203,17 @@ private:
                     const auto& beside = graph_.columns[other];
                     if (const auto above = Residual::node(beside, entry + 1); above != none && graph_.tags[above].lowered(Columns::back(d))) {
                         const auto at = graph_.tags[above].label();
-                        auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];
+                        // The capacity itself is far away in memory.
+                        bool stays = true;
                         if (at + 1 == label) {
+                            auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];
                             const auto amount = std::min<std::int64_t>(excess, lowered);
                             lowered -= static_cast<std::int32_t>(amount);
-                            if (lowered == 0) graph_.tags[above].set_lowered(Columns::back(d), false);
+                            stays = lowered > 0;
+                            if (!stays) graph_.tags[above].set_lowered(Columns::back(d), false);
                             give(above, other, higher(entry), out, amount);
                         }
-                        if (lowered > 0) nearest = std::min(nearest, at);
+                        if (stays) nearest = std::min(nearest, at);
                     }
                     if (const auto level = graph_.level.empty() ? none : Residual::node(beside, entry); level != none && graph_.level[own][d] > 0) {
                         const auto at = graph_.tags[level].label();
@@ -253,7 +256,7 @@ private:
             tag.set_label(label);
             tag.set_up(arcs.up > 0);
             tag.set_excess(excess > 0);
-            graph_.excess[own] = excess;
+            arcs.excess = excess;
             return steps;
         }
     }

@@ -17,10 +17,12 @@ struct Residual {
     /// Capacity of an arc that cannot be cut.
     static constexpr std::int32_t endless = 0x7FFFFFFF;
 
-    /// Residual capacities of a node's arcs, except arcs of unlimited capacity.
+    /// A node's excess, beside what is read with it: residual capacities of the node's arcs, except arcs of unlimited capacity.
     struct Arcs {
-        std::int32_t up;                            ///< to the next node of the column
-        std::int32_t lowered[Columns::directions];  ///< flow that went to the next lower node of each neighbour
+        using Packed __attribute__((aligned(4))) = std::int64_t;  // 36 bytes in all, not 40
+        Packed excess;                                            ///< flow that came and has not gone on
+        std::int32_t up;                                          ///< to the next node of the column
+        std::int32_t lowered[Columns::directions];                ///< flow that went to the next lower node of each neighbour
     };
     struct Column {
         std::uint32_t begin;  ///< its first node, the one below entry first + 1
@@ -63,7 +65,6 @@ struct Residual {
     std::vector<Column> columns{};
     std::vector<std::uint16_t> sides{};  ///< `[column]`: which neighbours it has in its region
     std::vector<Tag> tags{};
-    std::vector<std::int64_t> excess{};
     std::vector<Arcs> arcs{};
     std::vector<std::array<std::int32_t, Columns::directions>>
         level{};  ///< residual capacities to the neighbours' nodes at the same height; empty if steps are free
