@@ -19,13 +19,28 @@
 #include <openvdb/openvdb.h>
 #include <CLI/CLI.hpp>
 
+#include <charconv>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 namespace {
 
 void make_folder_of(const std::string& path) {
     if (const auto folder = std::filesystem::path(path).parent_path(); !folder.empty()) std::filesystem::create_directories(folder);
+}
+
+/// @param text  `5%`, or `0.05`
+/// @throws std::runtime_error that says so
+double share_of(const std::string& text) {
+    double value = 0;
+    const auto* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    const bool percent = rest + 1 == end && *rest == '%';
+    if (percent) value /= 100;
+    if (error != std::errc() || (rest != end && !percent) || value <= 0 || value > 1)
+        throw std::runtime_error(fmt::format("--active is '{}', but must be a share such as 5% or 0.05", text));
+    return value;
 }
 
 }  // namespace
@@ -80,7 +95,7 @@ int main(int argc, char** argv) {
     make->add_option("--first", request.first_only, "Makes only so many of the frames");
     make->add_flag("--velocity", request.velocity, "Writes the velocity, too");
     make->callback([&] {
-        request.active = std::stod(active) / 100;
+        request.active = share_of(active);
         make_folder_of(request.out);
         const auto made = make_sequence(request, [](int frame) { fmt::print(stderr, "\rframe {}", frame); });
         fmt::print(stderr, "\n");
