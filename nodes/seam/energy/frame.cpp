@@ -152,7 +152,7 @@ private:
         const auto [content, valid] = sample(lateral, k, codes);
         if (!valid) bad.meet(static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k));
         if (content.last < 0) return codes.first(0);
-        const auto first = static_cast<std::size_t>(content.first / 2 * 2), end = std::min(static_cast<std::size_t>(content.last / 2 * 2 + 2), codes.size());
+        const auto first = static_cast<std::size_t>(content.first) / 2 * 2, end = std::min(static_cast<std::size_t>(content.last) / 2 * 2 + 2, codes.size());
         return codes.subspan(first, end - first);
     }
     static std::optional<MaskColumns::Marker> marker(const std::optional<MaskColumns>& mask) {

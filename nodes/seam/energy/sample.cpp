@@ -44,7 +44,7 @@ struct FieldCode {
 template <class Code, class Read>
 ColumnSampler::Sampled encode_each(Read& read, const Window& among, float beyond, std::span<std::uint16_t> codes) {
     const auto code_beyond = Code::encode(beyond);
-    const auto first = static_cast<std::size_t>(among.first), end = static_cast<std::size_t>(among.last + 1);
+    const auto first = static_cast<std::size_t>(among.first), end = first + static_cast<std::size_t>(among.size());
     std::ranges::fill(codes.first(first), code_beyond);
     for (auto entry = first; entry < end; ++entry) codes[entry] = Code::encode(read(static_cast<int>(entry)));
     std::ranges::fill(codes.subspan(end), code_beyond);
