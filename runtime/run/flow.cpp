@@ -411,7 +411,8 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     for (std::size_t place = 0; place < frames_of_pass.size(); ++place)
         if (!frames_of_pass[place].empty()) places.push_back(place);
 
-    ReadAhead ahead(files_read(self.store, wiring, frames_of_pass, places), static_cast<std::size_t>(self.options.in_flight), self.options.memory);
+    auto [read, written] = files_of(self.store, wiring, frames_of_pass, places);
+    ReadAhead ahead(std::move(read), std::move(written), static_cast<std::size_t>(self.options.in_flight), self.options.memory);
     flow::graph graph;
     std::size_t next = 0;
     // Only numbers wait in front of the limiter. Frames are created behind it.

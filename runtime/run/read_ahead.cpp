@@ -19,9 +19,9 @@ void tell_of(const std::string& path, InputFile::Use use) {
 
 }  // namespace
 
-ReadAhead::ReadAhead(std::vector<std::vector<std::string>> files, std::size_t ahead, std::uint64_t memory) : files_(std::move(files)), ahead_(ahead) {
-    for (std::size_t frame = 0; frame < files_.size(); ++frame)
-        for (const auto& path : files_[frame]) last_[path] = frame;
+ReadAhead::ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory) : read_(std::move(read)), written_(std::move(written)), ahead_(ahead) {
+    for (std::size_t frame = 0; frame < read_.size(); ++frame)
+        for (const auto& path : read_[frame]) last_[path] = frame;
     std::uint64_t all = 0;
     for (const auto& [path, frame] : last_) {
         std::error_code missing;
@@ -36,7 +36,7 @@ ReadAhead::~ReadAhead() = default;
 
 void ReadAhead::begin(std::size_t frame) {
     const std::lock_guard lock(mutex_);
-    until_ = std::max(until_, std::min(frame + 1 + ahead_, files_.size()));
+    until_ = std::max(until_, std::min(frame + 1 + ahead_, read_.size()));
     changed_.notify_one();
 }
 
@@ -54,22 +54,32 @@ void ReadAhead::work(const std::stop_token& stop) {
         const bool asks = next_ < until_;
         const auto frame = asks ? next_++ : 0;
         lock.unlock();
-        for (const auto gone : done)
-            for (const auto& path : files_[gone])
-                if (last_[path] == gone) tell_of(path, InputFile::Use::over);
+        for (const auto gone : done) drop(gone);
         if (asks)
-            for (const auto& path : files_[frame]) tell_of(path, InputFile::Use::soon);
+            for (const auto& path : read_[frame]) tell_of(path, InputFile::Use::soon);
         lock.lock();
     }
 }
 
-std::vector<std::vector<std::string>> files_read(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled,
-                                                 const std::vector<std::size_t>& places) {
-    std::vector<std::vector<std::string>> out;
+void ReadAhead::drop(std::size_t done) {
+    for (const auto& path : read_[done])
+        if (last_[path] == done) tell_of(path, InputFile::Use::over);
+    // The system drops only what is on the disk. Of the rest it begins to write, so it is told again.
+    lately_.push_back(done);
+    if (lately_.size() > ahead_ + 2) lately_.pop_front();
+    for (const auto frame : lately_)
+        for (const auto& path : written_[frame]) tell_of(path, InputFile::Use::over);
+}
+
+FilesOfPass files_of(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled, const std::vector<std::size_t>& places) {
+    FilesOfPass out;
     for (const auto place : places) {
-        auto& files = out.emplace_back();
-        for (const auto n : wiring.units)
-            if (scheduled[place].reads(n)) std::ranges::move(store.inputs(n, place), std::back_inserter(files));
+        auto &read = out.read.emplace_back(), &written = out.written.emplace_back();
+        for (const auto n : wiring.units) {
+            if (!scheduled[place].reads(n)) continue;
+            std::ranges::move(store.inputs(n, place), std::back_inserter(read));
+            std::ranges::move(store.outputs(n, place), std::back_inserter(written));
+        }
     }
     return out;
 }

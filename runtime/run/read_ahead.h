@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <string>
@@ -16,13 +17,17 @@
 namespace fluidcarve {
 
 /// Has the system read the files of the next frames while earlier ones are worked on. It asks in a thread of its own, since a slow disk may keep who asks
-/// waiting. If all files together are larger than memory, it also gives back the memory of those that no later frame reads.
+/// waiting. If all files that are read are together larger than memory, it also gives back the memory of those that no later frame reads, and of
+/// those that frames have written.
 class ReadAhead {
 public:
-    /// @param files   paths that frames read, `[frame]`, in the order in which frames begin
+    /// Paths of files, `[frame]`, in the order in which frames begin.
+    using Files = std::vector<std::vector<std::string>>;
+
+    /// @param written  of those that frames write
     /// @param ahead   number of frames to read ahead
     /// @param memory  bytes
-    ReadAhead(std::vector<std::vector<std::string>> files, std::size_t ahead, std::uint64_t memory);
+    ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory);
     ~ReadAhead();
     ReadAhead(const ReadAhead&) = delete;
     ReadAhead& operator=(const ReadAhead&) = delete;
@@ -33,8 +38,10 @@ public:
 
 private:
     void work(const std::stop_token& stop);
+    /// Has the files of a frame dropped. @param done  the frame
+    void drop(std::size_t done);
 
-    const std::vector<std::vector<std::string>> files_;
+    const Files read_, written_;
     const std::size_t ahead_;
     std::map<std::string, std::size_t> last_;  ///< file to the last frame that reads it
     bool drops_ = false;
@@ -42,13 +49,16 @@ private:
     std::condition_variable_any changed_;
     std::size_t next_ = 0, until_ = 0;  ///< frames that are asked for next
     std::vector<std::size_t> done_;     ///< frames whose files may be dropped
+    std::deque<std::size_t> lately_;    ///< frames that were done last: not all that they wrote may be on the disk
     std::jthread thread_;
 };
 
-/// Paths of the files that nodes read in the frames of a pass, `[frame]`.
+/// The files of a pass.
+struct FilesOfPass {
+    ReadAhead::Files read, written;
+};
 /// @param scheduled  the pass's frames, by place
 /// @param places     of the frames, in the order in which they begin
-std::vector<std::vector<std::string>> files_read(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled,
-                                                 const std::vector<std::size_t>& places);
+FilesOfPass files_of(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled, const std::vector<std::size_t>& places);
 
 }  // namespace fluidcarve

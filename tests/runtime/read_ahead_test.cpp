@@ -72,7 +72,7 @@ TEST_CASE("files of the next frames are read before these begin, and none farthe
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}}, 2, std::uint64_t{1} << 30);
+    ReadAhead ahead({{p[0]}, {p[1], "/none/such"}, {p[2]}, {p[3], p[4]}, {p[5]}}, {{}, {}, {}, {}, {}}, 2, std::uint64_t{1} << 30);
     ahead.begin(0);
     CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     CHECK(held(p[3]) == 0);
@@ -90,7 +90,7 @@ TEST_CASE("files that are larger than memory are dropped once no later frame rea
         return;
     }
     const auto& p = files.paths;
-    ReadAhead ahead({{p[0], p[1]}, {p[1]}, {p[2]}}, 3, 2 * cold_size);
+    ReadAhead ahead({{p[0], p[1]}, {p[1]}, {p[2]}}, {{}, {}, {}}, 3, 2 * cold_size);
     ahead.begin(0);
     REQUIRE(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1 && held(p[2]) == 1; }));
     ahead.end(0);
@@ -101,9 +101,36 @@ TEST_CASE("files that are larger than memory are dropped once no later frame rea
     CHECK(held(p[2]) == 1);
 }
 
+TEST_CASE("written files are dropped, too, as soon as they are on the disk") {
+    const Files files(3);
+    if (!files.cold()) {
+        WARN("the scratch folder lies in memory: nothing to see");
+        return;
+    }
+    const auto& p = files.paths;
+    const auto early = files.scratch.write("early", std::string(cold_size, 'x')), late = files.scratch.write("late", std::string(cold_size, 'x'));
+    const auto sync = [](const std::string& path) {
+        const int file = open(path.c_str(), O_RDONLY);
+        fsync(file);
+        close(file);
+    };
+    for (const bool larger : {false, true}) {
+        ReadAhead ahead({{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}, 1, (larger ? 2 : 4) * cold_size);
+        ahead.begin(0);
+        ahead.end(0);
+        sync(early);
+        sync(late);
+        ahead.begin(1);
+        ahead.end(1);
+        CHECK(eventually([&] { return held(p[2]) == 1; }));
+        CHECK(eventually([&] { return (held(early) == 0) == larger; }));
+        CHECK(held(late) == 1);
+    }
+}
+
 TEST_CASE("nothing is read ahead where frames read no files") {
-    ReadAhead ahead({{}, {}}, 3, 0);
+    ReadAhead ahead({{}, {}}, {{}, {}}, 3, 0);
     ahead.begin(0);
     ahead.end(0);
-    ReadAhead none({}, 3, 0);
+    ReadAhead none({}, {}, 3, 0);
 }
