@@ -7,6 +7,7 @@
 #include "tests/support/node_bench.h"
 #include "tests/support/scratch.h"
 
+#include <openvdb/tools/Interpolation.h>
 #include <catch2/catch.hpp>
 
 #include <limits>
@@ -169,4 +170,29 @@ TEST_CASE("frames over the memory budget go to a file that leaves no trace") {
 TEST_CASE("more energy than any memory holds is refused, not wrapped around") {
     CHECK_THROWS_WITH(FrameStore(std::size_t{1} << 18, std::size_t{1} << 45, ~std::uint64_t{0}, "."),
                       "262144 frames of 35184372088832 values each are more than any memory holds; use a coarser or smaller lattice");
+}
+
+TEST_CASE("between voxels, a column sees lone voxels and tiles, and elsewhere the background") {
+    for (const float background : {0.0f, 2.0f}) {
+        const auto grid = openvdb::FloatGrid::create(background);
+        grid->tree().setValue(Coord(30, 21, 3), 7);
+        grid->tree().addTile(1, Coord(8, 16, 0), 3, true);
+        for (const auto& axes : {std::array{0, 1, 2}, std::array{1, 0, 2}, std::array{2, 1, 0}}) {
+            const auto lattice = make_box(Vec3d(-3.3, 0.2, 0.4), {45, 37, 29}, 0.9, axes);
+            for (const auto axis : {Axis::u, Axis::v}) {
+                const auto codes = sampled(*grid, lattice, axis);
+                std::size_t place = 0, wrong = 0, others = 0;
+                for (int k = 0; k < lattice.shape[2]; ++k)
+                    for (int lateral = 0; lateral < lattice.shape[lateral_dimension(axis)]; ++lateral)
+                        for (int entry = 0; entry < lattice.shape[dimension(axis)]; ++entry, ++place) {
+                            const auto at = vertex_of(axis, entry, lateral, k);
+                            const auto value = openvdb::tools::BoxSampler::sample(grid->tree(), snapped(lattice.position(Vec3d(at[0], at[1], at[2]))));
+                            wrong += codes[place] == encode_energy(value) ? 0 : 1;
+                            others += value == background ? 0 : 1;
+                        }
+                CHECK(wrong == 0);
+                CHECK(others > 500);
+            }
+        }
+    }
 }

@@ -177,7 +177,7 @@ TEST_CASE("a frame sampled at half size is the halved frame, also where most of 
     const CoordBBox content(Coord(0, 0, 0), Coord(40, 30, 6)), far(Coord(61, 33, 3), Coord(62, 34, 4));
     const auto mask = mask_grid({Coord(3, 4, 2), Coord(20, 9, 6), Coord(68, 35, 1)});
     const auto empty = FloatGrid::create(), tile = on(0, far);
-    tile->tree().addTile(1, Coord(-20, 16, 0), 3, true);
+    tile->tree().addTile(1, Coord(16, 16, 0), 3, true);
     const auto tilted = make_box(openvdb::Vec3d(-3.3, 0.2, 0.4), {71, 37, 9}, 0.9, {1, 0, 2});
     for (const auto& grid : {on(0, content), on(2, content), on(0, far), empty, tile})
         for (const auto& lattice : {box({42, 31, 7}), box({71, 37, 9}), tilted})
