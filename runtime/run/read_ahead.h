@@ -24,7 +24,8 @@ public:
     /// Paths of files, `[frame]`, in the order in which frames begin.
     using Files = std::vector<std::vector<std::string>>;
 
-    /// @param written  of those that frames write
+    /// @param read     files that frames read
+    /// @param written  files that frames write
     /// @param ahead   number of frames to read ahead
     /// @param memory  bytes
     ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory);

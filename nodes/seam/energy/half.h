@@ -34,7 +34,7 @@ inline std::array<int, 3> gathered_shape(std::array<int, 3> shape, int finest) {
     return shape;
 }
 
-/// The mean of some columns, at half their length. Columns are added one by one, or what of them is not 0.
+/// The mean of some columns, at half their length. Columns are added one by one. Entries that are 0, at either end, need not be given.
 class MeanColumn {
 public:
     /// @param width  entries of a column
