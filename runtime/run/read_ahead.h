@@ -26,8 +26,8 @@ public:
 
     /// @param read     files that frames read
     /// @param written  files that frames write
-    /// @param ahead   number of frames to read ahead
-    /// @param memory  bytes
+    /// @param ahead    number of frames to read ahead
+    /// @param memory   bytes
     ReadAhead(Files read, Files written, std::size_t ahead, std::uint64_t memory);
     ~ReadAhead();
     ReadAhead(const ReadAhead&) = delete;
