@@ -41,8 +41,10 @@ void ReadAhead::begin(std::size_t frame) {
 }
 
 void ReadAhead::end(std::size_t frame) {
-    if (!drops_) return;
     const std::lock_guard lock(mutex_);
+    // Files of frames that are done are asked for no more: that would read again what was dropped.
+    next_ = std::max(next_, frame + 1);
+    if (!drops_) return;
     done_.push_back(frame);
     changed_.notify_one();
 }

@@ -58,6 +58,7 @@ private:
 struct FilesOfPass {
     ReadAhead::Files read, written;
 };
+/// Finds the files that nodes read and write in the frames of a pass.
 /// @param scheduled  the pass's frames, by place
 /// @param places     of the frames, in the order in which they begin
 FilesOfPass files_of(const Store& store, const Wiring& wiring, const std::vector<Schedule::Frame>& scheduled, const std::vector<std::size_t>& places);

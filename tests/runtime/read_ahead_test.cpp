@@ -21,12 +21,17 @@ namespace {
 
 constexpr std::size_t cold_size = 600'000;  // more than the system reads at one request
 
-/// A file on the disk that the system does not hold in memory.
-std::string cold_file(const Scratch& scratch, const std::string& name) {
-    const auto path = scratch.write(name, std::string(cold_size, 'x'));
+/// Waits until a file is on the disk.
+void sync(const std::string& path) {
     const int file = open(path.c_str(), O_RDONLY);
     fsync(file);
     close(file);
+}
+
+/// A file on the disk that the system does not hold in memory.
+std::string cold_file(const Scratch& scratch, const std::string& name) {
+    const auto path = scratch.write(name, std::string(cold_size, 'x'));
+    sync(path);
     InputFile(path, {"a file"}).advise(InputFile::Use::over);
     return path;
 }
@@ -108,16 +113,14 @@ TEST_CASE("written files are dropped, too, as soon as they are on the disk") {
         return;
     }
     const auto& p = files.paths;
-    const auto early = files.scratch.write("early", std::string(cold_size, 'x')), late = files.scratch.write("late", std::string(cold_size, 'x'));
-    const auto sync = [](const std::string& path) {
-        const int file = open(path.c_str(), O_RDONLY);
-        fsync(file);
-        close(file);
-    };
     for (const bool larger : {false, true}) {
+        const auto early = files.scratch.write(fmt::format("early {}", larger), std::string(cold_size, 'x')),
+                   late = files.scratch.write(fmt::format("late {}", larger), std::string(cold_size, 'x'));
         ReadAhead ahead({{p[0]}, {p[1]}, {p[2]}}, {{early}, {}, {late}}, 1, (larger ? 2 : 4) * cold_size);
         ahead.begin(0);
+        CHECK(eventually([&] { return held(p[0]) == 1 && held(p[1]) == 1; }));
         ahead.end(0);
+        if (larger) CHECK(eventually([&] { return held(p[0]) == 0; }));
         sync(early);
         sync(late);
         ahead.begin(1);

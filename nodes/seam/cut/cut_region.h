@@ -203,7 +203,7 @@ private:
                     const auto& beside = graph_.columns[other];
                     if (const auto above = Residual::node(beside, entry + 1); above != none && graph_.tags[above].lowered(Columns::back(d))) {
                         const auto at = graph_.tags[above].label();
-                        // The capacity itself is far away in memory.
+                        // The tag tells that some capacity is left. How much is read only to push, since it is far away in memory.
                         bool stays = true;
                         if (at + 1 == label) {
                             auto& lowered = graph_.arcs[above].lowered[Columns::back(d)];

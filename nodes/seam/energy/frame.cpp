@@ -125,24 +125,24 @@ private:
         const auto sample_energy = make_energy_();
         const auto sample_field = make_field_ ? make_field_() : nullptr;
         auto attract = marker(attract_), protect = marker(protect_);
-        for (int coarse_k = planes.begin; coarse_k < planes.end; ++coarse_k)
-            for (int coarse_lateral = laterals.begin; coarse_lateral < laterals.end; ++coarse_lateral) {
-                const int lateral = 2 * coarse_lateral, k = 2 * coarse_k;
-                for (int fk = k; fk < std::min(k + 2, planes_); ++fk)
-                    for (int fl = lateral; fl < std::min(lateral + 2, laterals_); ++fl) {
-                        auto content = sampled(*sample_energy, bad_energy_, fl, fk, codes);
-                        counts.content = counts.content || std::ranges::any_of(content, [&](std::uint16_t code) { return code != background_; });
-                        const auto attracted = attract ? (*attract)(fl, fk, attracted_code, codes) : 0,
-                                   guarded = protect ? (*protect)(fl, fk, protected_code, codes) : 0;
-                        counts.attract += attracted;
-                        counts.protect += guarded;
-                        if (attracted + guarded > 0) content = codes;
-                        energy.add(content, static_cast<std::size_t>(content.data() - codes.data()));
-                        if (!sample_field) continue;
-                        content = sampled(*sample_field, bad_field_, fl, fk, codes);
-                        field.add(content, static_cast<std::size_t>(content.data() - codes.data()));
-                    }
-                const auto column = static_cast<std::size_t>(coarse_lateral) + static_cast<std::size_t>(halved(laterals_)) * static_cast<std::size_t>(coarse_k);
+        const auto add = [&](int lateral, int k) {
+            auto content = sampled(*sample_energy, bad_energy_, lateral, k, codes);
+            counts.content = counts.content || std::ranges::any_of(content, [&](std::uint16_t code) { return code != background_; });
+            const auto attracted = attract ? (*attract)(lateral, k, attracted_code, codes) : 0,
+                       guarded = protect ? (*protect)(lateral, k, protected_code, codes) : 0;
+            counts.attract += attracted;
+            counts.protect += guarded;
+            if (attracted + guarded > 0) content = codes;
+            energy.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+            if (!sample_field) return;
+            content = sampled(*sample_field, bad_field_, lateral, k, codes);
+            field.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+        };
+        for (int k = planes.begin; k < planes.end; ++k)
+            for (int lateral = laterals.begin; lateral < laterals.end; ++lateral) {
+                for (int fine_k = 2 * k; fine_k < std::min(2 * k + 2, planes_); ++fine_k)
+                    for (int fine = 2 * lateral; fine < std::min(2 * lateral + 2, laterals_); ++fine) add(fine, fine_k);
+                const auto column = static_cast<std::size_t>(lateral) + static_cast<std::size_t>(halved(laterals_)) * static_cast<std::size_t>(k);
                 energy.end(std::span(out.energy).subspan(column * coarse_width, coarse_width));
                 if (sample_field) field.end(std::span(out.field).subspan(column * coarse_width, coarse_width));
             }

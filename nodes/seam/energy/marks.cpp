@@ -33,12 +33,13 @@ MaskColumns::MaskColumns(const openvdb::GridBase& mask, const Lattice& lattice, 
     if (set_.evalActiveVoxelBoundingBox(active)) box_ = {padded(active, 1).min(), active.max()};
 }
 
-MaskColumns::Marker::Marker(const MaskColumns& mask) : mask_(mask), set_(mask.set_), places_(mask.transform_, mask.lattice_, mask.axis_) {}
+MaskColumns::Marker::Marker(const MaskColumns& mask)
+    : mask_(mask), reach_(padded(mask.box_, 1)), set_(mask.set_), places_(mask.transform_, mask.lattice_, mask.axis_) {}
 
 std::size_t MaskColumns::Marker::operator()(int lateral, int k, std::uint16_t code, std::span<std::uint16_t> codes) {
     const auto first = vertex_of(mask_.axis_, 0, lateral, k);
     places_.move_to(first);
-    const auto among = places_.within(padded(mask_.box_, 1), static_cast<int>(codes.size()));
+    const auto among = places_.within(reach_, static_cast<int>(codes.size()));
     const auto& alignment = mask_.alignment_;
     const auto voxel = alignment ? alignment->voxel(first[0], first[1], first[2]) : Coord();
     const auto step = alignment ? alignment->step[static_cast<std::size_t>(mask_.axis_)] : Coord();

@@ -44,6 +44,7 @@ public:
         bool set_around(const openvdb::Vec3d& at) const;
 
         const MaskColumns& mask_;
+        const openvdb::CoordBBox reach_;  ///< of all places around which the mask may be set
         openvdb::tree::ValueAccessor<const openvdb::MaskTree> set_;
         ColumnPlaces places_;
     };
