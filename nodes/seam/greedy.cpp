@@ -235,8 +235,8 @@ private:
 
     /// A neighbour that is passed already.
     struct Passed {
-        const Entry* entries;        ///< of all seams
-        const std::uint16_t* field;  ///< of the column; null: no field
+        const Entry* entries;   ///< of all seams
+        const FieldRun* field;  ///< of the column; null: no field
         bool in_time;
     };
 
@@ -251,10 +251,9 @@ private:
     /// the column's at the neighbour's entry, the other the neighbour's at the column's entry (StepCosts).
     /// @param field  of the column
     /// @param base   the first of the entries
-    void add_steps(const Passed& passed, const std::uint16_t* field, int base, std::size_t seam, Lanes& costs) const {
+    void add_steps(const Passed& passed, const FieldRun& field, int base, std::size_t seam, Lanes& costs) const {
         const int there = passed.entries[seam];
-        const float here = decode_field(field[there]);
-        costs += without(step_costs_.lift(passed.in_time, here, field_lanes(passed.field + base)), base, there);
+        costs += without(step_costs_.lift(passed.in_time, field.value(there), passed.field->values(base)), base, there);
     }
 
     /// The same in general: steps may cost something, and rows may close.
@@ -287,6 +286,8 @@ private:
             if (start.given && start.closes) pass(start.column, false);
         const auto* const field = step_costs_.field(c);
         const bool by_lanes = field && energy_.stride() >= static_cast<std::size_t>(lane_count);
+        const auto field_ahead = [&](std::size_t of) { return field && of + ahead < columns_.count() ? step_costs_.field(of + ahead) : nullptr; };
+        const std::array next{field_ahead(c), at.t > 0 ? field_ahead(c - frame_columns) : nullptr};
         std::array<std::pair<const Entry*, int>, 2> reaches;
         std::size_t starts = 0;
         for (const auto& start : {home, row})
@@ -311,12 +312,11 @@ private:
             Lanes costs{};
             if (by_lanes) {
                 costs = costs_from(column + base);
-                for (std::size_t n = 0; n < count; ++n) add_steps(passed[n], field, base, s, costs);
+                for (std::size_t n = 0; n < count; ++n) add_steps(passed[n], *field, base, s, costs);
                 // What the next columns read: the seam drifts by at most an entry per column.
-                const auto next = ahead * energy_.stride() + static_cast<std::size_t>(low);
-                __builtin_prefetch(column + next);
-                __builtin_prefetch(field + next);
-                if (passed[before_closing - 1].in_time) __builtin_prefetch(passed[before_closing - 1].field + next);
+                __builtin_prefetch(column + ahead * energy_.stride() + low);
+                for (const auto* const run : next)
+                    if (run && run->has(low)) __builtin_prefetch(run->codes + (low - run->first));
             } else {
                 for (int entry = low; entry <= high; ++entry) {
                     float cost = values_.cost(column[entry]);

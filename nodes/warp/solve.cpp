@@ -225,8 +225,7 @@ private:
     /// Vertices from point to point: as few as there is room for in memory beside the energies, and time for.
     static int factor_for(const Params& params, const Seams& set, const EnergyVolume& energy, std::size_t frames, const Context& context) {
         if (params.factor) return *params.factor;
-        const auto energies =
-            std::uint64_t{energy.columns_per_frame()} * energy.stride() * energy.frames() * sizeof(std::uint16_t) * (energy.has_field() ? 2 : 1);
+        const auto energies = energy.bytes();
         // Energies beyond the budget are on disk.
         const auto budget = context.memory_budget(), left = energies < budget ? budget - energies : budget;
         for (const int factor : {1, 2}) {

@@ -33,16 +33,16 @@ void find_weights(const EnergyVolume& energy, const Typical& typical, const Warp
     // Adds the weights of a column's vertices to those of its points.
     const auto add_column = [&](std::size_t t, std::size_t column, const std::vector<std::size_t>& point_of, std::vector<double>& sums) {
         const auto* const codes = energy.codes(t) + column * width;
-        const auto field = energy.has_field() ? energy.field(t).subspan(column * width, width) : std::span<const std::uint16_t>();
-        const auto value = [&](std::size_t u) { return decode_field(field[u]); };
+        const auto* const field = energy.has_field() ? &energy.field(t * energy.columns_per_frame() + column) : nullptr;
+        const auto value = [&](std::size_t u) { return field->value(static_cast<int>(u)); };
         for (std::size_t u = 0; u < width; ++u) {
             float weight = soft_weight;
             if (codes[u] == protected_code) weight = rigid_weight;
             else if (codes[u] != attracted_code) {
                 weight = decode_energy(codes[u]) * per_energy;
-                const bool content = field.empty() ? codes[u] > 0 : std::abs(value(u)) > typical.content;
+                const bool content = !field ? codes[u] > 0 : std::abs(value(u)) > typical.content;
                 weight += content ? prices.evenness : empty;
-                if (!field.empty()) weight += per_edge * std::abs(value(std::min(u + 1, width - 1)) - value(u > 0 ? u - 1 : 0));
+                if (field) weight += per_edge * std::abs(value(std::min(u + 1, width - 1)) - value(u > 0 ? u - 1 : 0));
                 weight = std::min(weight, most_ordinary_weight);
             }
             sums[point_of[u]] += static_cast<double>(weight);

@@ -74,7 +74,9 @@ EnergyVolume costs_of(const Picture& picture, bool forward) {
     EnergyVolume out({static_cast<int>(picture.width), static_cast<int>(picture.height), 1}, Axis::u, 1, ~std::uint64_t{0}, "");
     if (forward) {
         out.add_field(1, ~std::uint64_t{0}, "");
-        std::ranges::transform(picture.pixels, out.field(0).begin(), encode_field);
+        std::vector<std::uint16_t> codes(picture.pixels.size());
+        std::ranges::transform(picture.pixels, codes.begin(), encode_field);
+        out.set_field(0, codes);
         out.count_edges(~std::uint64_t{0}, "");
         return out;
     }

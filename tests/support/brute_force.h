@@ -184,6 +184,18 @@ inline EnergyVolume volume_of(const ColumnGraph& graph, int width, const CostAt&
     return out;
 }
 
+/// Gives an energy a field.
+/// @param value  called with a frame and a place, laid out as its energies
+template <class ValueAt>
+void add_field(EnergyVolume& energy, float weight, const ValueAt& value) {
+    energy.add_field(weight, ~std::uint64_t{0}, "");
+    for (std::size_t t = 0; t < energy.frames(); ++t) {
+        std::vector<std::uint16_t> codes;
+        for (std::size_t n = 0; n < energy.columns_per_frame() * energy.stride(); ++n) codes.push_back(encode_field(static_cast<float>(value(t, n))));
+        energy.set_field(t, codes);
+    }
+}
+
 /// The energies of a volume, as the solvers see them.
 inline CostAt energies_of(const EnergyVolume& energy) {
     return [&](std::size_t c, int entry) -> double {

@@ -82,10 +82,14 @@ void MeanField::add(std::span<const std::uint16_t> codes, std::size_t from) {
     if (codes.empty()) return;
     const auto values = std::span(values_).first(codes.size());
     decode_fields(codes, values);
-    auto* const sums = sums_.data() + from / 2;
-    for (std::size_t n = 0; n < codes.size() / 2; ++n) sums[n] += values[2 * n] + values[2 * n + 1];
-    // The last of an odd number counts twice, and is halved with the others.
-    if (codes.size() % 2 != 0) sums[codes.size() / 2] += 2 * values.back();
+    std::size_t n = 0;
+    if (from % 2 != 0) sums_[from / 2] += values[n++];
+    auto* const sums = sums_.data() + halved(from);
+    const auto pairs = (values.size() - n) / 2;
+    for (std::size_t p = 0; p < pairs; ++p) sums[p] += values[n + 2 * p] + values[n + 2 * p + 1];
+    n += 2 * pairs;
+    // A column's last entry, without another, counts twice; it is halved with the others.
+    if (n < values.size()) sums[pairs] += from + n + 1 == values_.size() ? 2 * values[n] : values[n];
 }
 
 void MeanField::end(std::span<std::uint16_t> out) {

@@ -79,8 +79,10 @@ private:
 class MeanField : MeanColumn {
 public:
     using MeanColumn::MeanColumn;
-    /// As of MeanEnergy.
+    /// Adds a column.
+    /// @param codes  from entry `from` on; the others are 0
     void add(std::span<const std::uint16_t> codes, std::size_t from = 0);
+    /// As of MeanEnergy.
     void end(std::span<std::uint16_t> out);
 };
 

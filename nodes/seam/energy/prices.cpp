@@ -50,13 +50,12 @@ struct Sums {
 
 Typical Typical::of(const EnergyVolume& energy) {
     const auto width = energy.width();
-    const auto* const codes = energy.codes(0);
-    const auto* const field = energy.has_field() ? energy.field(0).data() : nullptr;
-    const auto value = [&](std::size_t place) { return decode_field(field[place]); };
     Typical out;
-    if (field) {
+    if (energy.has_field()) {
         const auto extent = summed_over<Bounds>(energy, [&](Bounds& sum, std::size_t c) {
-            for (auto n = c * energy.stride(); n < c * energy.stride() + static_cast<std::size_t>(width); ++n) sum += Bounds{value(n), value(n)};
+            const auto& field = energy.field(c);
+            for (int entry = field.first; entry < field.end; ++entry) sum += Bounds{field.value(entry), field.value(entry)};
+            if (field.end - field.first < width) sum += Bounds{0, 0};
         });
         if (extent.low == extent.high)
             throw Failure(
@@ -66,15 +65,14 @@ Typical Typical::of(const EnergyVolume& energy) {
         out.content = content_share * std::max(std::abs(extent.low), std::abs(extent.high));
     }
     const auto sums = summed_over<Sums>(energy, [&](Sums& sum, std::size_t c) {
-        const auto first = c * energy.stride();
-        for (int entry = 0; entry < width; ++entry) {
-            const auto n = first + static_cast<std::size_t>(entry);
-            if (codes[n] >= protected_code || (field ? std::abs(value(n)) <= out.content : codes[n] == 0)) continue;
+        const auto* const codes = energy.codes(0) + c * energy.stride();
+        const auto* const field = energy.has_field() ? &energy.field(c) : nullptr;
+        // Beyond the field's run there is no content.
+        for (int entry = field ? field->first : 0; entry < (field ? field->end : width); ++entry) {
+            if (codes[entry] >= protected_code || (field ? std::abs(field->value(entry)) <= out.content : codes[entry] == 0)) continue;
             ++sum.count;
-            sum.energy += decode_energy(codes[n]);
-            if (field)
-                sum.edge += std::abs(value(first + static_cast<std::size_t>(std::min(entry + 1, width - 1))) -
-                                     value(first + static_cast<std::size_t>(std::max(entry - 1, 0))));
+            sum.energy += decode_energy(codes[entry]);
+            if (field) sum.edge += std::abs(field->value(std::min(entry + 1, width - 1)) - field->value(std::max(entry - 1, 0)));
         }
     });
     if (sums.energy > 0) out.energy = sums.energy / static_cast<double>(sums.count);
@@ -88,16 +86,17 @@ void set_prices(EnergyVolume& energy, const Typical& typical, const Prices& pric
     if (!energy.has_field()) return;
     energy.set_field_weight(static_cast<float>(prices.edges * typical.energy / typical.edge));
     const float most = decode_energy(highest_energy_code), empty = unit * prices.empty * (2 + prices.edges);
-    auto* const codes = energy.codes(0).data();
-    const auto* const field = std::as_const(energy).field(0).data();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, energy.frames() * energy.columns_per_frame() * energy.stride(), 65536),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (auto n = range.begin(); n < range.end(); ++n) {
-                              if (codes[n] >= protected_code) continue;
-                              const bool content = std::abs(decode_field(field[n])) > typical.content;
-                              codes[n] = encode_energy(std::min(decode_energy(codes[n]) + (content ? unit : empty), most));
-                          }
-                      });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, energy.frames() * energy.columns_per_frame(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            auto* const codes = energy.codes(0).data() + c * energy.stride();
+            const auto& field = energy.field(c);
+            for (int entry = 0; entry < energy.width(); ++entry) {
+                if (codes[entry] >= protected_code) continue;
+                const bool content = std::abs(field.value(entry)) > typical.content;
+                codes[entry] = encode_energy(std::min(decode_energy(codes[entry]) + (content ? unit : empty), most));
+            }
+        }
+    });
 }
 
 }  // namespace fluidcarve

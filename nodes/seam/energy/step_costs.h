@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/field_columns.h"
 #include "nodes/seam/energy/lanes.h"
 
 #include <algorithm>
@@ -22,17 +22,16 @@ public:
     /// Steps are free.
     StepCosts() = default;
     /// @param rigidity  cost of any step, in space and in time
-    /// @param field     field codes, `[column][entry]`; null: no field
-    /// @param stride    entries from a column to the next
+    /// @param field     of the columns; null: no field
     /// @param weight    cost per unit by which the field changes across the new edge
-    StepCosts(const std::array<float, 2>& rigidity, const std::uint16_t* field, std::size_t stride, float weight)
-        : any_(field || rigidity[0] > 0 || rigidity[1] > 0), rigidity_(rigidity), field_(field), stride_(stride), weight_(weight) {}
+    StepCosts(const std::array<float, 2>& rigidity, const FieldRun* field, float weight)
+        : any_(field || rigidity[0] > 0 || rigidity[1] > 0), rigidity_(rigidity), field_(field), weight_(weight) {}
 
     explicit operator bool() const { return any_; }
 
     bool has_field() const { return field_ != nullptr; }
     /// The field at an entry.
-    float value(std::size_t column, int entry) const { return decode_field(field_[column * stride_ + static_cast<std::size_t>(entry)]); }
+    float value(std::size_t column, int entry) const { return field_[column].value(entry); }
 
     /// Cost of a step: the seam is at `entry` + 1 in column `high` and at `entry` in its neighbour `low`.
     float lift(std::size_t high, std::size_t low, int entry, bool in_time) const {
@@ -47,23 +46,21 @@ public:
         return (*this)(field(column), entry, field(other), entry_there, in_time);
     }
     /// The same with the columns' field(), for who asks again and again.
-    float operator()(const std::uint16_t* column, int entry, const std::uint16_t* other, int entry_there, bool in_time) const {
+    float operator()(const FieldRun* column, int entry, const FieldRun* other, int entry_there, bool in_time) const {
         if (entry == entry_there) return 0;
         if (!field_) return rigidity_[in_time ? 1 : 0];
         const auto low = std::min(entry, entry_there);
-        return entry > entry_there ? lift(in_time, decode_field(column[low]), decode_field(other[low + 1]))
-                                   : lift(in_time, decode_field(other[low]), decode_field(column[low + 1]));
+        return entry > entry_there ? lift(in_time, column->value(low), other->value(low + 1)) : lift(in_time, other->value(low), column->value(low + 1));
     }
-    /// The field codes of a column; null: no field.
-    const std::uint16_t* field(std::size_t column) const { return field_ ? field_ + column * stride_ : nullptr; }
+    /// The field of a column; null: no field.
+    const FieldRun* field(std::size_t column) const { return field_ ? field_ + column : nullptr; }
     /// The same costs, with columns counted from another one.
-    StepCosts from(std::size_t column) const { return {rigidity_, field_ ? field_ + column * stride_ : nullptr, stride_, weight_}; }
+    StepCosts from(std::size_t column) const { return {rigidity_, field(column), weight_}; }
 
 private:
     bool any_ = false;
     std::array<float, 2> rigidity_{};
-    const std::uint16_t* field_ = nullptr;
-    std::size_t stride_ = 0;
+    const FieldRun* field_ = nullptr;
     float weight_ = 0;
 };
 

@@ -38,7 +38,23 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
 
 void EnergyVolume::add_field(float weight, std::uint64_t memory_budget, const std::string& folder) {
     weight_ = weight;
-    field_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
+    field_.emplace(frames_, columns_per_frame(), width_, memory_budget, folder);
+}
+
+std::vector<std::uint16_t> EnergyVolume::field_codes(std::size_t t) const {
+    const auto columns = columns_per_frame();
+    std::vector<std::uint16_t> out(columns * stride_);
+    tbb::parallel_for(ColumnRange(0, columns, 4096), [&](const ColumnRange& range) {
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            const auto& run = field(t * columns + c);
+            std::copy_n(run.codes, run.end - run.first, out.begin() + static_cast<std::ptrdiff_t>(c * stride_) + run.first);
+        }
+    });
+    return out;
+}
+
+std::uint64_t EnergyVolume::bytes() const {
+    return codes_.count() * codes_.entries(0).size_bytes() + sums_.size() * sizeof(float) + (field_ ? field_->bytes() : 0);
 }
 
 void EnergyVolume::set_edges(std::size_t column, int first, int last) {
@@ -46,33 +62,39 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
     constexpr int most = 32;
     std::array<float, most> energies;
     std::array<float, most + 2> field;
-    const auto begin = column * stride_;
-    const auto* const codes = without_edges_->entries(0).data() + begin;
-    const auto* const values = field_->entries(0).data() + begin;
-    auto* const out = codes_.entries(0).data() + begin;
+    const auto& run = this->field(column);
+    auto* const out = codes_of(column);
     const float highest = decode_energy(highest_energy_code);
+    first = std::max(first, run.first);
+    last = std::min(last, run.end - 1);
     for (; first <= last; first += most) {
-        const int count = std::min(most, last - first + 1), before = std::max(first - 1, 0), behind = std::min(first + count, width_ - 1);
-        decode_energies({codes + first, static_cast<std::size_t>(count)}, energies);
-        // The first and the last entry of a column have themselves in place of the neighbour that is missing.
+        const int count = std::min(most, last - first + 1);
+        const auto given = static_cast<std::size_t>(count);
+        decode_energies({&run.energy(first), given}, energies);
+        // The first and the last entry of a column have themselves in place of the neighbour that is missing. So have those of a run: both are 0.
+        const int before = std::max(first - 1, run.first), behind = std::min(first + count, run.end - 1);
         const bool at_begin = before == first;
         const auto there = std::span(field).subspan(at_begin ? 1 : 0);
-        decode_fields({values + before, values + behind + 1}, there);
+        decode_fields({run.codes + (before - run.first), run.codes + (behind - run.first) + 1}, there);
         if (at_begin) field[0] = field[1];
-        if (behind == first + count - 1) field[static_cast<std::size_t>(count) + 1] = field[static_cast<std::size_t>(count)];
+        if (behind == first + count - 1) field[given + 1] = field[given];
         for (int n = 0; n < count; ++n) {
             const auto at = static_cast<std::size_t>(n);
-            const auto code = codes[first + n];
+            const auto code = run.energy(first + n);
             out[first + n] = code >= protected_code ? code : encode_energy(std::min(energies[at] + weight_ * std::abs(field[at + 2] - field[at]), highest));
         }
     }
 }
 
 void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
-    without_edges_.emplace(frames_, stride_ * columns_per_frame(), memory_budget, folder);
-    std::swap(codes_, *without_edges_);
+    field_->add_energies(memory_budget, folder);
+    edges_counted_ = true;
     tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
-        for (auto c = range.begin(); c < range.end(); ++c) set_edges(c, 0, width_ - 1);
+        for (auto c = range.begin(); c < range.end(); ++c) {
+            const auto& run = field(c);
+            std::copy_n(codes_of(c) + run.first, run.end - run.first, run.energies);
+            set_edges(c, 0, width_ - 1);
+        }
     });
 }
 
@@ -155,9 +177,12 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
                   if (energies) energies[e] = energy;
               });
     } else {
-        auto* const codes = (without_edges_ ? *without_edges_ : codes_).entries(0).data() + first;
-        share([&](int e) { return codes[e] < protected_code; }, [&](int e) { return decode_energy(codes[e]); },
-              [&](int e, float energy) { codes[e] = encode_energy(std::min(energy, highest)); });
+        // Edges are not handed on.
+        const auto* const run = edges_counted_ ? &field(column) : nullptr;
+        auto* const codes = codes_of(column);
+        const auto code = [&](int e) -> std::uint16_t& { return run && run->has(e) ? run->energy(e) : codes[e]; };
+        share([&](int e) { return code(e) < protected_code; }, [&](int e) { return decode_energy(code(e)); },
+              [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
     }
 }
 
@@ -172,13 +197,11 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
         for (auto c = range.begin(); c < range.end(); ++c) {
             if (spread_ > 0) hand_on(c, at[c], window);
             if (summed()) close(sums_.data() + c * stride_, at[c]);
-            else close(codes(c / columns).data() + c % columns * stride_, at[c]);
+            else close(codes_of(c), at[c]);
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
-            if (field_) close(field_->entries(0).data() + c * stride_, at[c]);
-            if (!without_edges_) continue;
-            close(without_edges_->entries(0).data() + c * stride_, at[c]);
+            if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
             // Update the entries that got energy or a new neighbour.
-            set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
+            if (edges_counted_) set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
         }
     });
 }

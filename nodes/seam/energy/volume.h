@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/seam/energy/code.h"
+#include "nodes/seam/energy/field_columns.h"
 #include "nodes/seam/energy/step_costs.h"
 #include "nodes/seams/frame_store.h"
 #include "nodes/seams/seams.h"
@@ -54,13 +55,17 @@ public:
     /// Sets how far remove() hands on the energy of a deleted entry, in entries to both sides; 0: not at all.
     void set_spread(int entries) { spread_ = entries; }
     int spread() const { return spread_; }
-    /// Allocates a field whose new edges cost something.
+    /// Adds a field, of 0, whose new edges cost something.
     /// @param weight  cost per unit by which the field changes across an edge
-    /// @throws Failure as FrameStore
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
+    /// Sets the field of a frame.
+    /// @param codes  field codes, laid out as the energies
+    /// @throws Failure as FrameStore
+    void set_field(std::size_t t, std::span<const std::uint16_t> codes) { field_->set(t, codes); }
+    /// The field of a column. @param column  as in Seams::Seam::at
+    const FieldRun& field(std::size_t column) const { return field_->runs()[column]; }
     /// The field codes of a frame, laid out as its energies.
-    std::span<std::uint16_t> field(std::size_t t) { return field_->entries(t); }
-    std::span<const std::uint16_t> field(std::size_t t) const { return field_->entries(t); }
+    std::vector<std::uint16_t> field_codes(std::size_t t) const;
     bool has_field() const { return field_.has_value(); }
     float field_weight() const { return weight_; }
     void set_field_weight(float weight) { weight_ = weight; }
@@ -69,7 +74,7 @@ public:
     /// @throws Failure as FrameStore
     void count_edges(std::uint64_t memory_budget, const std::string& folder);
     /// The costs of steps; points into the volume.
-    StepCosts steps() const { return {rigidity_, field_ ? field_->entries(0).data() : nullptr, stride_, weight_}; }
+    StepCosts steps() const { return {rigidity_, field_ ? field_->runs().data() : nullptr, weight_}; }
 
     /// Counts the protected and attracted vertices. Until then there are none.
     void find_marks();
@@ -91,6 +96,8 @@ public:
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_); }
     std::size_t frames() const { return frames_; }
     std::size_t stride() const { return stride_; }  ///< entries from a column to the next
+    /// Bytes of energies and field, in memory or in files.
+    std::uint64_t bytes() const;
     bool closed() const { return closed_; }
     bool around() const { return around_; }
 
@@ -128,9 +135,11 @@ private:
     /// Hands the energy of an entry on to those beside it.
     /// @param column  as in Seams::Seam::at
     void hand_on(std::size_t column, int entry, Window window);
-    /// Sets entries of a column to their energy plus the edge that their removal makes.
+    /// Sets entries of a column to their energy plus the edge that their removal makes. Beyond the field's run there are no edges.
     /// @param column  as in Seams::Seam::at
     void set_edges(std::size_t column, int first, int last);
+    /// The energy codes of a column, edges included.
+    std::uint16_t* codes_of(std::size_t column) { return codes_.entries(0).data() + column * stride_; }
 
     int width_, laterals_, slices_, spread_ = 0;
     std::size_t frames_, stride_;
@@ -143,7 +152,8 @@ private:
     std::size_t attracted_ = 0;
     float attraction_ = 0;
     std::array<float, 2> rigidity_{};
-    std::optional<FrameStore> field_, without_edges_;  ///< the field, and the energies before count_edges()
+    std::optional<FieldColumns> field_;  ///< with the energies before count_edges()
+    bool edges_counted_ = false;
     float weight_ = 0;
 };
 

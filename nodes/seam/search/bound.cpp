@@ -280,7 +280,7 @@ private:
         }
         divide_column(lines, work.costs.data(), width_, (1 - rounding) / static_cast<float>(dimensions_.size()));
         if (energy_.has_field() && work.column_of_field != column) {
-            decode_fields(field_of(column), {work.field.data(), width_});
+            read_field(column, work.field);
             work.column_of_field = column;
         }
         for (auto n = lines.size(); n-- > 0;) {
@@ -316,9 +316,7 @@ private:
             for (auto& value : out) value -= low;
         return static_cast<double>(low) * (1 + static_cast<double>(rounding));
     }
-    std::span<const std::uint16_t> field_of(std::size_t column) const {
-        return energy_.field(column / columns_.per_frame()).subspan(column % columns_.per_frame() * energy_.stride() + first_, width_);
-    }
+    void read_field(std::size_t column, ColumnValues& out) const { energy_.field(column).read(static_cast<int>(first_), {out.data(), width_}); }
 
     /// Sends a line's message to its next column, whose place in the front it takes.
     void send(bool forward, std::size_t dimension, std::size_t column, const ColumnLine& line, Work& work) const {
@@ -326,7 +324,7 @@ private:
         if (!energy_.has_field()) return send_to_column(line.part, nullptr, nullptr, price, line.least, width_, line.front);
         const auto step = std::array{std::size_t{1}, size_[0], columns_.per_frame()}[dimension];
         const auto next = forward ? column + step : column - step;
-        decode_fields(field_of(next), {work.field_beside.data(), width_});
+        read_field(next, work.field_beside);
         send_to_column(line.part, work.field.data(), work.field_beside.data(), price, line.least, width_, line.front);
         // The next column of a row is visited next.
         if (dimension != 0) return;

@@ -79,20 +79,26 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
 void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse, EnergyVolume& out) {
     const Columns fine(energy);
     out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
-    tbb::parallel_for(std::size_t{0}, coarse.slices() * coarse.frames(), [&](std::size_t row) {
-        const auto k = row % coarse.slices(), t = row / coarse.slices();
-        const auto width = static_cast<std::size_t>(window.size());
-        MeanField mean(width);
-        for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
-            for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
-                for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
-                    for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
-                        const auto first = (fl + fine.laterals() * fk) * energy.stride() + static_cast<std::size_t>(window.first);
-                        mean.add(energy.field(ft).subspan(first, width));
-                    }
-            mean.end(out.field(t).subspan((lateral + coarse.laterals() * k) * out.stride(), out.stride()));
-        }
-    });
+    std::vector<std::uint16_t> codes(coarse.per_frame() * out.stride());
+    for (std::size_t t = 0; t < coarse.frames(); ++t) {
+        tbb::parallel_for(std::size_t{0}, coarse.slices(), [&](std::size_t k) {
+            MeanField mean(static_cast<std::size_t>(window.size()));
+            for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
+                for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
+                    for (auto fk = 2 * k; fk < std::min(2 * k + 2, fine.slices()); ++fk)
+                        for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
+                            const auto& field = energy.field(fine.at(fl, fk, ft));
+                            const int first = std::max(field.first, window.first), end = std::min(field.end, window.last + 1);
+                            if (first < end)
+                                mean.add({field.codes + (first - field.first), field.codes + (end - field.first)},
+                                         static_cast<std::size_t>(first - window.first));
+                            else mean.add({});
+                        }
+                mean.end(std::span(codes).subspan((lateral + coarse.laterals() * k) * out.stride(), out.stride()));
+            }
+        });
+        out.set_field(t, codes);
+    }
 }
 
 template <class Cell, bool protects>

@@ -131,7 +131,7 @@ private:
     void read_field(const Line& line, std::size_t column, const EntryRange& all) {
         field_.resize(all.size() + 2);
         field_before_.resize(all.size() + 2);
-        if (line.steps.has_field()) decode_fields({line.steps.field(column) + line.first + all.begin, all.size()}, std::span(field_).subspan(1, all.size()));
+        if (line.steps.has_field()) line.steps.field(column)->read(static_cast<int>(line.first + all.begin), std::span(field_).subspan(1, all.size()));
     }
 
     std::vector<float> decoded_, field_, field_before_;

@@ -53,8 +53,7 @@ Strip::Strip(const EnergyVolume& energy, Band band, const KeptMemory& memory)
                 if (c + soon < range.end()) __builtin_prefetch(cells + soon * energy.stride() + band_.columns[c + soon].first);
                 for (std::size_t n = 0; n < width_; ++n) energies_[margin + c * width_ + n] = costs(cells[first + n]);
                 if (fields_.size() == 0) return;
-                for (int entry = first - 1; entry <= last + 1; ++entry)
-                    fields_[field_place(c, entry)] = entry >= 0 && entry < energy.width() ? steps_.value(c, entry) : 0;
+                steps_.field(c)->read(first - 1, {&fields_[field_place(c, first - 1)], width_ + 2});
             });
         });
     };

@@ -83,12 +83,16 @@ void GatheredEnergy::gather(const FrameEnergy& frame, std::size_t place) {
     begun_.resize(energy_->frames());
     const bool first = !begun_[place];
     begun_[place] = true;
-    const auto take = [&](std::span<const std::uint16_t> codes, std::span<std::uint16_t> out, const auto& average) {
-        if (first) std::ranges::copy(codes, out.begin());
-        else average(codes, out);
-    };
-    take(frame.energy, energy_->codes(place), average_energy);
-    if (energy_->has_field()) take(frame.field, energy_->field(place), average_field);
+    if (first) {
+        std::ranges::copy(frame.energy, energy_->codes(place).begin());
+        if (energy_->has_field()) energy_->set_field(place, frame.field);
+        return;
+    }
+    average_energy(frame.energy, energy_->codes(place));
+    if (!energy_->has_field()) return;
+    auto field = energy_->field_codes(place);
+    average_field(frame.field, field);
+    energy_->set_field(place, field);
 }
 
 void GatheredEnergy::require_met() const {
@@ -129,9 +133,11 @@ EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverP
 
 GatheredEnergy::Taken GatheredEnergy::whole() {
     auto out = std::move(*energy_);
-    for (auto t = lattices_.size() == 1 ? 1 : out.frames(); t < out.frames(); ++t) {
+    const bool still = lattices_.size() == 1 && out.frames() > 1;
+    const auto field = still && out.has_field() ? out.field_codes(0) : std::vector<std::uint16_t>();
+    for (std::size_t t = 1; still && t < out.frames(); ++t) {
         std::ranges::copy(out.codes(0), out.codes(t).begin());
-        if (out.has_field()) std::ranges::copy(out.field(0), out.field(t).begin());
+        if (out.has_field()) out.set_field(t, field);
     }
     const auto typical = Typical::of(out);
     return {std::move(out), typical};
@@ -145,9 +151,9 @@ GatheredEnergy::Taken GatheredEnergy::carved(const SolverParams& params, const C
     for (std::size_t t = 0; t < out.frames(); ++t) {
         const auto first = t * static_cast<std::size_t>(finest_), place = space.place(first) / static_cast<std::size_t>(finest_);
         const auto before = space.carve_map(first);
-        const auto copy = [](std::span<const std::uint16_t> codes) { return std::vector<std::uint16_t>(codes.begin(), codes.end()); };
-        std::ranges::copy(carve_energy(copy(from.codes(place)), shape, params.axis, before.steps(), finest_), out.codes(t).begin());
-        if (from.has_field()) std::ranges::copy(carve_field(copy(from.field(place)), shape, params.axis, before.steps(), finest_), out.field(t).begin());
+        const auto codes = from.codes(place);
+        std::ranges::copy(carve_energy({codes.begin(), codes.end()}, shape, params.axis, before.steps(), finest_), out.codes(t).begin());
+        if (from.has_field()) out.set_field(t, carve_field(from.field_codes(place), shape, params.axis, before.steps(), finest_));
     }
     // Typical values of the whole lattice also hold for the space that earlier seams leave.
     return {std::move(out), Typical::of(from)};

@@ -57,7 +57,7 @@ private:
     /// @param shape   I, J, K at full size
     /// @param budget  bytes of energies that may be held in memory, and as many of the field
     EnergyVolume room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const;
-    /// Bytes of the memory budget for the energies. The field, and the energies without its edges, take as much each.
+    /// Bytes of the memory budget for the energies. The field, and the energies without its edges, may take as much each.
     std::uint64_t budget(const Context& context) const { return context.memory_budget() / (forward_ ? 3 : 1); }
     /// The energy of the whole lattice, repeated in the frames that share it.
     Taken whole();

@@ -39,10 +39,8 @@ public:
 private:
     /// Bytes of energies and seams, which share the budget.
     std::uint64_t bytes_taken() const {
-        const auto columns = energy_.columns_per_frame() * energy_.frames();
         const auto seams = static_cast<std::uint64_t>(task_.count) * (task_.pairs ? 2 : 1) * all_columns().count() * sizeof(std::uint16_t);
-        const auto energies = static_cast<std::uint64_t>(columns) * energy_.stride() * sizeof(std::uint16_t) * (energy_.has_field() ? 3 : 1);
-        return energies + seams;
+        return energy_.bytes() + seams;
     }
 
     /// The columns of the seams.

@@ -137,9 +137,7 @@ TEST_CASE("seams that begin with what the last one left are those found anew") {
         if (n % 2 == 0) energy.set_rigidity({2, 3});
         const bool edges = n % 3 == 1;
         if (edges) {
-            energy.add_field(0.5f, ~std::uint64_t{0}, "");
-            for (std::size_t t = 0; t < energy.frames(); ++t)
-                for (auto& code : energy.field(t)) code = encode_field(static_cast<float>(random() % 64));
+            add_field(energy, 0.5f, [&](auto, auto) { return random() % 64; });
             energy.count_edges(~std::uint64_t{0}, "");
         }
         if (n % 7 == 0) {

@@ -84,11 +84,9 @@ TEST_CASE("a pyramid that keeps the memory of other searches finds the same seam
     for (const auto& [frames, field] : {std::pair(std::size_t{200}, false), std::pair(std::size_t{20}, true)}) {
         const auto made = [&, frames = frames, field = field](unsigned seed, float scale) {
             auto energy = SyntheticEnergy(Synthetic::smoke, seed)({97, 13, 21}, frames, true);
-            if (field) energy.add_field(0.5f, ~std::uint64_t{0}, "");
-            for (std::size_t t = 0; t < frames; ++t) {
+            for (std::size_t t = 0; t < frames; ++t)
                 for (auto& code : energy.codes(t)) code = encode_energy(scale * decode_energy(code));
-                for (std::size_t n = 0; field && n < energy.field(t).size(); ++n) energy.field(t)[n] = encode_field(scale * static_cast<float>(n * n % 97));
-            }
+            if (field) add_field(energy, 0.5f, [&](auto, std::size_t n) { return scale * static_cast<float>(n * n % 97); });
             return energy;
         };
         const Pyramid pyramid(Quality::normal, 16);

@@ -117,11 +117,7 @@ TEST_CASE("messages of eight slices at once are those of column after column, wh
                 const Window window{1, 14};
                 auto energy = random_volume(random, graph, 16);
                 if (stepping != Stepping::free) energy.set_rigidity({0.1f, 0.2f});
-                if (stepping == Stepping::field) {
-                    energy.add_field(0.5f, ~std::uint64_t{0}, "");
-                    for (std::size_t t = 0; t < energy.frames(); ++t)
-                        for (auto& code : energy.field(t)) code = encode_field(static_cast<float>(random() % 100) / 50);
-                }
+                if (stepping == Stepping::field) add_field(energy, 0.5f, [&](auto, auto) { return static_cast<float>(random() % 100) / 50; });
                 const Strip strip(energy, Band::around(random_seam(random, graph, window), entries / 2, window));
                 REQUIRE(SkewedMessages::fits(strip));
                 std::vector<ColumnMessages> messages(strip.columns().count());

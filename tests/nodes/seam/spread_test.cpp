@@ -1,6 +1,7 @@
 #include "nodes/seam/energy/prices.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
+#include "tests/support/brute_force.h"
 #include "tests/support/solver_bench.h"
 
 #include <catch2/catch.hpp>
@@ -77,8 +78,7 @@ TEST_CASE("a still seam hands on in the sum") {
 TEST_CASE("with forward costs the energy is handed on and edges are counted anew") {
     const auto make = [](const std::vector<float>& energies) {
         auto out = column_of(energies);
-        out.add_field(1, ~std::uint64_t{0}, "");
-        for (std::size_t n = 0; n < energies.size(); ++n) out.field(0)[n] = encode_field(static_cast<float>(n * n));
+        add_field(out, 1, [](auto, std::size_t n) { return n * n; });
         return out;
     };
     auto energy = make({1, 2, 4, 8, 16, 32});

@@ -28,9 +28,7 @@ SeamVector by_messages(const EnergyVolume& energy, SeamVector seam, Window windo
 /// Gives an energy a field, and steps a price.
 void add_random_steps(EnergyVolume& energy, std::mt19937& random) {
     energy.set_rigidity({0.1f, 0.2f});
-    energy.add_field(0.5f, ~std::uint64_t{0}, "");
-    for (std::size_t t = 0; t < energy.frames(); ++t)
-        for (auto& code : energy.field(t)) code = encode_field(static_cast<float>(random() % 100) / 50);
+    add_field(energy, 0.5f, [&](auto, auto) { return static_cast<float>(random() % 100) / 50; });
 }
 
 double cost_along(const EnergyVolume& energy, const SeamVector& seam) { return cost_of(energy, seam); }
