@@ -73,7 +73,8 @@ TEST_CASE("a plugin that was built for another fluidcarve is refused before any 
                                        "; build it again with the headers of this one");
     CHECK(fault_of("other_payloads") ==
           "the plugin other_payloads.so was built with fluidcarve 0.9.7, whose payload types are of version 98, but here, in "
-          "fluidcarve " FLUIDCARVE_VERSION ", they are of 5; build it again with the headers of this one");
+          "fluidcarve " FLUIDCARVE_VERSION ", they are of " +
+              std::to_string(payload_abi) + "; build it again with the headers of this one");
     CHECK(fault_of("other_layout") == "the plugin other_layout.so was built with fluidcarve 0.9.7 where a node type takes 8 bytes, but here it takes " +
                                           std::to_string(sizeof(NodeType)) +
                                           "; build it again with the headers of this one, and with the same options for the standard library");
