@@ -316,7 +316,7 @@ private:
                 // What the next columns read: the seam drifts by at most an entry per column.
                 __builtin_prefetch(column + ahead * energy_.stride() + low);
                 for (const auto* const run : next)
-                    if (run && run->has(low)) __builtin_prefetch(run->codes + (low - run->first));
+                    if (run) __builtin_prefetch(run->codes + (low - run->first));
             } else {
                 for (int entry = low; entry <= high; ++entry) {
                     float cost = values_.cost(column[entry]);

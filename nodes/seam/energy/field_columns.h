@@ -24,15 +24,9 @@ struct FieldRun {
     bool has(int entry) const { return entry >= first && entry < end; }
     std::uint16_t& energy(int entry) const { return energies[entry - first]; }
     /// The field at an entry of the column.
-    float value(int entry) const { return has(entry) ? decode_field(codes[entry - first]) : 0; }
-    /// The same of four entries.
-    Lanes values(int entry) const {
-        if (entry >= first && entry + lane_count <= end) return field_lanes(codes + (entry - first));
-        Lanes out{};
-        if (entry < end && entry + lane_count > first)
-            for (int n = 0; n < lane_count; ++n) out[n] = value(entry + n);
-        return out;
-    }
+    float value(int entry) const { return decode_field(static_cast<std::uint16_t>(codes[entry - first] & -static_cast<int>(has(entry)))); }
+    /// The same of four entries, perhaps before or behind the column.
+    Lanes values(int entry) const { return within(field_lanes(codes + (entry - first)), lanes_within(first, end - 1, entry)); }
     /// The same of many entries, which may lie before and behind the column: there it is 0.
     /// @param entry  the first of them
     void read(int entry, std::span<float> out) const;
@@ -51,8 +45,8 @@ public:
     /// @param memory_budget  bytes of codes that may be held in memory; frames beyond it are held in files in `folder`
     FieldColumns(std::size_t frames, std::size_t columns, int width, std::uint64_t memory_budget, const std::string& folder);
 
-    /// Sets a frame.
-    /// @param codes  field codes, `[column][entry]`
+    /// Sets frames, from `t` on.
+    /// @param codes  their field codes, `[t][column][entry]`
     /// @throws Failure as FrameStore
     void set(std::size_t t, std::span<const std::uint16_t> codes);
     /// Makes room for the energies of all runs.
@@ -80,11 +74,17 @@ private:
         std::vector<FrameStore> stores_;
     };
 
-    std::span<FieldRun> frame(std::size_t t) { return std::span(runs_).subspan(t * columns_, columns_); }
+    /// Makes room for the codes of a frame's runs, between margins.
+    void make(Codes& codes, std::size_t t, std::uint16_t* FieldRun::*of);
 
+    /// Codes before the first run and behind the last. Runs are read without branches: what lies beside them is read, too, and then ignored.
+    std::size_t margin() const { return width_ + most_beside; }
+
+    static constexpr std::size_t most_beside = 2 * lane_count;  ///< entries before and behind a column that may be read
     std::size_t columns_, width_;
     Codes fields_;
     std::optional<Codes> energies_;
+    std::vector<std::uint16_t> nothing_;  ///< the codes of runs that are not set
     std::vector<FieldRun> runs_;
 };
 

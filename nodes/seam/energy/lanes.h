@@ -45,12 +45,17 @@ inline Lanes load_values(const float* values) {
     return out;
 }
 
+inline void store_values(Lanes values, float* out) { std::memcpy(out, &values, sizeof values); }
+
 /// Which lanes are of entries within an interval.
 /// @param base  the entry in the first lane
 inline LaneMask lanes_within(int low, int high, int base) {
     constexpr LaneMask places{0, 1, 2, 3};
     return (places >= low - base) & (places <= high - base);
 }
+
+/// The lanes of a mask; the others become 0.
+inline Lanes within(Lanes values, LaneMask mask) { return std::bit_cast<Lanes>(std::bit_cast<LaneMask>(values) & mask); }
 
 /// The lanes without that of an entry, which becomes 0.
 inline Lanes without(Lanes values, int base, int entry) {

@@ -177,12 +177,16 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
                   if (energies) energies[e] = energy;
               });
     } else {
-        // Edges are not handed on.
+        // Edges are not handed on: in the field's run, energies without them stand apart.
         const auto* const run = edges_counted_ ? &field(column) : nullptr;
         auto* const codes = codes_of(column);
-        const auto code = [&](int e) -> std::uint16_t& { return run && run->has(e) ? run->energy(e) : codes[e]; };
-        share([&](int e) { return code(e) < protected_code; }, [&](int e) { return decode_energy(code(e)); },
-              [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
+        const auto share_codes = [&](const auto& code) {
+            share([&](int e) { return code(e) < protected_code; }, [&](int e) { return decode_energy(code(e)); },
+                  [&](int e, float energy) { code(e) = encode_energy(std::min(energy, highest)); });
+        };
+        if (!run || run->end <= low || run->first > high) share_codes([&](int e) -> std::uint16_t& { return codes[e]; });
+        else if (run->has(low) && run->has(high)) share_codes([&](int e) -> std::uint16_t& { return run->energy(e); });
+        else share_codes([&](int e) -> std::uint16_t& { return run->has(e) ? run->energy(e) : codes[e]; });
     }
 }
 

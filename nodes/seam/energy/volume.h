@@ -58,8 +58,8 @@ public:
     /// Adds a field, of 0, whose new edges cost something.
     /// @param weight  cost per unit by which the field changes across an edge
     void add_field(float weight, std::uint64_t memory_budget, const std::string& folder);
-    /// Sets the field of a frame.
-    /// @param codes  field codes, laid out as the energies
+    /// Sets the field of frames, from `t` on.
+    /// @param codes  field codes, frame after frame, each laid out as its energies
     /// @throws Failure as FrameStore
     void set_field(std::size_t t, std::span<const std::uint16_t> codes) { field_->set(t, codes); }
     /// The field of a column. @param column  as in Seams::Seam::at

@@ -75,13 +75,20 @@ void restrict_row(const EnergyVolume& energy, Window window, float barrier, cons
     }
 }
 
+/// Columns whose field is restricted at once.
+constexpr std::size_t columns_at_once = std::size_t{1} << 16;
+
 /// Restricts a field: each entry gets the mean of what it stands for. New edges there are twice as long, so they count half.
 void restrict_field(const EnergyVolume& energy, Window window, const Columns& coarse, EnergyVolume& out) {
     const Columns fine(energy);
     out.add_field(energy.field_weight() / 2, ~std::uint64_t{0}, "");
-    std::vector<std::uint16_t> codes(coarse.per_frame() * out.stride());
-    for (std::size_t t = 0; t < coarse.frames(); ++t) {
-        tbb::parallel_for(std::size_t{0}, coarse.slices(), [&](std::size_t k) {
+    // A few frames at once: their coarse field is never held as a whole.
+    const auto at_once = std::min(std::max(columns_at_once / coarse.per_frame(), std::size_t{1}), coarse.frames());
+    std::vector<std::uint16_t> codes(at_once * coarse.per_frame() * out.stride());
+    for (std::size_t first_frame = 0; first_frame < coarse.frames(); first_frame += at_once) {
+        const auto frames = std::min(at_once, coarse.frames() - first_frame);
+        tbb::parallel_for(std::size_t{0}, coarse.slices() * frames, [&](std::size_t row) {
+            const auto k = row % coarse.slices(), t = first_frame + row / coarse.slices();
             MeanField mean(static_cast<std::size_t>(window.size()));
             for (std::size_t lateral = 0; lateral < coarse.laterals(); ++lateral) {
                 for (auto ft = 2 * t; ft < std::min(2 * t + 2, fine.frames()); ++ft)
@@ -89,15 +96,15 @@ void restrict_field(const EnergyVolume& energy, Window window, const Columns& co
                         for (auto fl = 2 * lateral; fl < std::min(2 * lateral + 2, fine.laterals()); ++fl) {
                             const auto& field = energy.field(fine.at(fl, fk, ft));
                             const int first = std::max(field.first, window.first), end = std::min(field.end, window.last + 1);
-                            if (first < end)
+                            if (first >= end) mean.add({});
+                            else
                                 mean.add({field.codes + (first - field.first), field.codes + (end - field.first)},
                                          static_cast<std::size_t>(first - window.first));
-                            else mean.add({});
                         }
-                mean.end(std::span(codes).subspan((lateral + coarse.laterals() * k) * out.stride(), out.stride()));
+                mean.end(std::span(codes).subspan((lateral + coarse.laterals() * row) * out.stride(), out.stride()));
             }
         });
-        out.set_field(t, codes);
+        out.set_field(first_frame, std::span(codes).first(frames * coarse.per_frame() * out.stride()));
     }
 }
 
