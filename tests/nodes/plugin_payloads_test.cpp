@@ -22,5 +22,5 @@ TEST_CASE("payload types are laid out as the number that plugins are checked aga
     CHECK(sizeof(Seams) == 320);
     CHECK(sizeof(Seams::Seam) == 56);
     CHECK(sizeof(SeamNode::Params) == 144);
-    CHECK(sizeof(SeamNode) == 720);
+    CHECK(sizeof(SeamNode) == 744);
 }
