@@ -25,9 +25,9 @@ struct FieldRun {
     std::uint16_t& energy(int entry) const { return energies[entry - first]; }
     /// The field at an entry of the column.
     float value(int entry) const { return decode_field(static_cast<std::uint16_t>(codes[entry - first] & -static_cast<int>(has(entry)))); }
-    /// The same of four entries, perhaps before or behind the column.
+    /// The same of four entries, up to 8 before or behind the column: there it is 0.
     Lanes values(int entry) const { return within(field_lanes(codes + (entry - first)), lanes_within(first, end - 1, entry)); }
-    /// The same of many entries, which may lie before and behind the column: there it is 0.
+    /// The same of many entries, likewise.
     /// @param entry  the first of them
     void read(int entry, std::span<float> out) const;
     /// Deletes an entry of the column; those behind it move up.
@@ -53,6 +53,7 @@ public:
     /// @param memory_budget, folder  as for the field
     /// @throws Failure as FrameStore
     void add_energies(std::uint64_t memory_budget, const std::string& folder);
+    bool has_energies() const { return energies_.has_value(); }
 
     /// Runs of all frames, `[t][column]`.
     std::span<FieldRun> runs() { return runs_; }

@@ -88,7 +88,6 @@ void EnergyVolume::set_edges(std::size_t column, int first, int last) {
 
 void EnergyVolume::count_edges(std::uint64_t memory_budget, const std::string& folder) {
     field_->add_energies(memory_budget, folder);
-    edges_counted_ = true;
     tbb::parallel_for(ColumnRange(0, columns_per_frame() * frames(), 4096), [&](const ColumnRange& range) {
         for (auto c = range.begin(); c < range.end(); ++c) {
             const auto& run = field(c);
@@ -178,7 +177,7 @@ void EnergyVolume::hand_on(std::size_t column, int entry, Window window) {
               });
     } else {
         // Edges are not handed on: in the field's run, energies without them stand apart.
-        const auto* const run = edges_counted_ ? &field(column) : nullptr;
+        const auto* const run = edges_counted() ? &field(column) : nullptr;
         auto* const codes = codes_of(column);
         const auto share_codes = [&](const auto& code) {
             share([&](int e) { return code(e) < protected_code; }, [&](int e) { return decode_energy(code(e)); },
@@ -205,7 +204,7 @@ void EnergyVolume::remove(std::span<const std::uint16_t> at, Window window) {
             if (!energies_.empty()) close(energies_.data() + c * stride_, at[c]);
             if (field_) field_->runs()[c].remove(at[c], width_, codes_of(c));
             // Update the entries that got energy or a new neighbour.
-            if (edges_counted_) set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
+            if (edges_counted()) set_edges(c, std::max(at[c] - 1 - spread_, 0), std::min(at[c] + spread_, width_ - 1));
         }
     });
 }

@@ -138,6 +138,7 @@ private:
     /// Sets entries of a column to their energy plus the edge that their removal makes. Beyond the field's run there are no edges.
     /// @param column  as in Seams::Seam::at
     void set_edges(std::size_t column, int first, int last);
+    bool edges_counted() const { return field_ && field_->has_energies(); }
     /// The energy codes of a column, edges included.
     std::uint16_t* codes_of(std::size_t column) { return codes_.entries(0).data() + column * stride_; }
 
@@ -153,7 +154,6 @@ private:
     float attraction_ = 0;
     std::array<float, 2> rigidity_{};
     std::optional<FieldColumns> field_;  ///< with the energies before count_edges()
-    bool edges_counted_ = false;
     float weight_ = 0;
 };
 
