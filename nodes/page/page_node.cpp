@@ -7,6 +7,7 @@
 #include "nodes/page/page_scene.h"
 #include "nodes/preview/shown_frames.h"
 #include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/joining.h"
 #include "nodes/remap/rim.h"
 
 #include <nlohmann/json.hpp>
@@ -23,15 +24,13 @@ namespace {
 constexpr int default_frames = 8;
 
 struct PreviewPage {
-    struct Params {
+    struct Params : JoinParams {
         Auto<std::string> grid;
         Auto<int> frames;
         Auto<int> voxels;
         Auto<Count> count;
-        double soft = default_soft;
-        double soft_time = default_soft_time;
         Rim rim = Rim::cut;
-        double fade = 8;
+        double rim_fade = 8;
         std::string setting = "count";
         OutputPath path;
     };
@@ -46,6 +45,7 @@ struct PreviewPage {
 
     static void check(const Params& params, NodeCheck& check) {
         check_fade(params.rim, check);
+        check_join(params, check);
         if (check.connections("seams") > 0 && check.connections("lattice") == 0)
             check.fault("seams", "'seams' need the lattice in which they were found: connect 'lattice'");
         if (check.stated("path") && ending_of(params.path.text()) != ".html") check.fault("path", "'path' must end in .html; a page is an HTML file");
@@ -79,7 +79,7 @@ struct PreviewPage {
         frame.seams = io.seams;
         if (frame.lattice && frame.lattice->closed_form) context.warn("the page carves by the lattice's true inverse, not by `mapping: closed_form`");
         // Refuses seams of another lattice, and a count or a softness that the carve refuses.
-        if (!frame.seams.empty()) carve_map(*frame.lattice, frame.seams, params.count, frame.number, {params.soft, params.soft_time});
+        if (!frame.seams.empty()) carve_map(*frame.lattice, frame.seams, params.count, frame.number, params);
         frames_.push_back(std::move(frame));
     }
 
@@ -119,8 +119,12 @@ private:
         if (params.voxels) out.voxels = out.flat_voxels = *params.voxels;
         if (const auto& seams = frames_.front().seams; !seams.empty())
             out.count = params.count ? static_cast<std::size_t>(std::abs(params.count->of(seams.back()->carved()))) : seams.back()->seams.size();
-        out.softness = {params.soft, params.soft_time};
-        out.fade = params.rim == Rim::fade ? params.fade : 0;
+        // The page squeezes what the remaps fade.
+        if (const auto& seams = frames_.front().seams; !seams.empty()) {
+            out.softness = softness_of(params, *seams.back());
+            out.softness.fade = 0;
+        }
+        out.fade = params.rim == Rim::fade ? params.rim_fade : 0;
         return out;
     }
 
@@ -130,7 +134,7 @@ private:
 }  // namespace
 
 NodeType preview_page() {
-    return Declare<PreviewPage>(
+    return declare_join(Declare<PreviewPage>(
                "preview.page",
                "A page for a browser, to choose the count by eye: the sequence before and after, with a slider. It is one file that loads nothing "
                "else. The page carves by itself, from the seams, as remap.grids does with linear interpolation. Without `seams` it shows where "
@@ -152,13 +156,11 @@ NodeType preview_page() {
             "Most voxels along an axis. Of a larger grid each voxel shows the mean of several, and the carve reads these. auto is 96, and 640 for a picture, "
             "which is one voxel thick.")
         .param("count", &PreviewPage::Params::count, Unit::seams, any_number(), "Number of seams that the page shows at first, as remap.grids takes it.")
-        .param("soft", &PreviewPage::Params::soft, Unit::vertices, between(0, 1000), "As remap.grids takes it.")
-        .param("soft_time", &PreviewPage::Params::soft_time, Unit::frames, between(0, 100), "As remap.grids takes it.")
         .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")
-        .param("fade", &PreviewPage::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
+        .param("rim_fade", &PreviewPage::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("setting", &PreviewPage::Params::setting,
                "What sets the count, as the page writes it for the command line: `count` makes `--set count=-17`, `seams.count` the field of a node.")
-        .required("path", &PreviewPage::Params::path, "File that ends in .html, one for the whole sequence. Missing folders are made.");
+        .required("path", &PreviewPage::Params::path, "File that ends in .html, one for the whole sequence. Missing folders are made."));
 }
 
 }  // namespace fluidcarve

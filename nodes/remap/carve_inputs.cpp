@@ -1,7 +1,6 @@
 #include "nodes/remap/carve_inputs.h"
 
 #include "graph/text/problem.h"
-#include "nodes/remap/rim.h"
 
 #include <fmt/format.h>
 
@@ -47,27 +46,20 @@ void require_still(const Seams& seams) {
                                   seams.warp ? "warp changes" : "seams change"));
 }
 
-void require_reach(const Softness& softness, const Seams& seams, const Lattice& lattice) {
-    const int size = lattice.shape[dimension(seams.axis)];
-    // The default softness is no fault, even in a small lattice.
-    if (softness.vertices > std::max<double>(size, default_soft))
-        throw Failure(
-            fmt::format("soft {:g} is wider than the lattice, which has {} vertices along {}; lower it", softness.vertices, size, to_text(seams.axis)));
-}
-
 }  // namespace
 
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, const Context& context,
-                   const Softness& softness) {
+                   const JoinParams& join) {
     if (!context.per_frame())
         for (const auto& set : seams) require_still(*set);
-    return carve_map(lattice, seams, count, context.frame(), softness);
+    return carve_map(lattice, seams, count, context.frame(), join);
 }
 
 CarveMap carve_map(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& seams, const Auto<Count>& count, int frame,
-                   const Softness& softness) {
-    for (const auto& set : seams) require_reach(softness, *set, lattice);
-    return {lattice, seams, frame, seams_of(count, *seams.back()), softness};
+                   const JoinParams& join) {
+    std::vector<Softness> softness;
+    for (const auto& set : seams) softness.push_back(softness_of(join, *set));
+    return {lattice, seams, frame, seams_of(count, *seams.back()), std::span<const Softness>(softness)};
 }
 
 }  // namespace fluidcarve

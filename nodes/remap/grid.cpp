@@ -29,7 +29,7 @@ openvdb::GridBase::ConstPtr carve(const openvdb::GridBase::ConstPtr& base, const
                                   const CarveMap& map, Interpolation interpolation) {
     const auto grid = openvdb::GridBase::grid<GridT>(base);
     // If displacements are smoothed, chains of steps would interpolate several times.
-    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.fades() && interpolation == Interpolation::linear);
+    const bool straight = !map.soft() || (map.steps().size() == 1 && !map.joins() && !map.fades() && interpolation == Interpolation::linear);
     const auto aligned = alignment && straight ? carve_aligned<GridT>(grid, *alignment, map) : nullptr;
     return aligned && !map.fades() ? aligned : carve_sampled<GridT>(grid, Mapping(lattice, map.reach()), map, interpolation, aligned);
 }

@@ -1,6 +1,7 @@
 #include "nodes/remap/grids.h"
 
 #include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/joining.h"
 #include "nodes/remap/finish/finish.h"
 #include "nodes/remap/finish/tears.h"
 #include "nodes/remap/grid.h"
@@ -31,7 +32,7 @@ struct ChoiceNames<Conserve> {
 namespace {
 
 struct RemapGrids {
-    struct Params {
+    struct Params : JoinParams {
         Auto<Count> count;
         Interpolation interpolation = Interpolation::linear;
         Auto<bool> renormalize;
@@ -39,9 +40,7 @@ struct RemapGrids {
         std::vector<std::string> densities{"density"};
         bool transform_vectors = false;
         Rim rim = Rim::cut;
-        double fade = 8;
-        double soft = default_soft;
-        double soft_time = default_soft_time;
+        double rim_fade = 8;
     };
     struct Ports {
         Ref<Volume> source;
@@ -50,15 +49,18 @@ struct RemapGrids {
         Ref<Volume> volume;
     };
 
-    static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context, {params.soft, params.soft_time});
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
         if (map.empty()) {
             io.volume = io.source;
             return;
         }
-        if (params.rim == Rim::fade) map.fade(params.fade);
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
         for (const auto& tear : find_tears(*io.source, *io.lattice, map)) context.warn(to_text(tear));
         const Finish finish{params.renormalize, params.conserve == Conserve::mass ? params.densities : std::vector<std::string>(), params.transform_vectors};
         const auto carved = carve_volume(*io.source, *io.lattice, map, params.interpolation);
@@ -72,7 +74,7 @@ struct RemapGrids {
 }  // namespace
 
 NodeType remap_grids() {
-    return Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
+    return declare_join(Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
         .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
         .input("lattice", &RemapGrids::Ports::lattice, "The lattice in which the seams were found.")
         .input("seams", &RemapGrids::Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
@@ -99,14 +101,12 @@ NodeType remap_grids() {
             "How the carve ends at the lattice's rims beside the carved axis (the rims along v if u is carved) and at open ends. cut: it stops there; content "
             "that crosses the rim may tear, and a warning says so. fade: displacements go linearly to 0 towards the rim, and so does what a seam takes or "
             "adds.")
-        .param("fade", &RemapGrids::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
-        .param("soft", &RemapGrids::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
-        .param("soft_time", &RemapGrids::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
+        .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
         .output("volume", &RemapGrids::Ports::volume,
                 "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
         .names_as("volume", "source")
         .version(2)
-        .concludes(grids_by_frame);
+        .concludes(grids_by_frame));
 }
 
 }  // namespace fluidcarve

@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/joining.h"
 #include "nodes/remap/geometry/mesh.h"
 #include "nodes/remap/rim.h"
 
@@ -13,12 +14,10 @@ namespace fluidcarve {
 namespace {
 
 struct RemapMesh {
-    struct Params {
+    struct Params : JoinParams {
         Auto<Count> count;
         Rim rim = Rim::cut;
-        double fade = 8;
-        double soft = default_soft;
-        double soft_time = default_soft_time;
+        double rim_fade = 8;
         bool static_ = false;
     };
     struct Ports {
@@ -29,7 +28,10 @@ struct RemapMesh {
     };
 
     static bool animates(const Params& params) { return !params.static_; }
-    static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
 
     static void run(const Params& params, Ports& io, Context& context) {
         if (context.per_frame()) {
@@ -50,9 +52,9 @@ struct RemapMesh {
 
 private:
     static Ref<Mesh> carved(const Params& params, const Ports& io, int frame, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, frame, {params.soft, params.soft_time});
+        auto map = carve_map(*io.lattice, io.seams, params.count, frame, params);
         if (map.empty()) return io.source;
-        if (params.rim == Rim::fade) map.fade(params.fade);
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
         auto out = carve_mesh(*io.source, *io.lattice, map);
         for (const auto& warning : warnings_of(out)) context.warn(warning);
         return std::make_shared<Mesh>(std::move(out.mesh));
@@ -64,7 +66,7 @@ private:
 NodeType remap_mesh() {
     using Params = RemapMesh::Params;
     using Ports = RemapMesh::Ports;
-    return Declare<RemapMesh>("remap.mesh",
+    return declare_join(Declare<RemapMesh>("remap.mesh",
                               "Carves a mesh as remap.grids carves volumes. Its vertices move with the space around them; faces, UVs and everything else stay.")
         .input("source", &Ports::source,
                "The mesh. A mesh that is the same in all frames becomes one per frame, since seams move (see `static`). Where a seam is removed, the mesh is "
@@ -76,14 +78,12 @@ NodeType remap_mesh() {
                "warp is "
                "carved as a whole: leave `count` out.")
         .param("rim", &Params::rim, "As in remap.grids; use the same value for both.")
-        .param("fade", &Params::fade, Unit::vertices, between(1, 10000), fade_doc)
-        .param("soft", &Params::soft, Unit::vertices, between(0, 1000), soft_doc)
-        .param("soft_time", &Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
+        .param("rim_fade", &Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("static", &Params::static_,
                "Whether a mesh that is one file for all frames stays one file. Seams must then move it the same way in all frames; otherwise the node fails. "
                "They do so if they are the same in all frames, as in windows with `static: true`, or if they never pass through the mesh: `protect` its voxels "
                "(mask.mesh).")
-        .output("mesh", &Ports::mesh, "The carved source. Vertices outside the lattice, or where nothing moves, are the same to the last bit.");
+        .output("mesh", &Ports::mesh, "The carved source. Vertices outside the lattice, or where nothing moves, are the same to the last bit."));
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "nodes/remap/points.h"
 
 #include "nodes/remap/carve_inputs.h"
+#include "nodes/remap/joining.h"
 #include "nodes/remap/geometry/points.h"
 #include "nodes/remap/rim.h"
 
@@ -10,12 +11,10 @@ namespace fluidcarve {
 namespace {
 
 struct RemapPoints {
-    struct Params {
+    struct Params : JoinParams {
         Auto<Count> count;
         Rim rim = Rim::cut;
-        double fade = 8;
-        double soft = default_soft;
-        double soft_time = default_soft_time;
+        double rim_fade = 8;
         double jitter = default_jitter;
     };
     struct Ports {
@@ -25,11 +24,14 @@ struct RemapPoints {
         Ref<Points> points;
     };
 
-    static void check(const Params& params, NodeCheck& check) { check_fade(params.rim, check); }
+    static void check(const Params& params, NodeCheck& check) {
+        check_fade(params.rim, check);
+        check_join(params, check);
+    }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        auto map = carve_map(*io.lattice, io.seams, params.count, context, {params.soft, params.soft_time});
-        if (params.rim == Rim::fade) map.fade(params.fade);
+        auto map = carve_map(*io.lattice, io.seams, params.count, context, params);
+        if (params.rim == Rim::fade) map.fade(params.rim_fade);
         const auto& source = *io.source;
         const auto carved = carve_points(source.positions(), source.identities(), *io.lattice, map, params.jitter);
         io.points = carved.changed() ? std::make_shared<Points>(with_images(source, carved.images)) : io.source;
@@ -41,7 +43,7 @@ struct RemapPoints {
 }  // namespace
 
 NodeType remap_points() {
-    return Declare<RemapPoints>("remap.points",
+    return declare_join(Declare<RemapPoints>("remap.points",
                                 "Carves seams from points, or inserts them. Particles move; those that a removed seam takes are deleted, and those "
                                 "where a seam is inserted are doubled.")
         .input("source", &RemapPoints::Ports::source, "The points to carve.")
@@ -52,16 +54,14 @@ NodeType remap_points() {
                "warp is "
                "carved as a whole: leave `count` out.")
         .param("rim", &RemapPoints::Params::rim, "How the carve ends at the lattice's rims, as in remap.grids; use the same value for both.")
-        .param("fade", &RemapPoints::Params::fade, Unit::vertices, between(1, 10000), fade_doc)
-        .param("soft", &RemapPoints::Params::soft, Unit::vertices, between(0, 1000), soft_doc)
-        .param("soft_time", &RemapPoints::Params::soft_time, Unit::frames, between(0, 100), soft_time_doc)
+        .param("rim_fade", &RemapPoints::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
         .param("jitter", &RemapPoints::Params::jitter, Unit::vertices, between(0, 0.5),
                "Where seams are inserted, a copy stands one vertex from its original, plus a random offset of up to this size along each axis. The offset is "
                "always the same for the same point. It stays the same from frame to frame if points have a whole number `id`; without one, set 0 if copies "
                "must not tremble.")
         .output(
             "points", &RemapPoints::Ports::points,
-            "The carved source, with all attributes and groups. The report's section `points` tells how many were moved, deleted and copied in each frame.");
+            "The carved source, with all attributes and groups. The report's section `points` tells how many were moved, deleted and copied in each frame."));
 }
 
 }  // namespace fluidcarve

@@ -50,6 +50,12 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "measure", &Params::measure,
             "vertex: all vertices count equally. volume: a vertex counts as much as the space around it, since in bent lattices inner cells are smaller than "
             "outer ones; reported energies follow this measure. In straight boxes both are the same.")
+        .param("thickness", &Params::thickness, Unit::vertices, between(1, 10000),
+               "Number of vertices that a seam takes out, or doubles, in each column. A thick seam is a slab: it runs where what lies before it looks like what "
+               "lies behind it, and the two sides are joined by a fade (`join` of the remaps). So all else keeps its shape. `count` stays a number of "
+               "vertices: slabs of this thickness, and a thinner one for the rest. 1: thin seams, which spread and squeeze. auto with a `field`: about as thick as "
+               "its eddies are wide along the axis. auto is 1 without one, in images, where the content is one smooth thing across the axis, and with `static`, "
+               "`cost` or `spread`, which serve thin seams.")
         .param("cost", &Params::cost,
                "backward: a seam costs the energy that it takes away. forward: it also costs the edges that it leaves behind. Wherever its removal makes two "
                "vertices of `field` neighbours, it pays for their difference (Rubinstein et al. 2008), whatever `measure` says. forward takes three times the "
@@ -57,11 +63,12 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param(
             "field_weight", &Params::field_weight, Unit::none, between(0, 1e4),
             "How much edges count. At 1, an edge of the mean size found in the content costs as much as the content's mean energy. So the same number serves "
-            "any energy, field and resolution.")
+            "any energy, field and resolution. Of thick seams: how much the difference of both sides counts beside the energy between them.")
         .param("empty", &Params::empty, Unit::none, between(0, 1e4),
                "Price of a vertex where `field` shows nothing (less than 2 % of its highest value), as a share of the mean price of vertices where it shows "
                "something. 1: the same price. Higher: more seams go through the content, which itself becomes narrower or wider. Lower: more seams go through "
-               "the space around it.")
+               "the space around it. auto is 0.9. For thick seams it is as much as it takes for the content to change "
+               "its width in the same measure as the lattice.")
         .param("rigidity", &Params::rigidity, Unit::none, at_least(0),
                "Cost of each step of a seam from a column to its neighbour in space, in mean energies of the content. More keeps seams straighter. Reported "
                "energies include it. auto is 0.2 with a `field`, 0 without.")

@@ -25,8 +25,8 @@ struct Effort {
     int sweeps;                 ///< along all lines of columns, at each level; in rings each is opened elsewhere
 };
 constexpr Effort normal_effort{std::size_t{1} << 18, 0, 28, 32, 2}, best_effort{std::size_t{1} << 18, 0, 32, 64, 4};
-/// With a field, each cut and sweep takes several times as long, and seams of less energy look no better.
-constexpr Effort effort_with_field{std::size_t{1} << 12, 0.02, 4, 64, 2};
+/// With a field, each cut and sweep takes several times as long, and seams of less energy look no better; nor do slabs.
+constexpr Effort effort_for_looks{std::size_t{1} << 12, 0.02, 4, 64, 2};
 constexpr int passes_of_draft = 2;
 
 /// Energies of more columns with protected vertices are cut by the best quality only.
@@ -35,9 +35,9 @@ constexpr std::size_t most_columns_cut = std::size_t{1} << 14;
 /// Entries of a strip on either side of the seam that it was made around.
 constexpr int radius = ColumnMessages::most_entries / 2;
 
-const Effort& effort_for(bool field, Quality quality) {
+const Effort& effort_for(bool looks, Quality quality) {
     if (quality == Quality::best) return best_effort;
-    return field ? effort_with_field : normal_effort;
+    return looks ? effort_for_looks : normal_effort;
 }
 
 bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
@@ -47,45 +47,45 @@ bool small(const EnergyVolume& energy, Window window, const Effort& effort) {
 
 }  // namespace
 
-int Pyramid::passes(bool field, int level) const {
-    const auto& effort = effort_for(field, quality_);
+int Pyramid::passes(bool looks, int level) const {
+    const auto& effort = effort_for(looks, quality_);
     const int finest = quality_ == Quality::draft ? passes_of_draft : effort.passes;
     return std::min(finest << std::min(level, 8), effort.most_passes);
 }
 
-void Pyramid::refine(StripMessages& messages, int level, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) { seam = cut_seam(strip, seam, 1, tolerance, number, tick).at; };
     // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it. Around protected vertices a seam that messages lead
     // to is moved aside, where it may be dear.
     const bool guarded = strip.protects() && strip.columns().count() <= most_columns_cut;
     const bool cuts = quality_ == Quality::best || attracts || (guarded && quality_ != Quality::draft);
-    if (!attracts) messages.improve(seam, passes(strip.steps().has_field(), level), level > 0, tick);
+    if (!attracts) messages.improve(seam, passes(looks, level), level > 0, tick);
     if (cuts) cut(1e-3);
     LineSweeps sweep(strip);
-    for (int turn = 0; turn < effort_for(strip.steps().has_field(), quality_).sweeps; ++turn) {
+    for (int turn = 0; turn < effort_for(looks, quality_).sweeps; ++turn) {
         tick();
         sweep(seam, turn);
     }
     if (cuts) cut(1e-4);
 }
 
-Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, bool attracts,
+Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window, int number, int level, bool looks, bool attracts,
                                        const std::function<void()>& tick) const {
     const Columns columns(energy);
-    const auto& effort = effort_for(energy.has_field(), quality_);
+    const auto& effort = effort_for(looks, quality_);
     if (small(energy, window, effort)) return {cut_seam(energy, Band::whole(columns.count(), window), effort.tolerance, number, tick).at, std::nullopt};
     Level out;
     {
         const auto coarse = restrict_energy(energy, window, energy.barrier());
         tick();
-        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, attracts, tick);
+        const auto found = coarse_to_fine(coarse, {0, coarse.width() - 1}, number, level + 1, looks, attracts, tick);
         out.seam = past_protected(energy, window, prolong_seam(Columns(coarse), found.seam, columns, window));
         Strip strip(energy, Band::around(out.seam, radius, window), memory_);
         if (found.messages) out.messages.emplace(std::move(strip), window, *found.messages, memory_);
         else out.messages.emplace(std::move(strip), memory_);
     }
-    refine(*out.messages, level, attracts, number, out.seam, tick);
+    refine(*out.messages, level, looks, attracts, number, out.seam, tick);
     return out;
 }
 
@@ -93,9 +93,10 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return lines_(energy, window, number, tick);
     if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
+    const bool looks = energy.has_field() || energy.slabs();
     std::vector<std::uint16_t> best;
     bool bounded = false;
-    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, energy.attracts(), alive).seam; },
+    tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), alive).seam; },
                          [&] { bounded = bounds && bounds->find(energy, window, number, [&](double) { alive(); }); });
     auto least = cost_of(energy, best);
     const auto greedy = greedy_seam_within(
@@ -103,7 +104,7 @@ Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int n
     if (const auto cost = !greedy ? least : energy.attracts() ? cost_of(energy, greedy->at) : greedy->energy; cost < least) {
         best.assign(greedy->at.begin(), greedy->at.end());
         StripMessages messages(Strip(energy, Band::around(best, radius, window), memory_), memory_);
-        refine(messages, 0, energy.attracts(), number, best, alive);
+        refine(messages, 0, looks, energy.attracts(), number, best, alive);
         least = cost_of(energy, best);
         if (cost < least) {
             best.assign(greedy->at.begin(), greedy->at.end());

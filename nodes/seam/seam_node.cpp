@@ -68,20 +68,22 @@ void SeamNode::solve(const Params& params, Ports& io, Context& context, const Fi
     const CarvedSpace space(gathered_.lattices(), io.after, context.frames());
     const int finest = gathered_.finest();
     const auto task = task_of(params, space, finest);
-    const auto empty = empty_seams(params, task, space);
+    auto empty = empty_seams(params, task, space);
     ReportedSeams found{std::make_shared<Seams>(empty), empty_report(empty)};
     if (task.count > 0) {
         gathered_.require_met();
         // Before the search, which may take long.
         for (const auto& warning : gathered_.warnings()) context.warn_at_once(warning);
         if (finest > 1 && !params.finest) context.warn_at_once(half_size_note(space));
-        auto energy = gathered_.take(params, space, context);
+        auto [energy, thick] = gathered_.take(params, space, context);
+        if (thick) empty.thickness = thick->thickness * finest;
         // Seams of full size don't tell which ones of half size they came from.
         if (finest > 1) before_ = {};
         // An unfinished larger set may hold more pairs than are wanted.
         if (before_.seams) before_ = before_.first(static_cast<std::size_t>(task.count));
         found = solve_task(
-            energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort, finest}, context);
+            energy, {task, space, empty, before_, gathered_.marks(), find, start_from, params.bound_passes, hold_after_, params.best_effort, finest, thick},
+            context);
     }
     if (task.count < task.asked && !falls_short(found.report)) set_shortfall(found.report, static_cast<std::size_t>(task.asked), task.limit);
     for (const auto& warning : seam_warnings(found.report)) context.warn(warning);

@@ -40,6 +40,10 @@ std::size_t place_of(int frame, const Seams& seams) {
 
 CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
                    const Softness& softness)
+    : CarveMap(lattice, sets, frame, count, std::vector<Softness>(sets.size(), softness)) {}
+
+CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
+                   std::span<const Softness> softness)
     : reach_(lattice.shape) {
     auto shape = lattice.shape;
     const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->size(); };
@@ -63,7 +67,7 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
         auto& begin = origin[dimension(set.axis)];
         if (used > 0) {
             auto& step = steps_.emplace_back(set, t, used, origin);
-            if (softness && !set.warp) soften(step, set, t, softness);
+            if (n < softness.size() && softness[n] && !set.warp) soften(step, set, t, softness[n]);
             begin = step.start();
         }
         shape = set.shape_after(used);
@@ -77,11 +81,15 @@ bool CarveMap::soft() const {
     return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.soft() != nullptr; });
 }
 
+bool CarveMap::joins() const {
+    return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.joins() != nullptr; });
+}
+
 void CarveMap::fade(double vertices) {
     for (auto& step : steps_) {
         const auto require = [&](int size, const std::string& along) {
             if (size > 1 && size - 1 < 2 * vertices)
-                throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `fade`",
+                throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `rim_fade`",
                                           vertices, std::ceil(2 * vertices) + 1, along, size));
         };
         if (!step.around()) require(step.laterals(), step.axis() == 0 ? "v" : "u");

@@ -32,6 +32,10 @@ public:
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
              const Softness& softness = {});
 
+    /// The same, with a softness for each set; none for the others.
+    CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
+             std::span<const Softness> softness);
+
     /// The lattice in whose index coordinates the map works: the given one, but its first vertices along `u` and `v` may lie further out.
     Lattice extended(const Lattice& lattice) const;
 
@@ -45,6 +49,8 @@ public:
     bool fades() const;
     /// Whether the displacements of any step are smooth: those of a warp, or smoothed ones.
     bool soft() const;
+    /// Whether the seams of any step are joined by a fade.
+    bool joins() const;
 
     /// One step per set; sets without seams have none.
     const std::vector<CarveStep>& steps() const { return steps_; }

@@ -22,6 +22,23 @@ void sort_entries(const std::vector<Seams::Seam>& seams, Seams::Kind kind, std::
     std::sort(sorted.begin(), sorted.end());
 }
 
+/// A doubled slab in one column.
+struct Doubled {
+    int behind;    ///< original entry behind the slab: there the second copy begins
+    int vertices;  ///< of the slab that are doubled
+};
+
+/// The slabs that the first `count` insertions double in a column, rising.
+void sort_slabs(const Seams& set, const std::vector<Seams::Seam>& seams, std::size_t count, std::size_t column, std::vector<Doubled>& slabs) {
+    slabs.clear();
+    const auto thickness = static_cast<std::size_t>(set.thickness);
+    for (std::size_t n = 0; n < count; n += thickness) {
+        const int vertices = static_cast<int>(std::min(thickness, count - n));
+        slabs.push_back({seams[n].at[column] + vertices, vertices});
+    }
+    std::ranges::stable_sort(slabs, {}, &Doubled::behind);
+}
+
 }  // namespace
 
 CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin)
@@ -35,6 +52,7 @@ CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const
       start_(origin_ + seams.shift_after(count)),
       inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
+      thick_(seams.thick()),
       closed_(seams.closed),
       around_(seams.around),
       count_(seams.warp ? 0 : count) {
@@ -48,9 +66,19 @@ void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
     bounds_.resize((paired_ ? 2 : 1) * count_ * columns);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 1024), [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<std::uint16_t> entries, sorted;
+        std::vector<Doubled> slabs;
         for (auto c = range.begin(); c < range.end(); ++c) {
             auto* out = bounds_.data() + c * (bounds_.size() / columns);
             const auto add = [&](const std::vector<Seams::Seam>& window, bool inserts, int shift) {
+                if (thick_ && inserts) {
+                    // A slab's second copy stands behind the slab and the copies of those before it.
+                    sort_slabs(seams, window, count_, t * columns + c, slabs);
+                    for (int before = 0; const auto& slab : slabs) {
+                        out = std::fill_n(out, slab.vertices, static_cast<std::uint16_t>(shift + slab.behind + before));
+                        before += slab.vertices;
+                    }
+                    return;
+                }
                 sort_entries(window, inserts ? Seams::Kind::insert : Seams::Kind::remove, count_, t * columns + c, entries, sorted);
                 // n removals come before the n-th removed entry. The n-th new entry stands behind its original and n other new ones.
                 for (int n = 0; n < count(); ++n) *out++ = static_cast<std::uint16_t>(shift + (inserts ? sorted[n] + n + 1 : sorted[n] - n));

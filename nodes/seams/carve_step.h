@@ -14,6 +14,7 @@
 
 namespace fluidcarve {
 
+class Joins;
 class SmoothDisplacement;
 
 /// One seam set in one frame, as a map from carved to original vertices along the carved axis: `m(i)` of METHOD 4. Pairs of seams move only
@@ -31,6 +32,7 @@ public:
     int lateral_axis() const { return 1 - axis_; }
     bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window; not for a warp
     bool paired() const { return paired_; }
+    bool thick() const { return thick_; }                   ///< whether seams are slabs (Seams::thickness); a slab's bounds are the same entry
     bool warps() const { return !column_ends_.empty(); }    ///< whether the set is a warp
     bool closed() const { return closed_; }                 ///< whether plane slices() is plane 0 again
     bool around() const { return around_; }                 ///< whether column laterals() is column 0 again; first_lateral() is then 0
@@ -71,6 +73,11 @@ public:
     void set_soft(std::shared_ptr<const SmoothDisplacement> soft, int first, int last);
     /// The smoothed displacements; null if whole vertices move.
     const SmoothDisplacement* soft() const { return soft_.get(); }
+
+    /// Fades both sides of seams into each other. The smoothed displacements then say how what is wider than the seams is squeezed or stretched.
+    void set_joins(std::shared_ptr<const Joins> joins) { joins_ = std::move(joins); }
+    /// Where seams are joined by a fade; null if they are not.
+    const Joins* joins() const { return joins_.get(); }
 
     /// Whether the step carves or frees a point of its carved space.
     /// @param at  carved lattice coordinates
@@ -120,8 +127,8 @@ public:
     /// The source of a point at `u` under a fade: `source`, its source without a fade, drawn towards `u`; never beyond the lattice.
     double drawn(double u, double source, double scale) const { return scale < 1 ? held(u + scale * (source - u)) : source; }
     bool has_column(int lateral, int k) const { return lateral >= first_lateral_ && lateral <= last_lateral() && k >= 0 && k < slices_; }
-    /// The carved entries from which on the seams of a column displace, one per seam, rising. For an insertion it is the new entry. Of
-    /// pairs, seams of the first window come first.
+    /// The carved entries from which on the seams of a column displace, one per seam, rising. For an insertion it is the new entry; if slabs are
+    /// doubled, the first entry of the second copy. Of pairs, seams of the first window come first.
     /// @param k  plane; may be slices() if closed()
     std::span<const std::uint16_t> bounds(int lateral, int k) const {
         if (k == slices_) k = 0;
@@ -144,7 +151,7 @@ public:
         // The seams of the second window undo what those of the first did.
         const int back = paired_ ? std::max(static_cast<int>(passed) - count(), 0) : 0;
         const int ahead = 2 * (static_cast<int>(passed) - 2 * back);
-        const bool at_new = passed > 0 && inserts_ == (back == 0) && all[passed - 1] == entry;
+        const bool at_new = !thick_ && passed > 0 && inserts_ == (back == 0) && all[passed - 1] == entry;
         return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0) + 2 * (origin_ - start_);
     }
     /// The same in an existing column.
@@ -161,7 +168,7 @@ private:
     Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
     int axis_, before_, after_, laterals_, slices_, first_lateral_, origin_, start_;
-    bool inserts_, paired_, closed_, around_;
+    bool inserts_, paired_, thick_, closed_, around_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
     double fade_ = 0;                    ///< vertices; 0: none
@@ -169,6 +176,7 @@ private:
     Ends common_;
     std::vector<Ends> column_ends_;  ///< `[column]`: where a warp moves the first and the last vertex; empty for seams
     std::shared_ptr<const SmoothDisplacement> soft_;
+    std::shared_ptr<const Joins> joins_;
 };
 
 }  // namespace fluidcarve

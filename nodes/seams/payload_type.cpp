@@ -99,6 +99,7 @@ void write_all(const Seams& seams, std::ostream& to) {
     out.optional(seams.pair_window);
     out.value(seams.anchor.at);
     out.value(seams.anchor.vertex);
+    out.value(seams.thickness);
     write_list(seams.seams, out);
     write_list(seams.pairs, out);
     out.value(seams.warp.has_value());
@@ -123,6 +124,8 @@ Ref<Seams> read_all(std::istream& from) {
     out->pair_window = in.optional<Window>();
     out->anchor.at = in.value_up_to(Anchor::At::vertex);
     out->anchor.vertex = in.value<int>();
+    out->thickness = in.value<int>();
+    in.require(out->thickness >= 1 && out->thickness <= out->carved());
     out->seams = read_list(in, columns);
     out->pairs = read_list(in, columns);
     if (in.value<bool>()) out->warp = read_warp(in, *out);
@@ -134,7 +137,7 @@ Ref<Seams> read_all(std::istream& from) {
 
 void add_seams_payload(Registry& registry) {
     auto type = payload_type<Seams>("seams", "Seams through a lattice over all frames, in order; or a warp, which moves content smoothly instead.", &bytes_of,
-                                    {4, &write_all, &read_all});
+                                    {5, &write_all, &read_all});
     type.checksum = [](const Payload& seams) { return seam_checksum(*seams.as<Seams>()); };
     registry.add(std::move(type));
 }

@@ -219,6 +219,19 @@ void require_apart(const Seams& seams) {
     });
 }
 
+/// Requires that the seams of each slab run side by side.
+/// @param name  gives the name of the n-th grid
+void require_slabs(const Seams& seams, const std::vector<Seams::Seam>& all, Seams::Kind kind, std::string (*name)(std::size_t n)) {
+    const auto thickness = static_cast<std::size_t>(seams.thickness);
+    for (std::size_t n = 0; n < all.size(); ++n) {
+        if (n % thickness == 0) continue;
+        const int step = kind == Seams::Kind::insert ? 1 : 0;
+        if (!std::ranges::equal(all[n - 1].at, all[n].at, [&](int before, int entry) { return entry == before + step; }))
+            throw wrong_seams(fmt::format("grid '{}' is part of a slab of {} seams ('fluidcarve_thickness'), but does not run beside '{}'", name(n),
+                                          seams.thickness, name(n - 1)));
+    }
+}
+
 /// Requires that a checksum that the file states matches.
 void require_checksum(const openvdb::MetaMap& metadata, const Seams& seams) {
     if (metadata[checksum_name] && seam_text(metadata, checksum_name, "the file") != seam_checksum(seams))
@@ -259,8 +272,14 @@ Seams seams_from_volume(const Volume& volume) {
     EntriesReader entries(out);
     for (std::size_t n = 0; n < grids.seams.size(); ++n) out.seams.push_back(entries.read(*grids.seams[n], out.kind, n));
     for (std::size_t n = 0; n < grids.pairs.size(); ++n) out.pairs.push_back(entries.read(*grids.pairs[n], opposite(out.kind), n));
-    if (out.kind == Seams::Kind::insert) require_distinct(out, out.seams, seam_name);
-    else require_distinct(out, out.pairs, pair_name);
+    if (out.thick()) {
+        require_slabs(out, out.seams, out.kind, seam_name);
+        require_slabs(out, out.pairs, opposite(out.kind), pair_name);
+    } else if (out.kind == Seams::Kind::insert) {
+        require_distinct(out, out.seams, seam_name);
+    } else {
+        require_distinct(out, out.pairs, pair_name);
+    }
     if (out.paired()) require_apart(out);
     require_checksum(volume.metadata, out);
     out.find_shifts();

@@ -88,6 +88,16 @@ Anchor read_anchor(const openvdb::MetaMap& metadata, int size) {
     return {Anchor::At::vertex, vertex};
 }
 
+/// @param size  vertices along the carved axis
+int read_thickness(const openvdb::MetaMap& metadata, int size) {
+    const auto* const name = "fluidcarve_thickness";
+    if (!metadata[name]) return 1;
+    const auto text = of_file(metadata, name);
+    const int thickness = numbers<1>(text).value_or(std::array{0})[0];
+    if (thickness < 1 || thickness > size) throw wrong_seams(fmt::format("'{}' must be a number of vertices from 1 to {}, not '{}'", name, size, cut_short(text)));
+    return thickness;
+}
+
 }  // namespace
 
 Failure wrong_seams(const std::string& message) { return Failure(message, Failure::Kind::input); }
@@ -116,6 +126,7 @@ std::vector<std::pair<std::string, std::string>> seam_texts(const Seams& seams) 
     if (seams.window) out.emplace_back("fluidcarve_window", text(*seams.window));
     if (seams.pair_window) out.emplace_back("fluidcarve_pair_window", text(*seams.pair_window));
     if (seams.anchor != Anchor{}) out.emplace_back("fluidcarve_anchor", to_text(seams.anchor));
+    if (seams.thick()) out.emplace_back("fluidcarve_thickness", std::to_string(seams.thickness));
     if (seams.warp) out.emplace_back(factor_name, std::to_string(seams.warp->factor()));
     return out;
 }
@@ -143,6 +154,7 @@ Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     out.window = read_window(metadata, "fluidcarve_window", out.whole_window());
     out.pair_window = read_window(metadata, "fluidcarve_pair_window", out.whole_window());
     out.anchor = read_anchor(metadata, out.carved());
+    out.thickness = read_thickness(metadata, out.carved());
     if (out.around && (out.axis != Axis::u || out.anchor != Anchor{}))
         throw wrong_seams("'fluidcarve_around' is true, but seams around a rig are carved along u, and the rig stays in place");
     return out;

@@ -39,6 +39,9 @@ struct Seams {
     std::string lattice_hash;                   ///< one for all frames, or, if the lattice changes, one per frame, separated by commas
     std::optional<Window> window, pair_window;  ///< vertices that seams may take; nothing: whole_window(); for pairs, as far as they reach
     Anchor anchor;
+    /// Vertices of a slab (METHOD 8 "Thick seams"); 1: seams are thin. So many seams of `seams`, and of `pairs`, make a slab, from the first on; the
+    /// last slab may have fewer. They run side by side: removals have the same entries, and the entries of insertions follow each other.
+    int thickness = 1;
     std::vector<Seam> seams;
     /// The second seam of each pair (paper 3.6), or empty. They are of the opposite kind, and all lie on the positive side of all `seams`.
     /// Their entries do not count the seams of the other window.
@@ -56,6 +59,7 @@ struct Seams {
     Warp::Rings warp_rings() const { return {around, closed}; }
     std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
     bool paired() const { return !pairs.empty(); }
+    bool thick() const { return thickness > 1; }
     /// The lattice hash of a frame.
     /// @param t  index of the frame in `frames`
     std::string lattice_hash_at(std::size_t t) const;

@@ -1,5 +1,6 @@
 #include "nodes/seams/smooth_displacement.h"
 
+#include "nodes/seams/joins.h"
 #include "nodes/vectors/eight.h"
 
 #include <tbb/parallel_for.h>
@@ -193,8 +194,9 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
     };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, laterals * static_cast<std::size_t>(out.slices_), 64), smooth);
     if (reach > 0) {
-        out.smooth_across(along, false);
-        out.smooth_across(along, true);
+        const auto across = tent(softness.across.value_or(softness.vertices));
+        out.smooth_across(across, false);
+        out.smooth_across(across, true);
     }
     return out;
 }
@@ -315,6 +317,7 @@ void soften(CarveStep& step, const Seams& seams, std::size_t t, const Softness& 
     auto soft = std::make_shared<const SmoothDisplacement>(SmoothDisplacement::soft(steps, step.windows(seams), softness));
     const int first = soft->first(), behind = soft->last();
     step.set_soft(std::move(soft), first, behind);
+    if (softness.fade > 0) step.set_joins(std::make_shared<const Joins>(steps, step.windows(seams), softness.fade));
 }
 
 }  // namespace fluidcarve

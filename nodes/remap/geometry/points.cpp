@@ -2,6 +2,7 @@
 
 #include "nodes/remap/finish/derivative.h"
 #include "nodes/seams/carve_inverse.h"
+#include "nodes/seams/joins.h"
 #include "nodes/seams/step_columns.h"
 
 #include <tbb/parallel_for.h>
@@ -36,6 +37,9 @@ bool reaches(const openvdb::BBoxd& box, const Vec3d& at) {
         if (at[n] < box.min()[n] || at[n] > box.max()[n]) return false;
     return true;
 }
+
+/// A number from 0 up to 1, evenly distributed over identities.
+double share(std::uint64_t identity) { return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53; }
 
 /// A point on its way through the steps.
 struct MovedPoint {
@@ -112,8 +116,6 @@ public:
     }
 
 private:
-    /// A number from 0 to 1, evenly distributed.
-    static double share(std::uint64_t identity) { return static_cast<double>(mixed(identity ^ 0x5eedu) >> 11) * 0x1p-53; }
     /// Slope of the map along a step's axis. The map is linear between entries.
     static double slope(const CarveStep& step, const Vec3d& at) {
         const StepColumns columns(step, at[step.lateral_axis()], at.z());
@@ -125,6 +127,19 @@ private:
     const CarveMap& map_;
     const Jitter& jitter_;
 };
+
+/// Finds where a step that is joined by a fade shows a point.
+/// @param places, rooms  as for carve_point()
+void join_point(const CarveStep& step, const Vec3d& at, double share, std::vector<double>& places, std::vector<Vec2d>& rooms) {
+    constexpr double around = 0.5;  // vertices, within which the blend hardly changes
+    places.clear();
+    rooms.clear();
+    const double u = at[step.axis()], scale = step.scale(at);
+    const auto [first, last] = step.ends(at, scale);
+    if (!step.holds(at) || scale == 0 || u < std::min<double>(first, step.origin()) || u > std::max<double>(last, step.last_before())) places.push_back(u);
+    else if (u >= step.origin() && u <= step.last_before()) step.joins()->places(step, at, share, places);
+    for (const double place : places) rooms.emplace_back(place - around, place + around);
+}
 
 }  // namespace
 
@@ -171,8 +186,10 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
     const Mapping mapping(map.extended(lattice), map.reach());
     const auto moves = map.moved();
     const Jitter jittered(jitter);
+    // With a warp among them, seams squeeze points as the warp does.
+    const bool joined = std::ranges::all_of(map.steps(), [](const CarveStep& step) { return step.joins() != nullptr; });
     std::optional<SoftCarve> soft;
-    if (map.soft()) soft.emplace(mapping, map, jittered);
+    if (map.soft() && !joined) soft.emplace(mapping, map, jittered);
     constexpr std::size_t grain = 4096;
     struct Part {
         std::vector<PointImage> images;
@@ -191,7 +208,8 @@ CarvedPoints carve_points(const std::vector<Vec3d>& positions, const std::vector
             const auto& step = map.steps()[s];
             next.clear();
             for (const auto& way : ways) {
-                carve_point(step, way.at, places, rooms);
+                if (joined) join_point(step, way.at, share(identities[n] ^ s), places, rooms);
+                else carve_point(step, way.at, places, rooms);
                 for (std::size_t p = 0; p < places.size(); ++p) {
                     auto to = way.at;
                     to[step.axis()] = places[p];

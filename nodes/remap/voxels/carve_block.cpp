@@ -1,6 +1,7 @@
 #include "nodes/remap/voxels/carve_block.h"
 
 #include "nodes/lattice/snap.h"
+#include "nodes/seams/joins.h"
 
 #include <cmath>
 
@@ -104,7 +105,12 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         }
         fades_ = fades_ || fades;
         double low = 0.5 * table.low, high = 0.5 * table.high;
-        if (table.low == table.high && table.low % 2 == 0 && within && !frees && !fades) {
+        if (const auto* const joins = step.joins()) {
+            const auto sides = joins->range(table.first, table.size);
+            low = std::min(low, sides[0]);
+            high = std::max(high, sides[1]);
+        }
+        if (low == high && std::floor(low) == low && within && !frees && !fades) {
             if (rigid_) (*rigid_)[axis] += low;
         } else {
             rigid_.reset();

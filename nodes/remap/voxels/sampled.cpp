@@ -7,7 +7,10 @@
 #include "nodes/remap/voxels/blocks.h"
 #include "nodes/remap/voxels/carve_block.h"
 #include "nodes/remap/voxels/cubic.h"
+#include "nodes/remap/voxels/joined_sides.h"
+#include "nodes/remap/voxels/slow_part.h"
 #include "nodes/remap/voxels/windows.h"
+#include "nodes/seams/joins.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -38,8 +41,12 @@ class SampledCarve {
     static constexpr bool is_vector = openvdb::VecTraits<Value>::IsVec;
 
 public:
-    SampledCarve(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded)
-        : grid_(grid),
+    /// @param slow  the grid's slow part; null: sides are only faded
+    SampledCarve(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded,
+                 std::shared_ptr<const SlowPart> slow)
+        : slow_(std::move(slow)),
+          joins_(map.joins()),
+          grid_(grid),
           places_(places),
           map_(map),
           block_(map),
@@ -87,7 +94,7 @@ private:
         Parts<Value> parts;
         for (std::size_t z = 0; z < 8; ++z) parts[z] = {row[z].value, row[z].on};
         const auto faded = carve_row(
-            first, Vec3d(0), grid_.background(), [](const Value& got) { return got; }, parts);
+            first, Vec3d(0), grid_.background(), 0, [](const Value& got) { return got; }, parts);
         if (unfaded_) unfaded_->read(first, row);
         for (std::size_t z = 0; z < 8; ++z)
             if (!unfaded_ || (faded >> z & 1) != 0) row[z] = {parts[z].first, parts[z].second};
@@ -106,7 +113,7 @@ private:
             Parts<Element> parts;
             for (std::size_t z = 0; z < 8; ++z) parts[z] = {own[z].value[c], own[z].on};
             const auto faded = carve_row(
-                first, offset, grid_.background()[c], [c](const Value& got) { return got[c]; }, parts);
+                first, offset, grid_.background()[c], static_cast<std::size_t>(c), [c](const Value& got) { return got[c]; }, parts);
             for (std::size_t z = 0; z < 8; ++z) {
                 const bool taken = !unfaded_ || (faded >> z & 1) != 0;
                 if (taken) row[z].value[c] = parts[z].first;
@@ -118,10 +125,11 @@ private:
     /// Carves a row of voxels: whole values, or one component of them.
     /// @param offset   from a voxel to where the part stands, voxels
     /// @param nothing  the background's part
+    /// @param component  of the part, or the first of them
     /// @param parts    values and states before; become the carved ones
     /// @return bit z is set if a fade scaled a displacement of voxel z
     template <class Part, class Pick>
-    unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, const Pick& pick, Parts<Part>& parts) {
+    unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, std::size_t component, const Pick& pick, Parts<Part>& parts) {
         if (places_.interior() && block_.rigid()) {
             read_row(places_.shift(first, offset, *block_.rigid(), positions_), pick, parts);
             return 0;
@@ -132,6 +140,18 @@ private:
             if ((found_.inside >> z & 1) == 0) continue;
             const auto p = first.offsetBy(0, 0, z).asVec3d();
             const auto& place = found_.places[static_cast<std::size_t>(z)];
+            if (joins_) {
+                sides_.find(place.at);
+                if (sides_.rigid()) {
+                    const auto by = sides_.stretched() - place.at;
+                    if (by == Vec3d(0)) continue;
+                    positions_.set(static_cast<std::size_t>(z), places_.moved(p, place, openvdb::Vec2d(by.x(), by.y())));
+                    moved |= 1u << z;
+                    continue;
+                }
+                parts[static_cast<std::size_t>(z)] = joined<Part>(p, place, nothing, component, pick, parts[static_cast<std::size_t>(z)]);
+                continue;
+            }
             if (const auto rigid = block_.rigid_at(place.at)) {
                 if (rigid->fades) faded |= 1u << z;
                 if (rigid->by == openvdb::Vec2d(0)) continue;
@@ -151,6 +171,43 @@ private:
         return faded;
     }
 
+    /// The value and state of a point, from its sides (METHOD 10 "Joins").
+    template <class Part, class Pick>
+    std::pair<Part, bool> joined(const Vec3d& p, const BlockPlaces::Place& place, const Part& nothing, std::size_t component, const Pick& pick,
+                                 const std::pair<Part, bool>& own) {
+        const auto position = [&](const Vec3d& source) { return places_.moved(p, place, openvdb::Vec2d(source.x() - place.at.x(), source.y() - place.at.y())); };
+        Blend<Part> blend;
+        bool any = false;
+        for (const auto& side : sides_.all()) {
+            const auto [value, on] = side.nothing ? std::pair(nothing, false) : side.at == place.at ? own : read(position(side.at), pick);
+            blend.add(value, on, side.weight);
+            any = any || on;
+        }
+        Part faded = blend.value();
+        if constexpr (can_blend<Part>) {
+            if (slow_) {
+                const auto at_stretched = position(sides_.stretched());
+                const auto stretched = read(at_stretched, pick);
+                // Most of a box is empty.
+                if (faded == nothing && (!sides_.doubled() || stretched.first == nothing)) return {faded, blend.on()};
+                const auto parts_of = [&](const Vec3d& at, std::array<double, 3>& to) {
+                    for (std::size_t c = 0; c < components_of<Part>; ++c) to[c] = slow_->at(at, component + c);
+                };
+                std::array<double, 3> wanted{}, shown{}, one{};
+                parts_of(at_stretched, wanted);
+                for (const auto& side : sides_.all()) {
+                    if (side.nothing) one.fill(0);
+                    else parts_of(position(side.at), one);
+                    for (std::size_t c = 0; c < components_of<Part>; ++c) shown[c] += side.weight * one[c];
+                }
+                faded = with_slow_part<Part>(faded, stretched.first, wanted, shown, sides_.doubled());
+                any = any || (sides_.doubled() && stretched.second);
+            }
+            return {faded, blend.on() || (any && faded != nothing)};
+        } else {
+            return {faded, blend.on()};
+        }
+    }
     /// Reads the values at positions_.
     /// @param lanes  bit z is set if voxel z is read
     template <class Part, class Pick>
@@ -301,12 +358,15 @@ private:
         out.add(value, on, weight);
     }
 
+    const std::shared_ptr<const SlowPart> slow_;
+    const bool joins_;
     const GridT& grid_;
     BlockPlaces places_;
     BlockPlaces::Row found_;
     BlockPlaces::Positions positions_;
     const CarveMap& map_;
     CarveBlock block_;
+    JoinedSides sides_{map_, block_};  ///< of the last point
     bool fades_ = false;  ///< whether gather met a scale below 1
     const Interpolation interpolation_;
     const bool staggered_;
@@ -317,6 +377,21 @@ private:
     typename GridT::ConstAccessor values_;
 };
 
+/// What of a grid is squeezed or stretched at joins, not faded; null if nothing is. A distance is only faded.
+template <class GridT>
+std::shared_ptr<const SlowPart> slow_part(const GridT& grid, const Mapping& mapping, const CarveMap& map) {
+    if constexpr (can_blend<typename GridT::ValueType>) {
+        constexpr double sigma_of_fade = 1.0 / 3;
+        double fade = 0;
+        for (const auto& step : map.steps())
+            if (step.joins()) fade = std::max(fade, step.joins()->fade());
+        const double spacing = (mapping.position(Vec3d(1, 0, 0)) - mapping.position(Vec3d(0))).length();
+        if (fade > 0 && grid.getGridClass() != openvdb::GRID_LEVEL_SET)
+            return std::make_shared<const SlowPart>(grid, sigma_of_fade * fade * spacing / grid.voxelSize().x());
+    }
+    return nullptr;
+}
+
 }  // namespace
 
 template <class GridT>
@@ -326,8 +401,9 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     // A component's face may lie in the lattice where its voxel's centre does not.
     const auto box = padded(voxels_around(mapping.world_box(map.moved()), grid->transform(), "the lattice"), 1);
     const BlockPlaces places(mapping, grid->transform());
+    const auto slow = slow_part(*grid, mapping, map);
     return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
-        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, places, map, interpolation, unfaded.get())](const Coord& block, LeafOf<GridT>& out) {
+        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, places, map, interpolation, unfaded.get(), slow)](const Coord& block, LeafOf<GridT>& out) {
             return (*worker)(block, out);
         };
     });

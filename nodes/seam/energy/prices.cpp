@@ -1,10 +1,10 @@
 #include "nodes/seam/energy/prices.h"
 
 #include "graph/text/problem.h"
+#include "nodes/seam/energy/summed_over.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,19 +12,6 @@
 namespace fluidcarve {
 
 namespace {
-
-/// Calls `visit(sum, column)` for all columns and adds partial sums in a fixed order, so that the result does not depend on the threads.
-template <class Sum, class Visit>
-Sum summed_over(const EnergyVolume& energy, const Visit& visit) {
-    const auto columns = energy.columns_per_frame() * energy.frames();
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, columns, 4096), Sum{},
-        [&](const tbb::blocked_range<std::size_t>& range, Sum sum) {
-            for (auto c = range.begin(); c < range.end(); ++c) visit(sum, c);
-            return sum;
-        },
-        [](Sum a, const Sum& b) { return a += b; });
-}
 
 struct Bounds {
     float low = std::numeric_limits<float>::infinity(), high = -low;

@@ -52,6 +52,9 @@ public:
     /// Sets the cost of any step, in space and in time.
     void set_rigidity(const std::array<float, 2>& rigidity) { rigidity_ = rigidity; }
     const std::array<float, 2>& rigidity() const { return rigidity_; }
+    /// Says that entries are prices of slabs (SlabPrices).
+    void set_slabs() { slabs_ = true; }
+    bool slabs() const { return slabs_; }
     /// Sets how far remove() hands on the energy of a deleted entry, in entries to both sides; 0: not at all.
     void set_spread(int entries) { spread_ = entries; }
     int spread() const { return spread_; }
@@ -149,6 +152,7 @@ private:
     std::vector<float> sums_;
     std::vector<float> energies_;  ///< sums_ without attraction; only if vertices are attracted
     std::size_t frames_summed_ = 1;
+    bool slabs_ = false;
     bool protects_ = false;
     std::size_t attracted_ = 0;
     float attraction_ = 0;

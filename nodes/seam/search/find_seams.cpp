@@ -96,7 +96,7 @@ NoSeam at_full_size(const NoSeam& none, int found, const EnergyVolume& energy, c
     return {found, {full.columns.at(2 * place.lateral, 2 * place.k, 2 * place.t), 2 * none.at.vertices, 2 * none.at.free}};
 }
 
-SeamEntries repeated(const SeamEntries& frame, std::size_t frames) {
+SeamEntries repeated(std::span<const std::uint16_t> frame, std::size_t frames) {
     std::vector<std::uint16_t> out;
     out.reserve(frame.size() * frames);
     for (std::size_t t = 0; t < frames; ++t) out.insert(out.end(), frame.begin(), frame.end());
@@ -125,93 +125,218 @@ NoSeam::NoSeam(int found, const Bottleneck& at)
       found(found),
       at(at) {}
 
-FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
-                      bool static_, const Continued& continued) {
-    const auto& full = continued.full;
-    const int width = full ? full->width : volume.width();
-    // Seams that come of one that is found.
-    const int each = full ? 2 : 1, searches = (count + each - 1) / each;
-    require_room(kind, count, window, width, each);
-    if (kind == Seams::Kind::insert) window.last = std::min(window.last, width - 2);
-    if (full) window = half_window(window);
-    std::optional<EnergyVolume> sum;
-    if (static_ && count > 0) sum = volume.sum();
-    auto& energy = sum ? *sum : volume;
+namespace {
 
-    const auto full_columns = [&] {
-        const auto& of = full->columns;
-        return sum ? Columns(static_cast<int>(of.laterals()), static_cast<int>(of.slices()), 1, of.ring(1), of.ring(0)) : of;
-    };
-    const auto columns = full ? full_columns().count() : energy.columns_per_frame() * energy.frames();
-    const auto all_frames = full ? full->columns.frames() : volume.frames();
-    std::optional<Deleted> deleted;
-    if (kind == Seams::Kind::insert && count > 0) deleted.emplace(columns, width, continued.memory_budget, continued.folder);
+/// The loop of find_seams(), search by search.
+class SeamSearch {
+public:
+    SeamSearch(EnergyVolume& volume, Seams::Kind kind, int count, Window window, bool static_, const KeepSeam& keep, const Continued& continued)
+        : volume_(volume),
+          kind_(kind),
+          count_(count),
+          window_(window),
+          static_(static_),
+          keep_(keep),
+          continued_(continued),
+          full_(continued.full),
+          width_(full_ ? full_->width : volume.width()),
+          thickness_(continued.thick ? continued.thick->thickness : 1) {
+        require_room(kind, count, window, width_, full_ ? 2 : 1);
+        if (inserts()) window_.last = std::min(window_.last, width_ - 2);
+        if (full_) window_ = half_window(window_);
+        if (count == 0) return;
+        thickness_ = std::min(thickness_, window_.size());
+        if (continued.thick) prices_.emplace(volume, thickness_, continued.thick->weights);
+        else if (static_) sum_ = volume.sum();
+        if (inserts() && !prices_) deleted_.emplace(columns(), width_, continued.memory_budget, continued.folder);
+    }
 
-    FoundSeams out;
-    // The last seam is not deleted: no search follows it.
-    const auto meet = [&](std::span<const std::uint16_t> at, int number) {
-        const auto met = energy.met(at);
-        for (int n = 0; n < std::min(each, count - each * number); ++n) {
-            out.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));
-            out.attracted.push_back(met.attracted);
-            out.blocked.push_back(met.blocked);
-            out.attracted_left.push_back(energy.attracted() - met.attracted);
+    FoundSeams run(const FindSeam& find, const Tick& tick) {
+        take_known(tick);
+        const int known = searches_;
+        while (static_cast<int>(out_.seams.size()) < count_) {
+            const auto start = std::chrono::steady_clock::now();
+            const int thickness = thickness_now();
+            const auto left = window_left(thickness);
+            if (prices_) price(thickness, SlabPrices::emptiness.front());
+            const auto& energy = priced_ ? *priced_ : this->energy();
+            if (auto blocked = blocked_seam(energy, left, static_cast<int>(out_.seams.size()))) {
+                if (full_) blocked = at_full_size(*blocked, static_cast<int>(out_.seams.size()), energy, *full_);
+                if (!continued_.best_effort) throw NoSeam(*blocked);
+                out_.no_more = std::move(blocked);
+                break;
+            }
+            const int done = searches_ - known, left_to_do = (count_ - static_cast<int>(out_.seams.size()) + each() - 1) / each();
+            const auto tell = [&](double fraction) { tick((done + fraction) / (done + left_to_do)); };
+            auto* const bounds = prices_ ? nullptr : continued_.bounds;
+            auto seam = prices_ ? find_slab(find, thickness, left, tell) : find(energy, left, searches_, tell, bounds);
+            const auto end = std::chrono::steady_clock::now();
+            if (!seam.lower_bound && bounds) seam.lower_bound = bounds->energy_bound(energy, left, seam.at.all(), searches_, tell);
+            const auto bounded = std::chrono::steady_clock::now() - end;
+            count_met(energy, seam.at);
+            take(seam.at, thickness, left);
+            const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count();
+            add(std::move(seam), thickness, seconds);
+            if (continued_.found) continued_.found(out_);
         }
-        if (number + 1 == searches) return;
-        const Window left{window.first, window.last - number};
-        if (continued.bounds) continued.bounds->follow(energy, left, at, number);
-        energy.remove(at, left);
-    };
-    // A seam that was found becomes seams of the set.
-    const auto add = [&](Seams::Seam seam, int number, double seconds) {
-        if (full) {
-            const Columns here(energy);
-            const double share = static_cast<double>(columns) / static_cast<double>(here.count());
-            seam.at = prolong_seam(here, seam.at, full_columns(), {0, width - each * number - 1});
+        return std::move(out_);
+    }
+
+private:
+    bool inserts() const { return kind_ == Seams::Kind::insert; }
+    /// What seams are searched in, if they are thin.
+    EnergyVolume& energy() { return sum_ ? *sum_ : volume_; }
+    /// Seams that come of one that is found.
+    int each() const { return thickness_ * (full_ ? 2 : 1); }
+    /// The thickness of the next slab. It does not depend on how many are wanted.
+    int thickness_now() const { return prices_ && !inserts() ? std::min(thickness_, window_.size() - taken_) : thickness_; }
+    /// The entries that the next seam may take, or with which the next slab may begin.
+    Window window_left(int thickness) const { return {window_.first, window_.last - taken_ - thickness + 1}; }
+    Columns full_columns() const {
+        const auto& of = full_->columns;
+        return static_ ? Columns(static_cast<int>(of.laterals()), static_cast<int>(of.slices()), 1, of.ring(1), of.ring(0)) : of;
+    }
+    std::size_t columns() const { return full_ ? full_columns().count() : volume_.columns_per_frame() * (static_ ? 1 : volume_.frames()); }
+    std::size_t all_frames() const { return full_ ? full_->columns.frames() : volume_.frames(); }
+    /// Sets the prices of slabs. @param empty  of what is empty, unless stated
+    void price(int thickness, float empty) {
+        priced_.reset();
+        auto out = prices_->of(volume_, thickness, continued_.thick->weights.empty.value_or(empty), doubled_, continued_.memory_budget, continued_.folder);
+        priced_ = static_ ? out.sum() : std::move(out);
+    }
+    /// Finds a slab. What is empty becomes dearer until the content gives its share, too.
+    Seams::Seam find_slab(const FindSeam& find, int thickness, Window left, const Tick& tick) {
+        // Solvers that go on from the last seam begin anew: prices change everywhere.
+        const auto once = [&] { return find(*priced_, left, 2 * searches_, tick); };
+        auto out = once();
+        if (continued_.thick->weights.empty) return out;
+        for (std::size_t n = 1; n < SlabPrices::emptiness.size(); ++n) {
+            const auto at = whole(out.at);
+            if (prices_->content_share(volume_, at, thickness, {left.first, left.last + thickness - 1}) >= SlabPrices::enough) break;
+            price(thickness, SlabPrices::emptiness[n]);
+            out = once();
+        }
+        return out;
+    }
+    /// The entries of a seam in all frames.
+    SeamEntries whole(std::span<const std::uint16_t> at) const {
+        return static_ ? repeated(at, volume_.frames()) : SeamEntries(std::vector<std::uint16_t>(at.begin(), at.end()));
+    }
+
+    /// Notes what a seam meets, for all seams that come of it.
+    void count_met(const EnergyVolume& energy, std::span<const std::uint16_t> at) {
+        const auto met = energy.met(at);
+        for (int n = 0; n < std::min(each(), count_ - static_cast<int>(out_.zero_share.size())); ++n) {
+            out_.zero_share.push_back(static_cast<double>(met.zeros) / static_cast<double>(at.size()));
+            out_.attracted.push_back(met.attracted);
+            out_.blocked.push_back(met.blocked);
+            out_.attracted_left.push_back(energy.attracted() - met.attracted);
+        }
+    }
+
+    /// Takes a seam from the volume, or notes that it is doubled. The last one is not taken: no search follows it.
+    void take(std::span<const std::uint16_t> at, int thickness, Window left) {
+        const int number = searches_++;
+        if (static_cast<int>(out_.zero_share.size()) >= count_) return;
+        if (prices_) {
+            const auto all = whole(at);
+            if (inserts()) {
+                doubled_.push_back({all, thickness});
+                return;
+            }
+            for (int n = 0; n < thickness; ++n) volume_.remove(all);
+        } else {
+            if (continued_.bounds) continued_.bounds->follow(energy(), left, at, number);
+            energy().remove(at, left);
+        }
+        taken_ += thickness;
+    }
+
+    /// Adds a seam that was found to the set, as the seams that come of it.
+    void add(Seams::Seam seam, int thickness, double seconds) {
+        if (full_) {
+            const Columns here = static_ ? Columns(volume_.laterals(), volume_.slices(), 1, volume_.closed(), volume_.around()) : Columns(volume_);
+            const double share = static_cast<double>(columns()) / static_cast<double>(here.count());
+            const int most = width_ - (inserts() && prices_ ? 1 : static_cast<int>(out_.seams.size())) - (prices_ ? 2 * thickness : 1);
+            seam.at = prolong_seam(here, seam.at, full_columns(), {0, most});
             seam.energy *= share;
             if (seam.lower_bound) *seam.lower_bound *= share;
         }
-        const int some = std::min(each, count - each * number);
-        for (int n = 0; n < some; ++n) {
+        if (prices_) {
+            seam.energy /= each();
+            if (seam.lower_bound) *seam.lower_bound /= each();
+        }
+        complete(seam, 0, seconds);
+    }
+
+    /// Adds the seams that come of one, from the n-th on.
+    void complete(const Seams::Seam& seam, int n, double seconds) {
+        const int some = std::min(each(), n + count_ - static_cast<int>(out_.seams.size()));
+        for (const int first = n; n < some; ++n) {
             auto one = seam;
-            if (deleted) deleted->to_original(one.at.all());
-            if (static_) one.at = repeated(one.at, all_frames);
-            if (keep) one.at = keep(std::move(one.at));
-            out.seams.push_back(std::move(one));
-            out.wall_s.push_back(seconds / some);
+            if (deleted_) deleted_->to_original(one.at.all());
+            // The vertices of a slab that is doubled follow each other.
+            if (prices_ && inserts())
+                for (auto& entry : one.at.all()) entry = static_cast<std::uint16_t>(entry + n);
+            if (static_) one.at = repeated(one.at, all_frames());
+            if (keep_) one.at = keep_(std::move(one.at));
+            out_.seams.push_back(std::move(one));
+            out_.wall_s.push_back(seconds / (some - first));
         }
-    };
-    std::vector<std::uint16_t> last;
-    for (const auto& seam : continued.before) {
-        tick(0);
-        last.assign(seam.at.begin(), seam.at.begin() + static_cast<std::ptrdiff_t>(columns));
-        if (deleted) deleted->from_original(last);
-        meet(last, static_cast<int>(out.seams.size()));
-        out.seams.push_back(seam);
-        out.wall_s.push_back(0);
     }
-    if (!last.empty() && continued.start_from) continued.start_from(last);
-    const int known = static_cast<int>(out.seams.size());
-    for (int n = known; n < searches; ++n) {
-        const auto start = std::chrono::steady_clock::now();
-        const Window left{window.first, window.last - n};
-        if (auto blocked = blocked_seam(energy, left, n)) {
-            if (full) blocked = at_full_size(*blocked, each * n, energy, *full);
-            if (!continued.best_effort) throw NoSeam(*blocked);
-            out.no_more = std::move(blocked);
-            break;
+
+    /// Takes the seams that an earlier search found. Of a slab, it may have left the last ones to find.
+    void take_known(const Tick& tick) {
+        std::vector<std::uint16_t> last;
+        const auto& before = continued_.before;
+        for (std::size_t n = 0; n < before.size(); n += static_cast<std::size_t>(each())) {
+            tick(0);
+            last.assign(before[n].at.begin(), before[n].at.begin() + static_cast<std::ptrdiff_t>(columns()));
+            if (deleted_) deleted_->from_original(last);
+            const int thickness = thickness_now();
+            if (prices_) price(thickness, SlabPrices::emptiness.front());
+            count_met(prices_ ? *priced_ : energy(), last);
+            const auto left = window_left(thickness);
+            take(last, thickness, left);
+            const auto end = std::min(before.size(), n + static_cast<std::size_t>(each()));
+            for (auto m = n; m < end; ++m) {
+                out_.seams.push_back(before[m]);
+                out_.wall_s.push_back(0);
+            }
+            if (const int found = static_cast<int>(end - n); found < each()) {
+                auto seam = before[n];
+                seam.at = last;
+                complete(seam, found, 0);
+            }
         }
-        const auto tell = [&](double fraction) { tick((n - known + fraction) / (searches - known)); };
-        auto seam = find(energy, left, n, tell, continued.bounds);
-        const auto end = std::chrono::steady_clock::now();
-        if (!seam.lower_bound && continued.bounds) seam.lower_bound = continued.bounds->energy_bound(energy, left, seam.at.all(), n, tell);
-        const auto bounded = std::chrono::steady_clock::now() - end;
-        meet(seam.at, n);
-        const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start - bounded).count();
-        add(std::move(seam), n, seconds);
-        if (continued.found) continued.found(out);
+        if (!last.empty() && continued_.start_from) continued_.start_from(last);
     }
-    return out;
+
+    EnergyVolume& volume_;
+    const Seams::Kind kind_;
+    const int count_;
+    Window window_;
+    const bool static_;
+    const KeepSeam& keep_;
+    const Continued& continued_;
+    const std::optional<FullSize>& full_;
+    const int width_;
+    int thickness_;
+    std::optional<EnergyVolume> sum_;         ///< of all frames, for static seams
+    std::optional<SlabPrices> prices_;        ///< if seams are thick
+    std::optional<EnergyVolume> priced_;      ///< what the next slab is searched in
+    std::vector<SlabPrices::Taken> doubled_;  ///< slabs that are doubled
+    std::optional<Deleted> deleted_;          ///< of thin seams that are doubled
+    int searches_ = 0;                        ///< seams or slabs that are known
+    int taken_ = 0;                           ///< entries that they took from the window
+    FoundSeams out_;
+};
+
+}  // namespace
+
+FoundSeams find_seams(EnergyVolume& volume, Seams::Kind kind, int count, Window window, const FindSeam& find, const Tick& tick, const KeepSeam& keep,
+                      bool static_, const Continued& continued) {
+    return SeamSearch(volume, kind, count, window, static_, keep, continued).run(find, tick);
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/text/problem.h"
+#include "nodes/seam/energy/slab_prices.h"
 #include "nodes/seam/energy/volume.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/seam_bounds.h"
@@ -89,6 +90,7 @@ struct Continued {
     std::uint64_t memory_budget = ~std::uint64_t{0};
     std::string folder;
     std::optional<FullSize> full;  ///< if the energy is at half size; then there may be no seams `before`
+    std::optional<Thick> thick;    ///< nothing: each seam takes one entry
     bool best_effort = false;      ///< if protected vertices leave no way for the next seam, those found are the result, and nothing is thrown
 };
 
@@ -106,6 +108,8 @@ void require_room(Seams::Kind kind, int count, Window window, int width, int fin
 /// and returned as original entries. A continued search gives the same result as one in one go. At half size (METHOD 9 "Half size"), each
 /// seam that is found stands for two of full size, side by side: interpolated to the columns, with as much of its energy and bound as a
 /// column has. The last one may stand for one.
+/// If seams are thick, each slab that is found stands for as many seams as it has vertices (Seams::thickness), and each of them has its share of the slab's
+/// price as energy. A slab is found in prices of its own (SlabPrices). Those that are doubled stay in the volume, and keep away from each other.
 /// @param volume  used up
 /// @param count   number of all seams of full size, including those found before
 /// @param window  original entries at full size

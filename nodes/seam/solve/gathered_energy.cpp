@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "nodes/field/active_range.h"
 #include "nodes/seam/energy/carve.h"
+#include "nodes/seam/energy/eddies.h"
 #include "nodes/seam/energy/half.h"
 #include "nodes/seam/solve/report.h"
 #include "nodes/vectors/wide.h"
@@ -17,13 +18,15 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr float default_rigidity = 0.2f;  ///< with a field; in mean energies of content
+constexpr float default_rigidity = 0.2f;              ///< with a field; in mean energies of content, of thick seams in mean prices
+constexpr double least_across = 1.2;                    ///< eddies side by side, from which on seams are thick by default
+constexpr float thin_empty = 0.9f;                      ///< default of `empty`
 constexpr double small_share = 0.05;      ///< of the content: if less of it lies in the lattice, that is hardly meant
 constexpr double least_share = 1e-4;      ///< below it, no number is given
 
 Prices prices_of(const SolverParams& params, bool forward) {
     const float rigid = forward ? default_rigidity : 0.0f;
-    return {params.field_weight, params.empty, {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
+    return {params.field_weight, params.empty.value_or(thin_empty), {params.rigidity.value_or(rigid), params.rigidity_time.value_or(rigid)}};
 }
 
 /// Joins what a mask missed in the frames before with another frame. If the mask is not empty there, that is no longer why it marks nothing.
@@ -165,13 +168,38 @@ GatheredEnergy::Taken GatheredEnergy::take_unpriced(const SolverParams& params, 
     return out;
 }
 
-EnergyVolume GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space, const Context& context) {
+std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params, const EnergyVolume& energy) const {
+    if (!forward_ || params.thickness == 1) return std::nullopt;
+    const auto& shape = lattices_.front()->shape;
+    const bool image = std::ranges::min(shape) == 1;
+    const bool for_thin = params.static_ || params.pair_static || params.cost || params.spread;
+    if (!params.thickness && (image || for_thin)) return std::nullopt;
+    int thickness = 0;
+    if (params.thickness) {
+        thickness = (*params.thickness + finest_ - 1) / finest_;
+    } else {
+        const auto eddies = Eddies::of(energy);
+        // One smooth thing would be doubled as a whole, where it should be stretched.
+        if (eddies.across < least_across) return std::nullopt;
+        thickness = std::min(eddies.width, energy.width() / 4);
+    }
+    if (thickness * finest_ <= 1) return std::nullopt;
+    const float rigid = params.rigidity.value_or(default_rigidity), in_time = params.rigidity_time.value_or(default_rigidity);
+    return Thick{thickness, {params.field_weight, params.empty, {rigid, in_time}}};
+}
+
+GatheredEnergy::Searched GatheredEnergy::take(const SolverParams& params, const CarvedSpace& space, const Context& context) {
     auto taken = take_unpriced(params, space, context);
-    auto& out = taken.energy;
-    set_prices(out, taken.typical, prices_of(params, forward_));
-    if (out.has_field()) out.count_edges(context.memory_budget() / 3, context.work_folder());
-    if (marks_.protect || marks_.attract) out.find_marks();
-    return std::move(out);
+    Searched out{std::move(taken.energy), std::nullopt};
+    out.thick = thick_for(params, out.energy);
+    if (out.thick) {
+        out.energy.set_spread(0);
+    } else {
+        set_prices(out.energy, taken.typical, prices_of(params, forward_));
+        if (out.energy.has_field()) out.energy.count_edges(context.memory_budget() / 3, context.work_folder());
+    }
+    if (marks_.protect || marks_.attract) out.energy.find_marks();
+    return out;
 }
 
 }  // namespace fluidcarve

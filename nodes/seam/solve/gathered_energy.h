@@ -6,6 +6,7 @@
 #include "nodes/seam/energy/frame.h"
 #include "nodes/seam/energy/marks.h"
 #include "nodes/seam/energy/prices.h"
+#include "nodes/seam/energy/slab_prices.h"
 #include "nodes/seam/energy/volume.h"
 #include "nodes/seam/solve/params.h"
 #include "nodes/seam/solve/space.h"
@@ -38,11 +39,16 @@ public:
     std::optional<double> content_share() const;
     /// Warnings about what makes seams useless, though they will be found.
     std::vector<std::string> warnings() const;
-    /// Hands over the energies and fields of all frames, brought into a space, with all that seams pay. Prices depend on the frames before
-    /// they are carved. Call it once, after the last frame, if seams are wanted.
+    /// The energies of a sequence, and how thick its seams are.
+    struct Searched {
+        EnergyVolume energy;         ///< with all that thin seams pay; thick ones have prices of their own
+        std::optional<Thick> thick;  ///< nothing: thin
+    };
+    /// Hands over the energies and fields of all frames, brought into a space. Prices depend on the frames before they are carved. Call it once, after
+    /// the last frame, if seams are wanted.
     /// @param space  made from lattices()
-    /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore
-    EnergyVolume take(const SolverParams& params, const CarvedSpace& space, const Context& context);
+    /// @throws Failure as Typical::of(), CarvedSpace::carve_map() and FrameStore; if `thickness` is wider than the axis
+    Searched take(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
     /// Energies and fields as they were sampled, and what is typical of them.
     struct Taken {
@@ -53,6 +59,8 @@ public:
     Taken take_unpriced(const SolverParams& params, const CarvedSpace& space, const Context& context);
 
 private:
+    /// The thickness of seams in entries of an energy; nothing if they are thin.
+    std::optional<Thick> thick_for(const SolverParams& params, const EnergyVolume& energy) const;
     /// A volume whose energies, and field if there is one, are all 0.
     /// @param shape   I, J, K at full size
     /// @param budget  bytes of energies that may be held in memory, and as many of the field

@@ -46,12 +46,21 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     if (!forward && field) check.fault("field", "input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out");
     for (const auto* const name : {"field_weight", "empty"})
         if (!forward && check.stated(name)) check.fault(name, fmt::format("parameter '{}' needs a `field`, in which content and edges are seen", name));
-    if (forward && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
+    const int thickness = params.thickness.value_or(1);
+    if (thickness > 1 && !field) check.fault("thickness", "thick seams need a `field`: they run where it looks alike on both sides");
+    for (const auto* const name : {"cost", "spread"})
+        if (thickness > 1 && check.stated(name)) check.fault(name, fmt::format("parameter '{}' serves thin seams: leave it out, or set `thickness: 1`", name));
+    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
+        if (window && thickness > window->high - window->low + 1)
+            check.fault("thickness", fmt::format("thickness {} is wider than {} {}, which has {:g} vertices; lower it, or widen the window", thickness, name,
+                                                 window_text(*window), window->high - window->low + 1));
+    if (forward && thickness == 1 && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
-    if (forward && (params.static_ || params.pair_static))
+    if (forward && thickness == 1 && (params.static_ || params.pair_static))
         check.fault(params.static_ ? "static" : "pair_static",
-                    "with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out");
+                    "with a `field` the costs of thin seams are counted frame by frame, and no static ones are found; state a `thickness`, or leave the field "
+                    "out");
 }
 
 int finest_for(const SolverParams& params, const Lattice& lattice) {

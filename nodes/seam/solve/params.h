@@ -53,9 +53,10 @@ struct SolverParams {
     bool pair_static = false;
     bool best_effort = false;
     Measure measure = Measure::vertex;
+    Auto<int> thickness;
     Auto<Cost> cost;
     float field_weight = 1;
-    float empty = 0.9f;
+    Auto<float> empty;
     Auto<float> rigidity;
     Auto<float> rigidity_time;
     Auto<int> spread;

@@ -79,6 +79,7 @@ private:
         continued.memory_budget = fits ? context_.memory_budget() - taken_ : 0;
         continued.folder = context_.work_folder();
         continued.best_effort = setup_.best_effort;
+        continued.thick = setup_.thick;
         if (setup_.finest > 1) continued.full = FullSize{all_columns(), task_.shape[dimension(task_.axis)]};
         TaskBounds bounds(
             setup_.bound_passes, static_cast<int>(continued.before.size()), [&] { context_.check_cancelled(); }, continued.memory_budget, continued.folder);
@@ -121,6 +122,7 @@ private:
         set->find_shifts();
         auto report = empty_report(*set);
         if (setup_.finest > 1) report["finest"] = setup_.finest;
+        if (set->thick()) report["thickness"] = set->thickness;
         describe_seams(found, "", setup_.marks, report);
         if (task_.pairs) describe_seams(pairs_, "pair_", setup_.marks, report);
         report["wall_s"] = wall_seconds(setup_.before.report, pairs_, found);

@@ -26,6 +26,7 @@ struct SearchSetup {
     std::chrono::milliseconds hold_after;  ///< shortest time between two calls of Context::hold
     bool best_effort = false;              ///< fewer seams than the task wants are a result, too, if no more are possible
     int finest = 1;                        ///< 2: the energy is at half size
+    std::optional<Thick> thick = {};       ///< nothing: seams are thin
 };
 
 /// Finds all seams of a task; with `best_effort` perhaps fewer, and the report says why. Meanwhile hands over those found so far, with their report.

@@ -41,6 +41,8 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     const int size = out.shape[dimension(params.axis)], count = params.count.of(size);
     require_vertex_left(params, size, name_of(space));
     out.asked = out.count = std::abs(count);
+    if (const int thickness = params.thickness.value_or(1); thickness > size)
+        throw Failure(fmt::format("thickness {} is wider than the lattice, which has {}; lower it", thickness, vertices_along(params.axis, size, space)));
     const auto part = [&](bool pair, Seams::Kind kind, const Auto<Interval>& window, bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
         part.window = window_of(part.prefix() + "window", window, params.axis, size, space);

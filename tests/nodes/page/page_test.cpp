@@ -67,7 +67,7 @@ TEST_CASE("the page node says what is wrong with its parameters") {
     CHECK(faults("path: a.html", {{"before", 1}, {"seams", 1}, {"lattice", 1}}).empty());
     CHECK_THAT(faults("path: a.png", {{"before", 1}}), Catch::Contains("must end in .html"));
     CHECK_THAT(faults("path: a.html", {{"before", 1}, {"seams", 1}}), Catch::Contains("connect 'lattice'"));
-    CHECK_THAT(faults("{path: a.html, fade: 4}", {{"before", 1}}), Catch::Contains("fade"));
+    CHECK_THAT(faults("{path: a.html, rim_fade: 4}", {{"before", 1}}), Catch::Contains("fade"));
 }
 
 TEST_CASE("the page node shows the first grid that can be shown, and writes its file") {

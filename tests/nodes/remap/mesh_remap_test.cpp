@@ -256,7 +256,7 @@ TEST_CASE("faces and attributes stay, and seams that change make a mesh of one f
     beyond["source"] = {Payload(std::make_shared<Mesh>(far))};
     const auto moved = still.run(beyond, Context(host, frames)).at("mesh").as<Mesh>();
     for (std::size_t n = 0; n < far.points.size(); ++n) CHECK(moved->points[n] == far.points[n] - Vec3d(1, 0, 0));
-    CHECK(NodeBench(remap_mesh(), "{fade: 3}").faults() == "fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `fade` out\n");
+    CHECK(NodeBench(remap_mesh(), "{rim_fade: 3}").faults() == "rim_fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `rim_fade` out\n");
 }
 
 TEST_CASE("long edges over a seam and faces across a rim are counted and told") {

@@ -278,15 +278,15 @@ TEST_CASE("a fade does not fold: what rises along the axis still does") {
 TEST_CASE("a lattice too thin for a fade is refused") {
     const auto lattice = make_box(Vec3d(0), {40, 16, 13}, 1.0, {0, 1, 2});
     auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::remove, 9, 5, 2)});
-    CHECK(failure_of([&] { map.fade(8); }) == "a fade over 8 vertices from either rim needs 17 vertices along v, but the lattice has 16; lower `fade`");
-    CHECK(failure_of([&] { map.fade(6.5); }) == "a fade over 6.5 vertices from either rim needs 14 vertices along w, but the lattice has 13; lower `fade`");
+    CHECK(failure_of([&] { map.fade(8); }) == "a fade over 8 vertices from either rim needs 17 vertices along v, but the lattice has 16; lower `rim_fade`");
+    CHECK(failure_of([&] { map.fade(6.5); }) == "a fade over 6.5 vertices from either rim needs 14 vertices along w, but the lattice has 13; lower `rim_fade`");
     map.fade(6);
     const auto image = make_box(Vec3d(0), {40, 16, 1}, 1.0, {0, 1, 2});
     auto flat = map_of(image, {wavy_seams(image, Axis::u, Seams::Kind::remove, 9, 5, 2)});
     flat.fade(7);
     CHECK(flat.steps()[0].scale(Vec3d(3, 7, 0)) == 1);
-    CHECK(NodeBench(remap_grids(), "{fade: 3}").faults() == "fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `fade` out\n");
-    CHECK(NodeBench(remap_grids(), "{rim: fade, fade: 3}").faults().empty());
+    CHECK(NodeBench(remap_grids(), "{rim_fade: 3}").faults() == "rim_fade: nothing fades while `rim` is cut; set `rim: fade`, or leave `rim_fade` out\n");
+    CHECK(NodeBench(remap_grids(), "{rim: fade, rim_fade: 3}").faults().empty());
 }
 
 TEST_CASE("content on both sides of a rim is told, with its share of the rim") {
@@ -363,8 +363,8 @@ TEST_CASE("conserve: mass keeps the mass of what fades, to one percent") {
         return sum;
     };
     const double before = mass("{count: 0}");
-    CHECK(std::abs(mass("{rim: fade, fade: 8, conserve: mass}") / before - 1) < 0.01);
-    CHECK(std::abs(mass("{rim: fade, fade: 8}") / before - 1) > 0.05);
+    CHECK(std::abs(mass("{rim: fade, rim_fade: 8, conserve: mass}") / before - 1) < 0.01);
+    CHECK(std::abs(mass("{rim: fade, rim_fade: 8}") / before - 1) > 0.05);
 }
 
 TEST_CASE("remap.grids warns of tears once per rim, unless it fades") {
@@ -380,7 +380,7 @@ TEST_CASE("remap.grids warns of tears once per rim, unless it fades") {
     for (const bool fade : {false, true}) {
         Warnings warnings;
         Context context(warnings, frames);
-        const auto got = NodeBench(remap_grids(), fade ? "{rim: fade, fade: 5}" : "{}").run(inputs, context).at("volume").as<Volume>();
+        const auto got = NodeBench(remap_grids(), fade ? "{rim: fade, rim_fade: 5}" : "{}").run(inputs, context).at("volume").as<Volume>();
         CHECK(warnings.all.size() == (fade ? 0 : 1));
         CHECK(got->grids[0] != grid);
     }

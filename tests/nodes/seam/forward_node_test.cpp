@@ -56,7 +56,8 @@ TEST_CASE("forward costs want a field, a field wants forward costs, and neither 
     CHECK(faults("{count: -1}", 1) == "");
     CHECK(faults("{count: -1, cost: backward}", 1) == "field: input 'field' serves `cost: forward`, but `cost` is backward: leave one of the two out\n");
     CHECK(faults("{count: -1, static: true}", 1) ==
-          "static: with a `field` costs are counted frame by frame, and no static seams are found; leave one of the two out\n");
+          "static: with a `field` the costs of thin seams are counted frame by frame, and no static ones are found; state a `thickness`, or leave the field "
+          "out\n");
     CHECK(faults("{count: -1, field_weight: 2, empty: 1}", 0) ==
           "field_weight: parameter 'field_weight' needs a `field`, in which content and edges are seen\n"
           "empty: parameter 'empty' needs a `field`, in which content and edges are seen\n");

@@ -208,7 +208,7 @@ TEST_CASE("a warp is carved whole or, with a count of 0, not at all, and softnes
     CHECK(failure_of([&] { carve_map(lattice, sets, Count{-2}, 1); }) ==
           "`count` is a number of seams, but what is carved last is a warp: it has none, and is carved as a whole; leave `count` out, or set the warp's "
           "`amount`");
-    const auto plain = carve_map(lattice, sets, {}, 1), soft = carve_map(lattice, sets, {}, 1, {3, 1});
+    const auto plain = carve_map(lattice, sets, {}, 1), soft = carve_map(lattice, sets, {}, 1, {Join::squeeze, {}, 3, 1});
     for (int e = 0; e <= plain.steps()[0].last(); ++e) CHECK(plain.steps()[0].soft()->entry(e, 1, 1) == soft.steps()[0].soft()->entry(e, 1, 1));
 }
 

@@ -33,7 +33,7 @@ struct Sequence {
         gathered.add(params, sample_frame({*energy, nullptr, protect, nullptr}, std::make_shared<Lattice>(lattice), Axis::u, Measure::vertex), context.at(t));
     }
     EnergyVolume taken(const SolverParams& params, const std::vector<Ref<Seams>>& after = {}) {
-        return gathered.take(params, CarvedSpace(gathered.lattices(), after, frames), context);
+        return gathered.take(params, CarvedSpace(gathered.lattices(), after, frames), context).energy;
     }
 };
 
