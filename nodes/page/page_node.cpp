@@ -134,33 +134,35 @@ private:
 }  // namespace
 
 NodeType preview_page() {
-    return declare_join(Declare<PreviewPage>(
-               "preview.page",
-               "A page for a browser, to choose the count by eye: the sequence before and after, with a slider. It is one file that loads nothing "
-               "else. The page carves by itself, from the seams, as remap.grids does with linear interpolation. Without `seams` it shows where "
-               "rig, lattice, masks and energy lie.")
-        .input("before", &PreviewPage::Ports::before, "The grids before the carve, usually as read.")
-        .input("energy", &PreviewPage::Ports::energy, "The energy in which the seams are found, to show over `before`.")
-        .input("lattice", &PreviewPage::Ports::lattice, "The lattice in which the seams were found, or one to place. Cells that fold are red.")
-        .input("rig", &PreviewPage::Ports::rig, "A rig to draw, mostly that of the lattice.")
-        .input("masks", &PreviewPage::Ports::masks,
-               "Masks to show, or the active voxels of any grid, by name, such as what a solver protects: `masks: {protect: face}`.")
-        .input("seams", &PreviewPage::Ports::seams, "Seams, or a list of seam sets in the order of carving. The slider is for the last one.")
-        .param("grid", &PreviewPage::Params::grid,
-               "Name of the grid to show. Vectors are shown by their length. auto is `density`, or the first grid of floats or vectors.")
-        .param("frames", &PreviewPage::Params::frames, Unit::frames, between(1, 240),
-               "Number of frames to show, in even steps from the first to the last; 1: the middle one. They stay in memory until the last of them. auto is 8, "
-               "or fewer if the page had more than 2 MB. A page above 20 MB is refused.")
-        .param(
-            "voxels", &PreviewPage::Params::voxels, Unit::voxels, between(8, 2048),
-            "Most voxels along an axis. Of a larger grid each voxel shows the mean of several, and the carve reads these. auto is 96, and 640 for a picture, "
-            "which is one voxel thick.")
-        .param("count", &PreviewPage::Params::count, Unit::seams, any_number(), "Number of seams that the page shows at first, as remap.grids takes it.")
-        .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")
-        .param("rim_fade", &PreviewPage::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
-        .param("setting", &PreviewPage::Params::setting,
-               "What sets the count, as the page writes it for the command line: `count` makes `--set count=-17`, `seams.count` the field of a node.")
-        .required("path", &PreviewPage::Params::path, "File that ends in .html, one for the whole sequence. Missing folders are made."));
+    return declare_join(
+        Declare<PreviewPage>(
+            "preview.page",
+            "A page for a browser, to choose the count by eye: the sequence before and after, with a slider. It is one file that loads nothing "
+            "else. The page carves by itself, from the seams, as remap.grids does with linear interpolation. Without `seams` it shows where "
+            "rig, lattice, masks and energy lie.")
+            .input("before", &PreviewPage::Ports::before, "The grids before the carve, usually as read.")
+            .input("energy", &PreviewPage::Ports::energy, "The energy in which the seams are found, to show over `before`.")
+            .input("lattice", &PreviewPage::Ports::lattice, "The lattice in which the seams were found, or one to place. Cells that fold are red.")
+            .input("rig", &PreviewPage::Ports::rig, "A rig to draw, mostly that of the lattice.")
+            .input("masks", &PreviewPage::Ports::masks,
+                   "Masks to show, or the active voxels of any grid, by name, such as what a solver protects: `masks: {protect: face}`.")
+            .input("seams", &PreviewPage::Ports::seams, "Seams, or a list of seam sets in the order of carving. The slider is for the last one.")
+            .param("grid", &PreviewPage::Params::grid,
+                   "Name of the grid to show. Vectors are shown by their length. auto is `density`, or the first grid of floats or vectors.")
+            .param(
+                "frames", &PreviewPage::Params::frames, Unit::frames, between(1, 240),
+                "Number of frames to show, in even steps from the first to the last; 1: the middle one. They stay in memory until the last of them. auto is 8, "
+                "or fewer if the page had more than 2 MB. A page above 20 MB is refused.")
+            .param("voxels", &PreviewPage::Params::voxels, Unit::voxels, between(8, 2048),
+                   "Most voxels along an axis. Of a larger grid each voxel shows the mean of several, and the carve reads these. auto is 96, and 640 for a "
+                   "picture, "
+                   "which is one voxel thick.")
+            .param("count", &PreviewPage::Params::count, Unit::seams, any_number(), "Number of seams that the page shows at first, as remap.grids takes it.")
+            .param("rim", &PreviewPage::Params::rim, "As remap.grids takes it.")
+            .param("rim_fade", &PreviewPage::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
+            .param("setting", &PreviewPage::Params::setting,
+                   "What sets the count, as the page writes it for the command line: `count` makes `--set count=-17`, `seams.count` the field of a node.")
+            .required("path", &PreviewPage::Params::path, "File that ends in .html, one for the whole sequence. Missing folders are made."));
 }
 
 }  // namespace fluidcarve

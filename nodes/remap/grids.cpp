@@ -1,10 +1,10 @@
 #include "nodes/remap/grids.h"
 
 #include "nodes/remap/carve_inputs.h"
-#include "nodes/remap/joining.h"
 #include "nodes/remap/finish/finish.h"
 #include "nodes/remap/finish/tears.h"
 #include "nodes/remap/grid.h"
+#include "nodes/remap/joining.h"
 #include "nodes/remap/result/carve_result.h"
 #include "nodes/remap/rim.h"
 
@@ -74,39 +74,42 @@ struct RemapGrids {
 }  // namespace
 
 NodeType remap_grids() {
-    return declare_join(Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
-        .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
-        .input("lattice", &RemapGrids::Ports::lattice, "The lattice in which the seams were found.")
-        .input("seams", &RemapGrids::Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
-        .param("count", &RemapGrids::Params::count, Unit::seams, any_number(),
-               "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all. A "
-               "warp is "
-               "carved as a whole: leave `count` out.")
-        .param("interpolation", &RemapGrids::Params::interpolation, "How values are read between voxels, if the lattice's vertices are not voxels.")
-        .param("renormalize", &RemapGrids::Params::renormalize,
-               "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if the "
-               "lattice's vertices are not the grid's voxels.")
-        .param(
-            "conserve", &RemapGrids::Params::conserve,
-            "mass: the grids named in `densities` become denser where space is compressed and thinner where it is stretched, so that their sum stays. A seam's "
-            "share is spread over as many voxels on both sides as there are seams.")
-        .param("densities", &RemapGrids::Params::densities,
-               "For `conserve`: float or double grids that hold amounts per volume, such as density and fuel, but not temperature.")
-        .param(
-            "transform_vectors", &RemapGrids::Params::transform_vectors,
-            "Whether vectors turn and stretch with the space around them, as the velocities of a carved flow do. This applies to all grids of float vectors, "
-            "also those in three parts: carve colours by a node of their own.")
-        .param(
-            "rim", &RemapGrids::Params::rim,
-            "How the carve ends at the lattice's rims beside the carved axis (the rims along v if u is carved) and at open ends. cut: it stops there; content "
-            "that crosses the rim may tear, and a warning says so. fade: displacements go linearly to 0 towards the rim, and so does what a seam takes or "
-            "adds.")
-        .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
-        .output("volume", &RemapGrids::Ports::volume,
-                "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
-        .names_as("volume", "source")
-        .version(2)
-        .concludes(grids_by_frame));
+    return declare_join(
+        Declare<RemapGrids>("remap.grids", "Carves seams from the grids of a volume, or inserts them: all at once, from the untouched input.")
+            .input("source", &RemapGrids::Ports::source, "The volume to carve, or one grid.")
+            .input("lattice", &RemapGrids::Ports::lattice, "The lattice in which the seams were found.")
+            .input("seams", &RemapGrids::Ports::seams, "Seams or a warp, or a list of them in the order of carving.")
+            .param(
+                "count", &RemapGrids::Params::count, Unit::seams, any_number(),
+                "Number of seams to carve, from the first on. If there are several sets, it counts in the last one. The sign may be left out. auto is all. A "
+                "warp is "
+                "carved as a whole: leave `count` out.")
+            .param("interpolation", &RemapGrids::Params::interpolation, "How values are read between voxels, if the lattice's vertices are not voxels.")
+            .param("renormalize", &RemapGrids::Params::renormalize,
+                   "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if the "
+                   "lattice's vertices are not the grid's voxels.")
+            .param("conserve", &RemapGrids::Params::conserve,
+                   "mass: the grids named in `densities` become denser where space is compressed and thinner where it is stretched, so that their sum stays. A "
+                   "seam's "
+                   "share is spread over as many voxels on both sides as there are seams.")
+            .param("densities", &RemapGrids::Params::densities,
+                   "For `conserve`: float or double grids that hold amounts per volume, such as density and fuel, but not temperature.")
+            .param("transform_vectors", &RemapGrids::Params::transform_vectors,
+                   "Whether vectors turn and stretch with the space around them, as the velocities of a carved flow do. This applies to all grids of float "
+                   "vectors, "
+                   "also those in three parts: carve colours by a node of their own.")
+            .param(
+                "rim", &RemapGrids::Params::rim,
+                "How the carve ends at the lattice's rims beside the carved axis (the rims along v if u is carved) and at open ends. cut: it stops there; "
+                "content "
+                "that crosses the rim may tear, and a warning says so. fade: displacements go linearly to 0 towards the rim, and so does what a seam takes or "
+                "adds.")
+            .param("rim_fade", &RemapGrids::Params::rim_fade, Unit::vertices, between(1, 10000), fade_doc)
+            .output("volume", &RemapGrids::Ports::volume,
+                    "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
+            .names_as("volume", "source")
+            .version(2)
+            .concludes(grids_by_frame));
 }
 
 }  // namespace fluidcarve

@@ -10,10 +10,10 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr double soft_of_thin = 3;                            ///< vertices
+constexpr double soft_of_thin = 3;  ///< vertices
 constexpr double soft_of_thickness = 1.4, fade_of_thickness = 1.2;
-constexpr double across_of_thickness = 0.5;                   ///< the squeeze follows the seam's surface, but not its steps
-constexpr double beside_fade = 3;                             ///< vertices: a squeeze reaches further than the fade that it goes with
+constexpr double across_of_thickness = 0.5;  ///< the squeeze follows the seam's surface, but not its steps
+constexpr double beside_fade = 3;            ///< vertices: a squeeze reaches further than the fade that it goes with
 
 }  // namespace
 
@@ -22,7 +22,8 @@ void check_join(const JoinParams& params, NodeCheck& check) {
         check.fault("fade", "nothing is blended unless `join` is fade; set `join: fade`, or leave `fade` out");
     if (params.join && *params.join != Join::squeeze && check.stated("soft"))
         check.fault("soft", "`soft` is the reach of `join: squeeze`; set that, or leave `soft` out");
-    if (!params.join && check.stated("fade") && check.stated("soft")) check.fault("soft", "`soft` is for `join: squeeze`, `fade` for `join: fade`: leave one of the two out");
+    if (!params.join && check.stated("fade") && check.stated("soft"))
+        check.fault("soft", "`soft` is for `join: squeeze`, `fade` for `join: fade`: leave one of the two out");
 }
 
 Softness softness_of(const JoinParams& params, const Seams& seams) {
@@ -33,16 +34,19 @@ Softness softness_of(const JoinParams& params, const Seams& seams) {
     if (join == Join::squeeze) {
         // The default is no fault, even in a small lattice.
         if (params.soft && *params.soft > std::max<double>(size, soft_of_thin))
-            throw Failure(fmt::format("soft {:g} is wider than the lattice, which has {} vertices along {}; lower it", *params.soft, size, to_text(seams.axis)));
+            throw Failure(
+                fmt::format("soft {:g} is wider than the lattice, which has {} vertices along {}; lower it", *params.soft, size, to_text(seams.axis)));
         const double reach = params.soft.value_or(seams.thick() ? soft_of_thickness * thickness : soft_of_thin);
         return {reach, params.soft_time};
     }
     if (params.fade && *params.fade * slabs > size)
-        throw Failure(fmt::format("fade {:g} is wider than what lies between two joins: {} {} in {} vertices along {} leave {} to each; lower it, or ask for less",
-                                  *params.fade, slabs, seams.thick() ? "slabs" : "seams", size, to_text(seams.axis), size / std::max(slabs, 1)));
+        throw Failure(
+            fmt::format("fade {:g} is wider than what lies between two joins: {} {} in {} vertices along {} leave {} to each; lower it, or ask for less",
+                        *params.fade, slabs, seams.thick() ? "slabs" : "seams", size, to_text(seams.axis), size / std::max(slabs, 1)));
     const double fade = params.fade.value_or(fade_of_thickness * thickness);
     // Joins are as smooth in time as in space.
-    return {std::max(soft_of_thickness * thickness, fade / 2 + beside_fade), std::max(params.soft_time, 1.0), fade, std::max(2.0, across_of_thickness * thickness)};
+    return {std::max(soft_of_thickness * thickness, fade / 2 + beside_fade), std::max(params.soft_time, 1.0), fade,
+            std::max(2.0, across_of_thickness * thickness)};
 }
 
 }  // namespace fluidcarve

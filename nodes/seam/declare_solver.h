@@ -50,12 +50,13 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "measure", &Params::measure,
             "vertex: all vertices count equally. volume: a vertex counts as much as the space around it, since in bent lattices inner cells are smaller than "
             "outer ones; reported energies follow this measure. In straight boxes both are the same.")
-        .param("thickness", &Params::thickness, Unit::vertices, between(1, 10000),
-               "Number of vertices that a seam takes out, or doubles, in each column. A thick seam is a slab: it runs where what lies before it looks like what "
-               "lies behind it, and the two sides are joined by a fade (`join` of the remaps). So all else keeps its shape. `count` stays a number of "
-               "vertices: slabs of this thickness, and a thinner one for the rest. 1: thin seams, which spread and squeeze. auto with a `field`: about as thick as "
-               "its eddies are wide along the axis. auto is 1 without one, in images, where the content is one smooth thing across the axis, and with `static`, "
-               "`cost` or `spread`, which serve thin seams.")
+        .param(
+            "thickness", &Params::thickness, Unit::vertices, between(1, 10000),
+            "Number of vertices that a seam takes out, or doubles, in each column. A thick seam is a slab: it runs where what lies before it looks like what "
+            "lies behind it, and the two sides are joined by a fade (`join` of the remaps). So all else keeps its shape. `count` stays a number of "
+            "vertices: slabs of this thickness, and a thinner one for the rest. 1: thin seams, which spread and squeeze. auto with a `field`: about as "
+            "thick as its eddies are wide along the axis. auto is 1 without one, in images, where the content is one smooth thing across the axis, where masks "
+            "mark vertices, since the ways between them may be narrow, and with `static`, `cost` or `spread`, which serve thin seams.")
         .param("cost", &Params::cost,
                "backward: a seam costs the energy that it takes away. forward: it also costs the edges that it leaves behind. Wherever its removal makes two "
                "vertices of `field` neighbours, it pays for their difference (Rubinstein et al. 2008), whatever `measure` says. forward takes three times the "

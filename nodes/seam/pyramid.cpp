@@ -53,7 +53,8 @@ int Pyramid::passes(bool looks, int level) const {
     return std::min(finest << std::min(level, 8), effort.most_passes);
 }
 
-void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number, std::vector<std::uint16_t>& seam, const std::function<void()>& tick) const {
+void Pyramid::refine(StripMessages& messages, int level, bool looks, bool attracts, int number, std::vector<std::uint16_t>& seam,
+                     const std::function<void()>& tick) const {
     const auto& strip = messages.strip();
     const auto cut = [&](double tolerance) { seam = cut_seam(strip, seam, 1, tolerance, number, tick).at; };
     // Messages weigh what is attracted against all the rest; a cut in a narrow band takes it. Around protected vertices a seam that messages lead

@@ -37,9 +37,6 @@ public:
     /// @param share  of the point, from 0 up to 1, evenly distributed over points
     /// @param to     becomes the coordinates along the axis, rising from side to side
     void places(const CarveStep& step, const openvdb::Vec3d& at, double share, std::vector<double>& to) const;
-    /// Whether what joins there is doubled, not removed.
-    /// @param at  as for sides()
-    bool doubles(const openvdb::Vec3d& at) const { return inserts_ == (!paired_ || at[axis_] <= windows_.front().entries.last + 0.5); }
     /// Bounds of the displacements of all sides that points of a box show, vertices.
     /// @param first, size  vertices of the box, by entry, lateral column and plane; columns and planes may go round
     std::array<double, 2> range(const std::array<int, 3>& first, const std::array<int, 3>& size) const;

@@ -94,7 +94,8 @@ int read_thickness(const openvdb::MetaMap& metadata, int size) {
     if (!metadata[name]) return 1;
     const auto text = of_file(metadata, name);
     const int thickness = numbers<1>(text).value_or(std::array{0})[0];
-    if (thickness < 1 || thickness > size) throw wrong_seams(fmt::format("'{}' must be a number of vertices from 1 to {}, not '{}'", name, size, cut_short(text)));
+    if (thickness < 1 || thickness > size)
+        throw wrong_seams(fmt::format("'{}' must be a number of vertices from 1 to {}, not '{}'", name, size, cut_short(text)));
     return thickness;
 }
 

@@ -19,10 +19,10 @@ namespace fluidcarve {
 /// How far the displacements of a carve are smoothed (METHOD 10): by a tent along `u`, `v`, `w` and time. Its weight at distance `x` is
 /// proportional to `1 - x / (reach + 1)`. Whole vertices move if both reaches are 0.
 struct Softness {
-    double vertices = 0;                         ///< reach along u, v and w
-    double frames = 0;                           ///< reach in time
-    double fade = 0;                             ///< vertices over which both sides of seams are faded into each other (Joins); 0: they are not
-    std::optional<double> across = std::nullopt; ///< reach across the axis; nothing: as along it
+    double vertices = 0;                          ///< reach along u, v and w
+    double frames = 0;                            ///< reach in time
+    double fade = 0;                              ///< vertices over which both sides of seams are faded into each other (Joins); 0: they are not
+    std::optional<double> across = std::nullopt;  ///< reach across the axis; nothing: as along it
     explicit operator bool() const { return vertices > 0 || frames > 0; }
 };
 

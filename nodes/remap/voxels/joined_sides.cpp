@@ -13,14 +13,31 @@ double JoinedSides::displacement(std::size_t n, const openvdb::Vec3d& at) const 
 void JoinedSides::find(const openvdb::Vec3d& at) {
     sides_.assign(1, {at, 1, false});
     stretched_ = at;
-    doubled_ = false;
+    if (map_.steps().size() == 1) {
+        // Most maps have one step: its sides are those of the point.
+        const auto& step = map_.steps().front();
+        if (!step.holds(at)) return;
+        const double scale = step.scale(at);
+        if (!step.carves(at, scale)) {
+            sides_.front().nothing = step.frees(at);
+            return;
+        }
+        const int axis = step.axis();
+        stretched_[axis] = step.held(at[axis] + scale * displacement(0, at));
+        step.joins()->sides(at, of_step_);
+        sides_.resize(of_step_.size(), sides_.front());
+        for (std::size_t n = 0; n < of_step_.size(); ++n) {
+            sides_[n].at[axis] = step.held(at[axis] + scale * of_step_[n].by);
+            sides_[n].weight = of_step_[n].weight;
+        }
+        return;
+    }
     for (auto n = map_.steps().size(); n-- > 0;) {
         const auto& step = map_.steps()[n];
         const int axis = step.axis();
         if (step.holds(stretched_)) {
             const double scale = step.scale(stretched_);
             if (step.carves(stretched_, scale)) {
-                if (step.joins()) doubled_ = doubled_ || step.joins()->doubles(stretched_);
                 stretched_[axis] = step.held(stretched_[axis] + scale * displacement(n, stretched_));
             }
         }

@@ -42,7 +42,7 @@ class SampledCarve {
 
 public:
     /// @param slow  the grid's slow part; null: sides are only faded
-    SampledCarve(const GridT& grid, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded,
+    SampledCarve(const GridT& grid, const Mapping& mapping, const BlockPlaces& places, const CarveMap& map, Interpolation interpolation, const GridT* unfaded,
                  std::shared_ptr<const SlowPart> slow)
         : slow_(std::move(slow)),
           joins_(map.joins()),
@@ -55,6 +55,9 @@ public:
           blocks_(grid.tree()),
           values_(grid.getConstAccessor()) {
         if (unfaded) unfaded_.emplace(unfaded->tree());
+        if (mapping.slabs()) return;
+        const auto at = [&](const Vec3d& vertex) { return grid.transform().worldToIndex(mapping.position(vertex)); };
+        steps_ = {at(Vec3d(1, 0, 0)) - at(Vec3d(0)), at(Vec3d(0, 1, 0)) - at(Vec3d(0))};
     }
 
     bool operator()(const Coord& block, Leaf& out) {
@@ -143,9 +146,8 @@ private:
             if (joins_) {
                 sides_.find(place.at);
                 if (sides_.rigid()) {
-                    const auto by = sides_.stretched() - place.at;
-                    if (by == Vec3d(0)) continue;
-                    positions_.set(static_cast<std::size_t>(z), places_.moved(p, place, openvdb::Vec2d(by.x(), by.y())));
+                    if (sides_.stretched() == place.at) continue;
+                    positions_.set(static_cast<std::size_t>(z), position(p, place, sides_.stretched()));
                     moved |= 1u << z;
                     continue;
                 }
@@ -171,43 +173,55 @@ private:
         return faded;
     }
 
+    /// Where a voxel reads the content of other lattice coordinates of its plane. In a straight box all steps are the same.
+    Vec3d position(const Vec3d& p, const BlockPlaces::Place& place, const Vec3d& source) const {
+        const openvdb::Vec2d by(source.x() - place.at.x(), source.y() - place.at.y());
+        return steps_ ? p + by.x() * (*steps_)[0] + by.y() * (*steps_)[1] : places_.moved(p, place, by);
+    }
+
     /// The value and state of a point, from its sides (METHOD 10 "Joins").
     template <class Part, class Pick>
     std::pair<Part, bool> joined(const Vec3d& p, const BlockPlaces::Place& place, const Part& nothing, std::size_t component, const Pick& pick,
                                  const std::pair<Part, bool>& own) {
-        const auto position = [&](const Vec3d& source) { return places_.moved(p, place, openvdb::Vec2d(source.x() - place.at.x(), source.y() - place.at.y())); };
+        if (sides_.freed()) return {nothing, false};
         Blend<Part> blend;
         bool any = false;
-        for (const auto& side : sides_.all()) {
-            const auto [value, on] = side.nothing ? std::pair(nothing, false) : side.at == place.at ? own : read(position(side.at), pick);
-            blend.add(value, on, side.weight);
+        double highest = 0;
+        const auto met = [&](const Part& value, bool on) {
+            if constexpr (std::is_floating_point_v<Part>) highest = std::max(highest, std::abs(static_cast<double>(value)));
             any = any || on;
+        };
+        std::array<double, 3> shown{};
+        const auto slow_parts = [&](const Vec3d& at, double weight, std::array<double, 3>& to) {
+            for (std::size_t c = 0; c < components_of<Part>; ++c) to[c] += weight * slow_->at(at, component + c);
+        };
+        for (const auto& side : sides_.all()) {
+            const auto at = position(p, place, side.at);
+            const auto [value, on] = side.nothing ? std::pair(nothing, false) : side.at == place.at ? own : read(at, pick);
+            blend.add(value, on, side.weight);
+            met(value, on);
+            if constexpr (can_blend<Part>) {
+                if (slow_ && !side.nothing) slow_parts(at, side.weight, shown);
+            }
         }
         Part faded = blend.value();
         if constexpr (can_blend<Part>) {
             if (slow_) {
-                const auto at_stretched = position(sides_.stretched());
-                const auto stretched = read(at_stretched, pick);
+                const auto at = position(p, place, sides_.stretched());
+                const auto [stretched, on] = read(at, pick);
                 // Most of a box is empty.
-                if (faded == nothing && (!sides_.doubled() || stretched.first == nothing)) return {faded, blend.on()};
-                const auto parts_of = [&](const Vec3d& at, std::array<double, 3>& to) {
-                    for (std::size_t c = 0; c < components_of<Part>; ++c) to[c] = slow_->at(at, component + c);
-                };
-                std::array<double, 3> wanted{}, shown{}, one{};
-                parts_of(at_stretched, wanted);
-                for (const auto& side : sides_.all()) {
-                    if (side.nothing) one.fill(0);
-                    else parts_of(position(side.at), one);
-                    for (std::size_t c = 0; c < components_of<Part>; ++c) shown[c] += side.weight * one[c];
-                }
-                faded = with_slow_part<Part>(faded, stretched.first, wanted, shown, sides_.doubled());
-                any = any || (sides_.doubled() && stretched.second);
+                if (faded == nothing && stretched == nothing) return {faded, blend.on()};
+                met(stretched, on);
+                std::array<double, 3> wanted{};
+                slow_parts(at, 1, wanted);
+                faded = with_slow_part<Part>(faded, stretched, wanted, shown, highest);
             }
             return {faded, blend.on() || (any && faded != nothing)};
         } else {
             return {faded, blend.on()};
         }
     }
+
     /// Reads the values at positions_.
     /// @param lanes  bit z is set if voxel z is read
     template <class Part, class Pick>
@@ -360,6 +374,7 @@ private:
 
     const std::shared_ptr<const SlowPart> slow_;
     const bool joins_;
+    std::optional<std::array<Vec3d, 2>> steps_;  ///< in a straight box: from a vertex to the next along u and v, voxels
     const GridT& grid_;
     BlockPlaces places_;
     BlockPlaces::Row found_;
@@ -367,7 +382,7 @@ private:
     const CarveMap& map_;
     CarveBlock block_;
     JoinedSides sides_{map_, block_};  ///< of the last point
-    bool fades_ = false;  ///< whether gather met a scale below 1
+    bool fades_ = false;               ///< whether gather met a scale below 1
     const Interpolation interpolation_;
     const bool staggered_;
     BlockWindow<TreeT> blocks_;
@@ -381,7 +396,7 @@ private:
 template <class GridT>
 std::shared_ptr<const SlowPart> slow_part(const GridT& grid, const Mapping& mapping, const CarveMap& map) {
     if constexpr (can_blend<typename GridT::ValueType>) {
-        constexpr double sigma_of_fade = 1.0 / 3;
+        constexpr double sigma_of_fade = 1.0 / 4;
         double fade = 0;
         for (const auto& step : map.steps())
             if (step.joins()) fade = std::max(fade, step.joins()->fade());
@@ -403,9 +418,8 @@ typename GridT::ConstPtr carve_sampled(const typename GridT::ConstPtr& grid, con
     const BlockPlaces places(mapping, grid->transform());
     const auto slow = slow_part(*grid, mapping, map);
     return rewrite_blocks<GridT>(unfaded ? unfaded : grid, box, [&] {
-        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, places, map, interpolation, unfaded.get(), slow)](const Coord& block, LeafOf<GridT>& out) {
-            return (*worker)(block, out);
-        };
+        return [worker = std::make_shared<SampledCarve<GridT>>(*grid, mapping, places, map, interpolation, unfaded.get(), slow)](
+                   const Coord& block, LeafOf<GridT>& out) { return (*worker)(block, out); };
     });
 }
 

@@ -112,7 +112,8 @@ private:
                         auto& along = cell[static_cast<std::size_t>(axis)];
                         const auto count = static_cast<std::size_t>(size_[axis]);
                         for (along = 0; along < count; ++along) line[along + 1] = values_[place(cell) + c];
-                        for (along = 0; along < count; ++along) values_[place(cell) + c] = 0.25f * line[along] + 0.5f * line[along + 1] + 0.25f * line[along + 2];
+                        for (along = 0; along < count; ++along)
+                            values_[place(cell) + c] = 0.25f * line[along] + 0.5f * line[along + 1] + 0.25f * line[along + 2];
                     }
         });
     }
@@ -120,7 +121,7 @@ private:
     double scale_ = 1;  ///< cells per voxel
     int shift_ = 0;     ///< cells have 2^shift voxels along each axis
     openvdb::Coord low_{0}, size_{0};
-    std::size_t count_ = 1;              ///< components
+    std::size_t count_ = 1;  ///< components
     std::array<float, 3> background_{};
     std::vector<float> values_;  ///< `[x][y][z][component]`, beside the background
 };

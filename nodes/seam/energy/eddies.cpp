@@ -12,9 +12,9 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr double widths_of_half = 2;         ///< width of an eddy, in distances at which the correlation is a half
-constexpr std::size_t most_lags = 256;       ///< vertices: eddies are hardly wider
-constexpr std::size_t most_columns = 20'000; ///< of those that there are, so many suffice
+constexpr double widths_of_half = 1.5;        ///< width of an eddy, in distances at which the correlation is a half
+constexpr std::size_t most_lags = 256;        ///< vertices: eddies are hardly wider
+constexpr std::size_t most_columns = 20'000;  ///< of those that there are, so many suffice
 
 /// Sums of products of the content's values at each distance from each other.
 struct Lags {
@@ -45,9 +45,8 @@ Eddies Eddies::of(const EnergyVolume& volume) {
         const auto& field = volume.field(c);
         for (int entry = field.first; entry < field.end; ++entry) visit(entry, field.value(entry));
     };
-    const auto most = summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) {
-        each(c, [&](int, float value) { out += Greatest{std::abs(value)}; });
-    });
+    const auto most =
+        summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) { each(c, [&](int, float value) { out += Greatest{std::abs(value)}; }); });
     const float content = Typical::content_share * most.value;
     const auto mean = summed_over<Sum>(volume, [&](Sum& out, std::size_t c) {
                           each(c, [&](int, float value) {

@@ -16,11 +16,11 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr float slope_weight = 4;         ///< of differences of slope, beside differences of value
-constexpr float level_of_mean = 0.5f;     ///< field, in mean fields of content, that is seen half as well as the brightest
-constexpr double outline_price = 1;       ///< of an outline in a slab, in mean prices of content
-constexpr double keep_away = 8;           ///< times dearer is the slab that is doubled already
-constexpr int away = 3;                   ///< thicknesses from it that are dearer
+constexpr float slope_weight = 4;      ///< of differences of slope, beside differences of value
+constexpr float level_of_mean = 0.5f;  ///< field, in mean fields of content, that is seen half as well as the brightest
+constexpr double outline_price = 1;    ///< of an outline in a slab, in mean prices of content
+constexpr double keep_away = 8;        ///< times dearer is the slab that is doubled already
+constexpr int away = 3;                ///< thicknesses from it that are dearer
 
 /// Vertices on either side of a slab's face over which both sides are compared; they are faded over as many.
 int overlap(int thickness) { return static_cast<int>(std::lround(0.6 * thickness)); }
@@ -120,10 +120,10 @@ SlabPrices::SlabPrices(const EnergyVolume& volume, int thickness, const SlabWeig
     const auto each = [&](const FieldRun& field, const auto& visit) {
         for (int entry = field.first; entry < field.end; ++entry) visit(entry, std::abs(field.value(entry)));
     };
-    const auto most = summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) {
-        each(volume.field(c), [&](int, float value) { out += Greatest{value}; });
-    });
-    if (most.value == 0) throw Failure("`field` is 0 at all vertices of the lattice: nothing is seen there; connect the grid that is rendered, or set `thickness: 1`");
+    const auto most =
+        summed_over<Greatest>(volume, [&](Greatest& out, std::size_t c) { each(volume.field(c), [&](int, float value) { out += Greatest{value}; }); });
+    if (most.value == 0)
+        throw Failure("`field` is 0 at all vertices of the lattice: nothing is seen there; connect the grid that is rendered, or set `thickness: 1`");
     content_ = Typical::content_share * most.value;
     const auto field = summed_over<Sum>(volume, [&](Sum& out, std::size_t c) {
         each(volume.field(c), [&](int, float value) {

@@ -45,7 +45,8 @@ public:
     /// @param volume         like the one that was measured; slabs may have been removed from it
     /// @param doubled        slabs that the next one is to keep away from
     /// @param memory_budget, folder  as for EnergyVolume
-    EnergyVolume of(const EnergyVolume& volume, int thickness, float empty, std::span<const Taken> doubled, std::uint64_t memory_budget, const std::string& folder) const;
+    EnergyVolume of(const EnergyVolume& volume, int thickness, float empty, std::span<const Taken> doubled, std::uint64_t memory_budget,
+                    const std::string& folder) const;
 
     /// Prices of what is empty, from low to high. The first with which the content gives its share is taken.
     static constexpr std::array<float, 5> emptiness{1.3f, 1.8f, 2.5f, 3.5f, 5.0f};

@@ -18,9 +18,9 @@ namespace fluidcarve {
 
 namespace {
 
-constexpr float default_rigidity = 0.2f;              ///< with a field; in mean energies of content, of thick seams in mean prices
-constexpr double least_across = 1.2;                    ///< eddies side by side, from which on seams are thick by default
-constexpr float thin_empty = 0.9f;                      ///< default of `empty`
+constexpr float default_rigidity = 0.2f;  ///< with a field; in mean energies of content, of thick seams in mean prices
+constexpr double least_across = 1.2;      ///< eddies side by side, from which on seams are thick by default
+constexpr float thin_empty = 0.9f;        ///< default of `empty`
 constexpr double small_share = 0.05;      ///< of the content: if less of it lies in the lattice, that is hardly meant
 constexpr double least_share = 1e-4;      ///< below it, no number is given
 
@@ -173,7 +173,9 @@ std::optional<Thick> GatheredEnergy::thick_for(const SolverParams& params, const
     const auto& shape = lattices_.front()->shape;
     const bool image = std::ranges::min(shape) == 1;
     const bool for_thin = params.static_ || params.pair_static || params.cost || params.spread;
-    if (!params.thickness && (image || for_thin)) return std::nullopt;
+    // Between protected vertices ways may be narrow, and an object may be narrower than a slab.
+    const bool marked = marks_.protect.value_or(0) + marks_.attract.value_or(0) > 0;
+    if (!params.thickness && (image || for_thin || marked)) return std::nullopt;
     int thickness = 0;
     if (params.thickness) {
         thickness = (*params.thickness + finest_ - 1) / finest_;

@@ -130,8 +130,15 @@ TEST_CASE("detail keeps its shape on both sides of a join where the two match") 
     // Waves of six joined_voxels: sides six joined_voxels apart match everywhere, so that nothing shows where the join is.
     const auto wave = [](int x) { return 1 + 0.5f * std::sin(static_cast<float>(2 * M_PI / 6 * x)); };
     for (const auto kind : {Kind::remove, Kind::insert}) {
-        const auto out = carved<FloatGrid>(joined_grid([&](const Coord& at) { return wave(at.x()); }), lattice, joined_map(lattice, slab_set(lattice, kind, 6, {27})));
-        for (int x = 10; x < 48; ++x) CHECK(out->tree().getValue(Coord(x, 4, 5)) == Approx(wave(x)).margin(0.05));
+        const auto error = [&](const JoinParams& params) {
+            const auto out = carved<FloatGrid>(joined_grid([&](const Coord& at) { return wave(at.x()); }), lattice,
+                                               joined_map(lattice, slab_set(lattice, kind, 6, {27}), params));
+            double sum = 0;
+            for (int x = 10; x < 48; ++x) sum += std::abs(out->tree().getValue(Coord(x, 4, 5)) - wave(x));
+            return sum / 38;
+        };
+        CHECK(error({}) < 0.05);
+        CHECK(error({Join::squeeze, {}, {}, 0}) > 3 * error({}));
     }
 }
 
@@ -216,8 +223,9 @@ TEST_CASE("joins that do not go together or do not fit are refused, with what to
     CHECK(faults("{fade: 4, soft: 2}") == "soft: `soft` is for `join: squeeze`, `fade` for `join: fade`: leave one of the two out\n");
     const auto lattice = joined_box();
     const auto set = slab_set(lattice, Kind::remove, 6, {10, 20, 30});
-    CHECK(failure_of([&] { softness_of({Join::fade, 25.0, {}, 0}, set); }) ==
-          "fade 25 is wider than what lies between two joins: 3 slabs in 60 vertices along u leave 20 to each; lower it, or ask for less");
+    CHECK(failure_of([&] {
+              softness_of({Join::fade, 25.0, {}, 0}, set);
+          }) == "fade 25 is wider than what lies between two joins: 3 slabs in 60 vertices along u leave 20 to each; lower it, or ask for less");
     CHECK(softness_of({}, set).fade > 0);
     CHECK(softness_of({{}, {}, 0.0, 0}, set).fade == 0);
     CHECK_FALSE(softness_of({Join::cut, {}, {}, 0}, set));
