@@ -108,7 +108,6 @@ NodeType remap_grids() {
             .output("volume", &RemapGrids::Ports::volume,
                     "The carved source: same grids, transforms and metadata. The report tells what the carve did to each float grid.")
             .names_as("volume", "source")
-            .version(2)
             .concludes(grids_by_frame));
 }
 

@@ -51,7 +51,8 @@ Declare<Node>& declare_join(Declare<Node>& node) {
                "For `join: squeeze`: how far the space on both sides of a seam is squeezed or stretched, along u, v and w. Everything further from all seams "
                "moves by whole vertices. 0 is the same as `join: cut`. auto is 3; for thick seams 1.4 thicknesses.")
         .param("soft_time", &JoinParams::soft_time, Unit::frames, between(0, 100),
-               "The same in time: the number of frames before and after that influence how far each vertex moves.");
+               "The same in time: the number of frames before and after that influence how far each vertex moves.")
+        .version(3);
 }
 
 }  // namespace fluidcarve

@@ -96,7 +96,8 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                 [params_of](const void* params, std::size_t vertices) { return SeamNode::wanted(params_of(params), vertices); }, &SeamNode::first,
                 &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})
         .in_place()
-        .kept();
+        .kept()
+        .version(2);
 }
 
 }  // namespace fluidcarve
