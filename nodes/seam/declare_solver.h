@@ -55,7 +55,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
             "Number of vertices that a seam takes out, or doubles, in each column. A thick seam is a slab: it runs where what lies before it looks like what "
             "lies behind it, and the two sides are joined by a fade (`join` of the remaps). So all else keeps its shape. `count` stays a number of "
             "vertices: slabs of this thickness, and a thinner one for the rest. 1: thin seams, which spread and squeeze. auto with a `field`: about as "
-            "thick as its eddies are wide along the axis. auto is 1 without one, in images, where the content is one smooth thing across the axis, where masks "
+            "thick as its eddies are wide along the axis; 1 without one, in images, where the content is one smooth thing across the axis, where masks "
             "mark vertices, since the ways between them may be narrow, and with `static`, `cost` or `spread`, which serve thin seams.")
         .param("cost", &Params::cost,
                "backward: a seam costs the energy that it takes away. forward: it also costs the edges that it leaves behind. Wherever its removal makes two "

@@ -44,7 +44,8 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
             for (int lateral = 0; lateral < laterals_; ++lateral) {
                 auto* const to = places_.data() + static_cast<std::size_t>(k) * row + static_cast<std::size_t>(lateral) * seams_;
                 for (int n = -reach; n <= reach; ++n) {
-                    const auto bounds = steps[static_cast<std::size_t>(n + reach)]->bounds(first_lateral_ + lateral, k);
+                    const int frame = n + reach;
+                    const auto bounds = steps[static_cast<std::size_t>(frame)]->bounds(first_lateral_ + lateral, k);
                     const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
                     for (std::size_t seam = 0; seam < seams_; ++seam) to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
                 }

@@ -105,7 +105,8 @@ public:
 private:
     /// Sum over entries.
     double over(const std::vector<double>& sums, int first, int last) const {
-        return sums[static_cast<std::size_t>(last + pad_ + 1)] - sums[static_cast<std::size_t>(first + pad_)];
+        const int from = first + pad_, end = last + pad_ + 1;
+        return sums[static_cast<std::size_t>(end)] - sums[static_cast<std::size_t>(from)];
     }
 
     const SlabPrices& prices_;
@@ -165,8 +166,8 @@ struct SlabPrices::Frame {
 };
 
 SlabPrices::Frame SlabPrices::frame(const EnergyVolume& volume, int thickness, std::size_t t) const {
-    const int width = volume.width();
-    const auto columns = volume.columns_per_frame(), slabs = static_cast<std::size_t>(width - thickness + 1);
+    const int width = volume.width(), begins = width - thickness + 1;
+    const auto columns = volume.columns_per_frame(), slabs = static_cast<std::size_t>(begins);
     Frame out{std::vector<float>(columns * slabs), std::vector<std::uint8_t>(columns * slabs)};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 256), [&](const tbb::blocked_range<std::size_t>& range) {
         Column column(*this, width, thickness);

@@ -53,7 +53,7 @@ struct SolverParams {
     bool pair_static = false;
     bool best_effort = false;
     Measure measure = Measure::vertex;
-    Auto<int> thickness;
+    Auto<int> thickness = 1;
     Auto<Cost> cost;
     float field_weight = 1;
     Auto<float> empty;

@@ -209,7 +209,7 @@ TEST_CASE("the first slabs do not depend on how many are asked for, and a search
     }
 }
 
-TEST_CASE("by default seams are as thick as the eddies are wide, and thin where the content is one smooth thing") {
+TEST_CASE("seams of no stated thickness are as thick as the eddies are wide, and thin where the content is one smooth thing") {
     const auto eddies = [](double length) {
         return Eddies::of(slab_volume(1, [&](int i, int, int, std::size_t) { return static_cast<float>(2 + 1.8 * std::sin(2 * M_PI * i / length)); }));
     };
@@ -217,11 +217,11 @@ TEST_CASE("by default seams are as thick as the eddies are wide, and thin where 
     CHECK(eddies(6).width == 2);  // 1.5 of a sixth is rounded
     CHECK(eddies(12).width == 3);
     CHECK(eddies(12).across > 2);
-    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto}", wave_fields(12)).seams->thickness > 1);
+    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto, thickness: auto}", wave_fields(12)).seams->thickness > 1);
     Grids hump;
     hump["field"].push_back(energy_grid(slab_voxels, [](const Coord& at) { return static_cast<float>(std::exp(-0.01 * std::pow(at.x() - 20, 2))); }));
-    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto}", hump).seams->thickness == 1);
-    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto}", {}).seams->thickness == 1);
+    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto, thickness: auto}", hump).seams->thickness == 1);
+    CHECK(solved_slabs(seam_pyramid(), "{count: -4, spread: auto, thickness: auto}", {}).seams->thickness == 1);
 }
 
 TEST_CASE("slabs stay in their windows, come in pairs, may be the same in all frames, and pass no protected vertex") {
