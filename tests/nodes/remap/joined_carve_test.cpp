@@ -127,7 +127,7 @@ TEST_CASE("what a join does not reach moves by whole vertices, bit for bit, what
 
 TEST_CASE("detail keeps its shape on both sides of a join where the two match") {
     const auto lattice = joined_box();
-    // Waves of six joined_voxels: sides six joined_voxels apart match everywhere, so that nothing shows where the join is.
+    // Waves of six voxels: sides six voxels apart match everywhere, so that nothing shows where the join is.
     const auto wave = [](int x) { return 1 + 0.5f * std::sin(static_cast<float>(2 * M_PI / 6 * x)); };
     for (const auto kind : {Kind::remove, Kind::insert}) {
         const auto error = [&](const JoinParams& params) {
