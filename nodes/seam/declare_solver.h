@@ -97,7 +97,7 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
                 &SeamNode::warnings, "seam", "best_effort", &SeamNode::exhausted})
         .in_place()
         .kept()
-        .version(2);
+        .version(3);
 }
 
 }  // namespace fluidcarve

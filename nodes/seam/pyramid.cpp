@@ -142,7 +142,7 @@ NodeType seam_pyramid() {
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(6);
+        .version(7);
 }
 
 }  // namespace fluidcarve

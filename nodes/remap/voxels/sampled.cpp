@@ -185,40 +185,46 @@ private:
                                  const std::pair<Part, bool>& own) {
         if (sides_.freed()) return {nothing, false};
         Blend<Part> blend;
+        TwoBands<Part> bands{};
         bool any = false;
-        double highest = 0;
         const auto met = [&](const Part& value, bool on) {
-            if constexpr (std::is_floating_point_v<Part>) highest = std::max(highest, std::abs(static_cast<double>(value)));
+            if constexpr (std::is_floating_point_v<Part>) bands.highest = std::max(bands.highest, std::abs(static_cast<double>(value)));
             any = any || on;
         };
-        std::array<double, 3> shown{};
-        const auto slow_parts = [&](const Vec3d& at, double weight, std::array<double, 3>& to) {
-            for (std::size_t c = 0; c < components_of<Part>; ++c) to[c] += weight * slow_->at(at, component + c);
+        const auto slow_part = [&](const Vec3d& at) {
+            std::array<double, 3> out{};
+            for (std::size_t c = 0; c < components_of<Part>; ++c) out[c] = slow_->at(at, component + c);
+            return out;
         };
+        if constexpr (can_blend<Part>) {
+            if (slow_) {
+                const auto at = position(p, place, sides_.stretched());
+                const auto [value, on] = read(at, pick);
+                met(bands.stretched = value, on);
+                bands.wanted = slow_part(at);
+            }
+        }
         for (const auto& side : sides_.all()) {
             const auto at = position(p, place, side.at);
             const auto [value, on] = side.nothing ? std::pair(nothing, false) : side.at == place.at ? own : read(at, pick);
             blend.add(value, on, side.weight);
             met(value, on);
             if constexpr (can_blend<Part>) {
-                if (slow_ && !side.nothing) slow_parts(at, side.weight, shown);
+                if (!slow_ || side.nothing) continue;
+                const auto slow = slow_part(at);
+                for (std::size_t c = 0; c < components_of<Part>; ++c) bands.shown[c] += side.weight * slow[c];
+                bands.stretch += side.weight * misfit(slow, bands.wanted, components_of<Part>);
+                bands.squares += side.weight * side.weight;
             }
         }
-        Part faded = blend.value();
+        bands.faded = blend.value();
         if constexpr (can_blend<Part>) {
-            if (slow_) {
-                const auto at = position(p, place, sides_.stretched());
-                const auto [stretched, on] = read(at, pick);
-                // Most of a box is empty.
-                if (faded == nothing && stretched == nothing) return {faded, blend.on()};
-                met(stretched, on);
-                std::array<double, 3> wanted{};
-                slow_parts(at, 1, wanted);
-                faded = with_slow_part<Part>(faded, stretched, wanted, shown, highest);
-            }
-            return {faded, blend.on() || (any && faded != nothing)};
+            // Most of a box is empty.
+            const bool empty = bands.faded == nothing && (!slow_ || bands.stretched == nothing);
+            const auto value = !slow_ || empty ? bands.faded : bands.value();
+            return {value, blend.on() || (any && !empty && value != nothing)};
         } else {
-            return {faded, blend.on()};
+            return {bands.faded, blend.on()};
         }
     }
 

@@ -19,8 +19,8 @@ namespace {
 constexpr float slope_weight = 4;      ///< of differences of slope, beside differences of value
 constexpr float level_of_mean = 0.5f;  ///< field, in mean fields of content, that is seen half as well as the brightest
 constexpr double outline_price = 1;    ///< of an outline in a slab, in mean prices of content
-constexpr double keep_away = 8;        ///< times dearer is the slab that is doubled already
-constexpr int away = 3;                ///< thicknesses from it that are dearer
+constexpr double keep_away = 8;        ///< times dearer is a slab where another was taken
+constexpr double away = 3;             ///< thicknesses from it that are dearer
 
 /// Vertices on either side of a slab's face over which both sides are compared; they are faded over as many.
 int overlap(int thickness) { return static_cast<int>(std::lround(0.6 * thickness)); }
@@ -187,7 +187,7 @@ SlabPrices::Frame SlabPrices::frame(const EnergyVolume& volume, int thickness, s
     return out;
 }
 
-EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float price_of_empty, std::span<const Taken> doubled, std::uint64_t memory_budget,
+EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float price_of_empty, std::span<const Taken> all_taken, std::uint64_t memory_budget,
                             const std::string& folder) const {
     const int slabs = volume.width() - thickness + 1;
     EnergyVolume out({slabs, volume.laterals(), volume.slices()}, Axis::u, volume.frames(), memory_budget, folder, volume.closed(), volume.around());
@@ -217,8 +217,8 @@ EnergyVolume SlabPrices::of(const EnergyVolume& volume, int thickness, float pri
                     }
                     const auto at = c * static_cast<std::size_t>(slabs) + static_cast<std::size_t>(entry);
                     double price = frames[1].content[at] != 0 ? (frames[0].prices[at] + frames[1].prices[at] + frames[2].prices[at]) / 3.0 : empty;
-                    for (const auto& taken : doubled) {
-                        const double apart = std::abs(entry - taken.at[t * columns + c]) / static_cast<double>(away * thickness);
+                    for (const auto& taken : all_taken) {
+                        const double apart = std::abs(entry + 0.5 * (thickness - taken.thickness) - taken.at[t * columns + c]) / (away * thickness);
                         price *= 1 + keep_away * std::max(0.0, 1 - apart);
                     }
                     to[entry] = encode_energy(static_cast<float>(std::min(price, most)));

@@ -34,18 +34,18 @@ public:
     /// @throws Failure if the field is 0 at all vertices
     SlabPrices(const EnergyVolume& volume, int thickness, const SlabWeights& weights);
 
-    /// A slab that is doubled; others keep away from it.
+    /// A slab that was taken; others keep away from it, so that each part of the content gives its share.
     struct Taken {
-        SeamEntries at;  ///< its first entry in each column
-        int thickness;
+        SeamEntries at;  ///< in each column: the first entry of a slab that is doubled, or the entry that now stands where a slab was
+        int thickness;   ///< that it has: 0 if it was removed
     };
     /// The prices as a volume of their own: entry `i` of a column is the price of the slab of entries `i` to `i + thickness - 1`. A slab is protected if one
     /// of its entries is, or attracted.
     /// @param empty          price where nothing is seen, in mean prices of content
     /// @param volume         like the one that was measured; slabs may have been removed from it
-    /// @param doubled        slabs that the next one is to keep away from
+    /// @param taken          slabs that the next one is to keep away from
     /// @param memory_budget, folder  as for EnergyVolume
-    EnergyVolume of(const EnergyVolume& volume, int thickness, float empty, std::span<const Taken> doubled, std::uint64_t memory_budget,
+    EnergyVolume of(const EnergyVolume& volume, int thickness, float empty, std::span<const Taken> taken, std::uint64_t memory_budget,
                     const std::string& folder) const;
 
     /// Prices of what is empty, from low to high. The first with which the content gives its share is taken.

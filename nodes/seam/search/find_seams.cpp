@@ -201,7 +201,7 @@ private:
     /// Sets the prices of slabs. @param empty  of what is empty, unless stated
     void price(int thickness, float empty) {
         priced_.reset();
-        auto out = prices_->of(volume_, thickness, continued_.thick->weights.empty.value_or(empty), doubled_, continued_.memory_budget, continued_.folder);
+        auto out = prices_->of(volume_, thickness, continued_.thick->weights.empty.value_or(empty), slabs_, continued_.memory_budget, continued_.folder);
         priced_ = static_ ? out.sum() : std::move(out);
     }
     /// Finds a slab. What is empty becomes dearer until the content gives its share, too.
@@ -241,10 +241,16 @@ private:
         if (prices_) {
             const auto all = whole(at);
             if (inserts()) {
-                doubled_.push_back({all, thickness});
+                slabs_.push_back({all, thickness});
                 return;
             }
             for (int n = 0; n < thickness; ++n) volume_.remove(all);
+            for (auto& slab : slabs_)
+                for (std::size_t c = 0; c < all.size(); ++c) {
+                    auto& entry = slab.at.all()[c];
+                    if (entry > all[c]) entry = static_cast<std::uint16_t>(std::max<int>(all[c], entry - thickness));
+                }
+            slabs_.push_back({all, 0});
         } else {
             if (continued_.bounds) continued_.bounds->follow(energy(), left, at, number);
             energy().remove(at, left);
@@ -322,13 +328,13 @@ private:
     const std::optional<FullSize>& full_;
     const int width_;
     int thickness_;
-    std::optional<EnergyVolume> sum_;         ///< of all frames, for static seams
-    std::optional<SlabPrices> prices_;        ///< if seams are thick
-    std::optional<EnergyVolume> priced_;      ///< what the next slab is searched in
-    std::vector<SlabPrices::Taken> doubled_;  ///< slabs that are doubled
-    std::optional<Deleted> deleted_;          ///< of thin seams that are doubled
-    int searches_ = 0;                        ///< seams or slabs that are known
-    int taken_ = 0;                           ///< entries that they took from the window
+    std::optional<EnergyVolume> sum_;       ///< of all frames, for static seams
+    std::optional<SlabPrices> prices_;      ///< if seams are thick
+    std::optional<EnergyVolume> priced_;    ///< what the next slab is searched in
+    std::vector<SlabPrices::Taken> slabs_;  ///< that were taken
+    std::optional<Deleted> deleted_;        ///< of thin seams that are doubled
+    int searches_ = 0;                      ///< seams or slabs that are known
+    int taken_ = 0;                         ///< entries that they took from the window
     FoundSeams out_;
 };
 

@@ -3,6 +3,7 @@
 #include "nodes/remap/grids.h"
 #include "nodes/remap/joining.h"
 #include "nodes/remap/mesh.h"
+#include "nodes/remap/voxels/joined_sides.h"
 #include "nodes/seams/joins.h"
 #include "tests/support/bent_lattices.h"
 #include "tests/support/carved.h"
@@ -140,6 +141,50 @@ TEST_CASE("detail keeps its shape on both sides of a join where the two match") 
         CHECK(error({}) < 0.05);
         CHECK(error({Join::squeeze, {}, {}, 0}) > 3 * error({}));
     }
+}
+
+TEST_CASE("an outline in a doubled slab is stretched, not shown twice") {
+    const auto lattice = joined_box();
+    // A disc whose edge lies in the slab; in the middle of the disc the slab crosses even smoke.
+    const auto set = slab_set(lattice, Kind::insert, 6, {34});
+    const auto disc = joined_grid([](const Coord& at) { return at.x() < 37 ? 1.0f : 0.0f; });
+    const auto out = carved<FloatGrid>(disc, lattice, joined_map(lattice, set));
+    int edges = 0;
+    for (int x = 1; x < joined_shape[0]; ++x) {
+        const float before = out->tree().getValue(Coord(x - 1, 4, 5)), here = out->tree().getValue(Coord(x, 4, 5));
+        CHECK(here <= before + 1e-4f);
+        edges += before >= 0.5f && here < 0.5f;
+    }
+    CHECK(edges == 1);
+}
+
+TEST_CASE("a side fits while its slow part has most of what it should be") {
+    const auto of = [](double shown, double wanted) { return misfit({shown}, {wanted}, 1); };
+    CHECK(of(1, 1) == 0);
+    CHECK(of(0, 0) == 0);
+    CHECK(of(0.86, 1) == 0);
+    CHECK(of(1, 0.675) == Approx(0.5));
+    CHECK(of(0.675, 1) == Approx(0.5));
+    CHECK(of(1, 0.5) == 1);
+    CHECK(of(1, 0) == 1);
+    CHECK(of(1, -1) == 1);
+    CHECK(misfit({1, 1, 0}, {1, 0, 0}, 3) == Approx(misfit({std::sqrt(2.0)}, {1}, 1)));
+}
+
+TEST_CASE("two bands: detail that is faded keeps its strength, and what is empty stays empty") {
+    TwoBands<float> bands{1.2f, 0.9f, {1}, {1}};
+    bands.highest = 2;
+    bands.squares = 1;
+    CHECK(bands.value() == Approx(1.2f));
+    // Half of each of two sides: a mean of details is flatter by the root of their squared weights' mean with one.
+    bands.squares = 0.5;
+    CHECK(bands.value() == Approx(1 + 0.2 / std::sqrt(0.75)));
+    bands.wanted = {0.5};
+    CHECK(bands.value() == Approx(0.5 * (1 + 0.2 / std::sqrt(0.75))));
+    bands.stretch = 1;
+    CHECK(bands.value() == Approx(0.9f));
+    CHECK((TwoBands<float>{0, 0, {0.5}, {1}, 0, 1, 2}).value() == 0);
+    CHECK((TwoBands<float>{1, 0, {0.5}, {0}, 0, 1, 2}).value() == 0);
 }
 
 TEST_CASE("whole numbers are never blended, and level sets only faded") {

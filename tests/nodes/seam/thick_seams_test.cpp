@@ -161,7 +161,7 @@ TEST_CASE("a slab pays for the difference of both its sides, for the energy in i
     });
 }
 
-TEST_CASE("what is doubled already is nine times as dear, and less so up to three thicknesses away") {
+TEST_CASE("a slab where another was taken is nine times as dear, and less so up to three thicknesses away") {
     const auto volume = slab_volume(1, [](int i, int, int, std::size_t) { return static_cast<float>(2 + std::sin(0.9 * i)); });
     const SlabPrices prices(volume, 4, {1, 1.5f, {}});
     const auto columns = static_cast<std::size_t>(slab_lattice[1] * slab_lattice[2]);
@@ -173,6 +173,22 @@ TEST_CASE("what is doubled already is nine times as dear, and less so up to thre
     CHECK(times(26) == Approx(5).epsilon(2e-3));
     CHECK(times(8) == Approx(1).epsilon(2e-3));
     CHECK(times(33) == Approx(1).epsilon(2e-3));
+    // Where a slab was removed, one lies that has as much before the join as behind it.
+    const SlabPrices::Taken removed{SeamEntries(std::vector<std::uint16_t>(columns, 22)), 0};
+    const auto without = prices.of(volume, 4, 1.5f, {&removed, 1}, ~std::uint64_t{0}, "");
+    for (int entry = 0; entry < without.width(); ++entry) REQUIRE(without.codes(0)[entry] == behind.codes(0)[entry]);
+}
+
+TEST_CASE("removed slabs keep away from each other, even where energy is low in one place only") {
+    const auto valley = [](const Coord& at) { return at.x() >= 18 && at.x() < 26 ? 0.25f : 1.0f; };
+    const std::vector<FloatGrid::Ptr> energies(slab_frames, energy_grid(slab_voxels, valley));
+    const auto found = solve(seam_pyramid(), "{count: -8, thickness: 4, empty: 1}", energies, {box(slab_lattice)}, wave_fields(), slab_frames);
+    const auto &first = found.seams->seams[0].at, &second = found.seams->seams[4].at;
+    for (std::size_t c = 0; c < first.size(); ++c) {
+        REQUIRE(first[c] >= 17);
+        REQUIRE(first[c] <= 23);
+        REQUIRE(std::abs(second[c] + 2 - first[c]) >= 6);
+    }
 }
 
 TEST_CASE("all solvers find slabs, whose vertices run side by side, whatever the number of threads") {
