@@ -11,7 +11,7 @@ namespace fluidcarve {
 namespace {
 
 constexpr double soft_of_thin = 3;  ///< vertices
-constexpr double soft_of_thickness = 2, fade_of_thickness = 1.2;
+constexpr double soft_of_thickness = 1.4, fade_of_thickness = 1.2;
 constexpr double across_of_thickness = 0.5;  ///< the squeeze follows the seam's surface, but not its steps
 constexpr double beside_fade = 3;            ///< vertices: a squeeze reaches further than the fade that it goes with
 

@@ -28,12 +28,6 @@ std::vector<float> tent(double reach) {
     return {out.begin(), out.end()};
 }
 
-/// Equal weights from -n to n; their sum is 1.
-std::vector<float> flat(double reach) {
-    const auto count = 2 * static_cast<std::size_t>(std::ceil(reach)) + 1;
-    return std::vector<float>(count, 1 / static_cast<float>(count));
-}
-
 /// Computes the weighted mean of rows, and rounds it where a whole number is near. The mean of equal values is that value, bit for bit.
 /// @param weights  an odd number; their sum is 1
 /// @param rows     one for each weight: whole_eights(size) floats
@@ -162,7 +156,7 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
 
 SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows, const Softness& softness) {
     const auto& step = *steps[steps.size() / 2];
-    const auto along = softness.fade > 0 ? flat(softness.vertices) : tent(softness.vertices), over = tent(softness.frames);
+    const auto along = tent(softness.vertices), over = tent(softness.frames);
     const int reach = static_cast<int>(along.size() / 2);
     const auto spans = where_smoothed(steps, windows, reach);
     const int first = spans.front().entries.first, last = spans.back().entries.last;

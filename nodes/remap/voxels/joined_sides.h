@@ -51,20 +51,36 @@ private:
 template <class Part>
 inline constexpr std::size_t components_of = openvdb::VecTraits<Part>::IsVec ? 3 : 1;
 
-/// How badly the slow part of a side fits what it should be: 0 up to where one has 0.85 of the other, 1 from where it has half of it or less. There an
-/// outline would be cropped, or doubled.
-inline double misfit(const std::array<double, 3>& shown, const std::array<double, 3>& wanted, std::size_t components) {
-    constexpr double fits = 0.85, misfits = 0.5;
-    double of_shown = 0, of_wanted = 0, both = 0;
-    for (std::size_t c = 0; c < components; ++c) {
-        of_shown += shown[c] * shown[c];
-        of_wanted += wanted[c] * wanted[c];
-        both += shown[c] * wanted[c];
+/// A value's components; those that it has not are 0.
+template <class Part>
+std::array<double, 3> components(const Part& value) {
+    if constexpr (openvdb::VecTraits<Part>::IsVec) return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
+    else return {static_cast<double>(value)};
+}
+
+/// How badly two vectors fit, from 0 to 1.
+/// @param fits, misfits  share of the shorter in the longer: from the first on they fit, up to the second not at all
+inline double misfit(const std::array<double, 3>& a, const std::array<double, 3>& b, double fits, double misfits) {
+    double of_a = 0, of_b = 0, both = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        of_a += a[c] * a[c];
+        of_b += b[c] * b[c];
+        both += a[c] * b[c];
     }
-    const double most = std::max(of_shown, of_wanted);
-    const double alike = most == 0 ? 1 : both <= 0 ? 0 : std::sqrt(std::min(of_shown, of_wanted) / most);
-    const double x = std::clamp((fits - alike) / (fits - misfits), 0.0, 1.0);
+    const double most = std::max(of_a, of_b), share = most == 0 ? 1 : both <= 0 ? 0 : std::sqrt(std::min(of_a, of_b) / most);
+    const double x = std::clamp((fits - share) / (fits - misfits), 0.0, 1.0);
     return x * x * (3 - 2 * x);
+}
+
+/// What a side shows, or what it should: the slow part, and the value.
+struct Shown {
+    std::array<double, 3> slow, value;
+};
+
+/// How badly what a side shows fits what it should, from 0 to 1. Where the slow parts differ, an outline would be cropped, or doubled; where one of both
+/// values is nothing, they need to differ less.
+inline double misfit(const Shown& side, const Shown& wanted) {
+    return std::max(misfit(side.slow, wanted.slow, 0.7, 0.3), misfit(side.slow, wanted.slow, 0.9, 0.6) * misfit(side.value, wanted.value, 0.2, 0.05));
 }
 
 /// A value in two bands: the faded one, its slow part, and what it should be.
@@ -80,24 +96,19 @@ struct TwoBands {
     Part value() const {
         // A mean of details that do not match is flatter than they are. They match half.
         const double gain = 1 / std::sqrt(0.5 * (1 + squares));
+        const auto means = components(faded), ends = components(stretched);
         Part out = faded;
         for (std::size_t c = 0; c < components_of<Part>; ++c) {
-            const double mean = get(faded, c), raised = shown[c] + (mean - shown[c]) * gain, value = raised * mean > 0 ? raised : 0;
+            const double raised = shown[c] + (means[c] - shown[c]) * gain, value = raised * means[c] > 0 ? raised : 0;
             // What is dim stays dim: where nothing is shown, nothing is added.
             const double share = shown[c] == 0 ? 0 : std::clamp(value / shown[c], 0.0, 1.0);
             const bool lower = wanted[c] * shown[c] >= 0 && std::abs(wanted[c]) < std::abs(shown[c]);
             const double whole = lower ? value * wanted[c] / shown[c] : value + share * (wanted[c] - shown[c]);
-            const double mixed = whole + stretch * (get(stretched, c) - whole);
+            const double mixed = whole + stretch * (ends[c] - whole);
             if constexpr (openvdb::VecTraits<Part>::IsVec) out[static_cast<int>(c)] = static_cast<typename openvdb::VecTraits<Part>::ElementType>(mixed);
             else out = static_cast<Part>(std::clamp(mixed, -highest, highest));
         }
         return out;
-    }
-
-private:
-    static double get(const Part& value, std::size_t c) {
-        if constexpr (openvdb::VecTraits<Part>::IsVec) return static_cast<double>(value[static_cast<int>(c)]);
-        else return static_cast<void>(c), static_cast<double>(value);
     }
 };
 

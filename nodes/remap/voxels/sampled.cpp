@@ -213,7 +213,7 @@ private:
                 if (!slow_ || side.nothing) continue;
                 const auto slow = slow_part(at);
                 for (std::size_t c = 0; c < components_of<Part>; ++c) bands.shown[c] += side.weight * slow[c];
-                bands.stretch += side.weight * misfit(slow, bands.wanted, components_of<Part>);
+                bands.stretch += side.weight * misfit({slow, components(value)}, {bands.wanted, components(bands.stretched)});
                 bands.squares += side.weight * side.weight;
             }
         }

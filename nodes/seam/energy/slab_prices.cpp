@@ -19,7 +19,7 @@ namespace {
 constexpr float slope_weight = 4;      ///< of differences of slope, beside differences of value
 constexpr float level_of_mean = 0.5f;  ///< field, in mean fields of content, that is seen half as well as the brightest
 constexpr double outline_price = 1;    ///< of an outline in a slab, in mean prices of content
-constexpr double keep_away = 8;        ///< times dearer is a slab where another was taken
+constexpr double keep_away = 3;        ///< times dearer is a slab where another was taken
 constexpr double away = 3;             ///< thicknesses from it that are dearer
 
 /// Vertices on either side of a slab's face over which both sides are compared; they are faded over as many.
