@@ -11,16 +11,6 @@ namespace {
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 
-/// Parses a text that is one finite number and nothing else.
-std::optional<double> parse_number(std::string_view text) {
-    // from_chars does not accept a plus sign.
-    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    double out = 0;
-    const auto* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, out);
-    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
-}
-
 /// Parses a list of N numbers and checks each against the reader's range.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Value& value, ValueReader& reader, const char* wanted) {
@@ -48,6 +38,15 @@ std::optional<P> read_path(const Value& value, ValueReader& reader, std::string 
 }
 
 }  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+    // from_chars does not accept a plus sign.
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    double out = 0;
+    const auto* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, out);
+    return stop == end && error == std::errc{} && std::isfinite(out) ? std::optional(out) : std::nullopt;
+}
 
 int Count::of(int size) const { return static_cast<int>(std::lround(percent ? value / 100 * size : value)); }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,9 @@ struct Shape {
 };
 /// The shape in words.
 std::string to_text(const Shape& shape);
+
+/// The finite number that a text is, all of it; nothing else.
+std::optional<double> parse_number(std::string_view text);
 
 /// Collects the faults in one field's value.
 class ValueReader {

@@ -31,12 +31,12 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
         .required("count", &Params::count, Unit::seams, any_number(),
                   "Number of seams: negative removes, positive inserts. N% is a share of the vertices along the axis, rounded: -20% of 1920 removes 384.")
+        .param("window", &Params::window, Unit::vertices, any_number(),
+               "First and last vertex along the axis that seams may take, or shares, [0%, 50%], which hold for any spacing; auto is all vertices, but for "
+               "vertex 0 of a lattice around its rig, where all columns "
+               "meet.")
         .param(
-            "window", &Params::window, Unit::vertices, at_least(0),
-            "First and last vertex along the axis that seams may take; auto is all vertices, but for vertex 0 of a lattice around its rig, where all columns "
-            "meet.")
-        .param(
-            "pair_window", &Params::pair_window, Unit::vertices, at_least(0),
+            "pair_window", &Params::pair_window, Unit::vertices, any_number(),
             "A second window, above the first. Each seam then comes with one of the opposite kind in this window: only the content between the two moves, and "
             "the size stays. auto is no pairs.")
         .param("static", &Params::static_,

@@ -28,23 +28,33 @@ void require_squeezable(const std::string& name, const Window& window, double sq
                               name == "window" ? " or widen the window" : " or widen it"));
 }
 
+std::optional<std::string> one_vertex(const std::string& name, const Window& window) {
+    if (window.size() > 1) return std::nullopt;
+    return fmt::format("{} [{}, {}] has one vertex; a warp needs at least two", name, window.first, window.last);
+}
+
+/// What is wrong with the places of both windows, for a message; they may share a vertex.
+std::optional<std::string> pair_fault(const Window& window, const Window& pair) {
+    if (pair.first >= window.last) return std::nullopt;
+    return fmt::format("pair_window [{}, {}] {} window [{}, {}]; it must begin at vertex {} or above", pair.first, pair.last,
+                       pair.last <= window.first ? "lies below" : "overlaps", window.first, window.last, window.last);
+}
+
 }  // namespace
 
 void check_params(const WarpParams& params, NodeCheck& check) {
     if (params.anchor.vertex < 0)
         check.fault("anchor", fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
-    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
-        if (!window) continue;
-        if (std::floor(window->low) != window->low || std::floor(window->high) != window->high)
-            check.fault(name, fmt::format("parameter '{}' must be whole vertices, not {}", name, window_text(*window)));
-        else if (window->low == window->high) check.fault(name, fmt::format("{} {} has one vertex; a warp needs at least two", name, window_text(*window)));
-    }
+    // Shares are vertices only once the lattice is known.
+    const auto vertices = [](const Auto<VertexRange>& range) { return range ? range->vertices() : std::nullopt; };
+    const auto window = vertices(params.window), pair_window = vertices(params.pair_window);
+    for (const auto& [name, of] : {std::pair("window", window), std::pair("pair_window", pair_window)})
+        if (of)
+            if (const auto fault = one_vertex(name, *of)) check.fault(name, *fault);
     if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
-    if (params.pair_window && params.window && params.pair_window->low < params.window->high)
-        check.fault("pair_window",
-                    fmt::format("pair_window {} {} window {}; it must begin at vertex {:g} or above", window_text(*params.pair_window),
-                                params.pair_window->high <= params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
+    if (window && pair_window)
+        if (const auto fault = pair_fault(*window, *pair_window)) check.fault("pair_window", *fault);
     const bool from_file = !params.amount_file.text().empty();
     if (!params.amount && !from_file)
         check.fault("amount",
@@ -75,9 +85,7 @@ WarpAmount amount_of(const WarpParams& params) {
     return out;
 }
 
-Window window_of(const Auto<Interval>& window, int size) {
-    return window ? Window{static_cast<int>(window->low), static_cast<int>(window->high)} : Window{0, size - 1};
-}
+Window window_of(const Auto<VertexRange>& window, int size) { return window ? window->of(size) : Window{0, size - 1}; }
 
 double place_along(int k, int slices, bool closed) {
     const int planes = closed ? slices : slices - 1;
@@ -88,8 +96,15 @@ void require_fits(const WarpParams& params, const WarpAmount& amount, const std:
                   const std::string& space) {
     const int size = shape[dimension(params.axis)];
     const auto vertices = fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(params.axis), space, size - 1);
-    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
-        if (window && window->high > size - 1) throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices));
+    for (const auto& [name, stated] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)}) {
+        if (!stated) continue;
+        const auto window = stated->of(size);
+        if (window.last > size - 1)
+            throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, ParamTraits<VertexRange>::text(*stated), vertices));
+        if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
+    }
+    if (params.window && params.pair_window)
+        if (const auto fault = pair_fault(params.window->of(size), params.pair_window->of(size))) throw Failure(*fault);
     if (params.anchor.vertex > size - 1) throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices));
     if (size < 2) throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one", to_text(params.axis), space));
     const bool ring = closed && amount.varies_along(WarpAmount::Along::w);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/seam/solve/params.h"
+#include "nodes/seams/vertex_range.h"
 #include "nodes/seams/window.h"
 #include "nodes/warp/amount.h"
 
@@ -16,7 +17,7 @@ struct WarpParams {
     Auto<WarpAmount> amount;  ///< nothing: that of `amount_file`
     InputPath amount_file;
     bool rest = false;
-    Auto<Interval> window, pair_window;
+    Auto<VertexRange> window, pair_window;
     bool static_ = false;
     Anchor anchor;
     float field_weight = 0.1f;
@@ -44,7 +45,7 @@ void require_fits(const WarpParams& params, const WarpAmount& amount, const std:
                   const std::string& space);
 
 /// The window, or all vertices.
-Window window_of(const Auto<Interval>& window, int size);
+Window window_of(const Auto<VertexRange>& window, int size);
 
 /// The place of a plane along the lattice, 0 to 1, as curves count it. In a ring 1 is plane 0 again.
 double place_along(int k, int slices, bool closed);

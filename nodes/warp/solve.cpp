@@ -345,9 +345,10 @@ NodeType warp_solve() {
         .param("rest", &Params::rest,
                "Whether the sets of `after` count towards `amount`: the warp then makes what they leave of it, such as a fraction, or all that seams do worse "
                "(`seams.choose`).")
-        .param("window", &Params::window, Unit::vertices, at_least(0),
-               "First and last vertex along the axis between which space is squeezed or drawn out; auto is all vertices.")
-        .param("pair_window", &Params::pair_window, Unit::vertices, at_least(0),
+        .param("window", &Params::window, Unit::vertices, any_number(),
+               "First and last vertex along the axis between which space is squeezed or drawn out, or shares, [0%, 50%], which hold for any spacing; auto is "
+               "all vertices.")
+        .param("pair_window", &Params::pair_window, Unit::vertices, any_number(),
                "A second window, above the first. What is taken from one is given to the other: only the content in them and between them moves, and the size "
                "stays. auto is none.")
         .param("static", &Params::static_, "Whether the warp is the same in all frames. It is then found by the mean stiffness over all frames.")

@@ -17,6 +17,12 @@ constexpr std::size_t most_vertices_solved = 12'000'000;
 
 }  // namespace
 
+std::optional<std::string> pair_fault(const Window& window, const Window& pair, const VertexRange& window_stated, const VertexRange& pair_stated) {
+    if (pair.first > window.last) return std::nullopt;
+    return fmt::format("pair_window {} {} window {}; it must begin above vertex {}", ParamTraits<VertexRange>::text(pair_stated),
+                       pair.last < window.first ? "lies below" : "overlaps", ParamTraits<VertexRange>::text(window_stated), window.last);
+}
+
 Shape ParamTraits<Anchor>::shape() { return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}}; }
 
 std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
@@ -32,14 +38,12 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     if (params.anchor.vertex < 0)
         check.fault("anchor", fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
-    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
-        if (window && (std::floor(window->low) != window->low || std::floor(window->high) != window->high))
-            check.fault(name, fmt::format("parameter '{}' must be whole vertices, not {}", name, window_text(*window)));
     if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
-    if (params.pair_window && params.window && params.pair_window->low <= params.window->high)
-        check.fault("pair_window",
-                    fmt::format("pair_window {} {} window {}; it must begin above vertex {:g}", window_text(*params.pair_window),
-                                params.pair_window->high < params.window->low ? "lies below" : "overlaps", window_text(*params.window), params.window->high));
+    // Shares are vertices only once the lattice is known.
+    const auto vertices = [](const Auto<VertexRange>& range) { return range ? range->vertices() : std::nullopt; };
+    const auto window = vertices(params.window), pair_window = vertices(params.pair_window);
+    if (window && pair_window)
+        if (const auto fault = pair_fault(*window, *pair_window, *params.window, *params.pair_window)) check.fault("pair_window", *fault);
     if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' needs a 'pair_window'");
     const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
     if (forward && !field) check.fault("cost", "cost 'forward' needs a `field`, in which it counts the edges that seams leave behind");
@@ -50,11 +54,11 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     if (thickness > 1 && !field) check.fault("thickness", "thick seams need a `field`: they run where it looks alike on both sides");
     for (const auto* const name : {"cost", "spread"})
         if (thickness > 1 && check.stated(name)) check.fault(name, fmt::format("parameter '{}' serves thin seams: leave it out, or set `thickness: 1`", name));
-    for (const auto& [name, window] : {std::pair("window", params.window), std::pair("pair_window", params.pair_window)})
-        if (window && thickness > window->high - window->low + 1)
-            check.fault("thickness", fmt::format("thickness {} is wider than {} {}, which has {:g} vertices; lower it, or widen the window", thickness, name,
-                                                 window_text(*window), window->high - window->low + 1));
-    if (forward && thickness == 1 && params.pair_window && params.window && params.pair_window->low == params.window->high + 1)
+    for (const auto& [name, of] : {std::pair("window", window), std::pair("pair_window", pair_window)})
+        if (of && thickness > of->size())
+            check.fault("thickness", fmt::format("thickness {} is wider than {} [{}, {}], which has {} vertices; lower it, or widen the window", thickness,
+                                                 name, of->first, of->last, of->size()));
+    if (forward && thickness == 1 && window && pair_window && pair_window->first == window->last + 1)
         check.fault("pair_window",
                     "with a `field` there must be a vertex between window and pair_window, since a seam at the end of one changes the edges of the other");
     if (forward && thickness == 1 && (params.static_ || params.pair_static))
@@ -71,7 +75,5 @@ int finest_for(const SolverParams& params, const Lattice& lattice) {
     const bool volume = std::ranges::min(lattice.shape) > 1;
     return volume && vertices > most_vertices_solved ? 2 : 1;
 }
-
-std::string window_text(const Interval& window) { return fmt::format("[{:g}, {:g}]", window.low, window.high); }
 
 }  // namespace fluidcarve

@@ -4,6 +4,7 @@
 #include "nodes/lattice/lattice.h"
 #include "nodes/seam/energy/sample.h"
 #include "nodes/seams/anchor.h"
+#include "nodes/seams/vertex_range.h"
 
 #include <array>
 #include <optional>
@@ -47,8 +48,8 @@ struct ParamTraits<Anchor> {
 struct SolverParams {
     Axis axis = Axis::u;
     Count count;
-    Auto<Interval> window;
-    Auto<Interval> pair_window;
+    Auto<VertexRange> window;
+    Auto<VertexRange> pair_window;
     bool static_ = false;
     bool pair_static = false;
     bool best_effort = false;
@@ -70,10 +71,12 @@ struct SolverParams {
 /// @return 1 or 2
 int finest_for(const SolverParams& params, const Lattice& lattice);
 
+/// What is wrong with the places of both windows, for a message; nothing if the pair window lies above the other.
+std::optional<std::string> pair_fault(const Window& window, const Window& pair, const VertexRange& window_stated, const VertexRange& pair_stated);
+
 /// Finds parameters that do not go together, and such that want an input or are at odds with one.
 void check_params(const SolverParams& params, NodeCheck& check);
 
 /// A window in words: "[2, 5]".
-std::string window_text(const Interval& window);
 
 }  // namespace fluidcarve

@@ -18,15 +18,16 @@ std::string vertices_along(Axis axis, int size, const CarvedSpace& space) {
     return fmt::format("{} vertices along {}{}: 0 to {}", size, to_text(axis), name_of(space), size - 1);
 }
 
-Window window_of(const std::string& name, const Auto<Interval>& window, Axis axis, int size, const CarvedSpace& space) {
+Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis axis, int size, const CarvedSpace& space) {
     const int first = space.lattices().front()->around ? 1 : 0;
-    if (!window) return {first, size - 1};
-    if (window->low < first)
-        throw Failure(fmt::format("{} {} holds the rig, vertex 0, where the lattice's columns meet, so that nothing can be taken or added; begin at 1", name,
-                                  window_text(*window)));
-    if (window->high > size - 1)
-        throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, window_text(*window), vertices_along(axis, size, space)));
-    return {static_cast<int>(window->low), static_cast<int>(window->high)};
+    if (!stated) return {first, size - 1};
+    const auto out = stated->of(size);
+    const auto text = ParamTraits<VertexRange>::text(*stated);
+    if (out.first < first)
+        throw Failure(
+            fmt::format("{} {} holds the rig, vertex 0, where the lattice's columns meet, so that nothing can be taken or added; begin at 1", name, text));
+    if (out.last > size - 1) throw Failure(fmt::format("{} {} leaves the lattice, which has {}", name, text, vertices_along(axis, size, space)));
+    return out;
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     out.asked = out.count = std::abs(count);
     if (const int thickness = params.thickness.value_or(1); thickness > size)
         throw Failure(fmt::format("thickness {} is wider than the lattice, which has {}; lower it", thickness, vertices_along(params.axis, size, space)));
-    const auto part = [&](bool pair, Seams::Kind kind, const Auto<Interval>& window, bool static_) {
+    const auto part = [&](bool pair, Seams::Kind kind, const Auto<VertexRange>& window, bool static_) {
         SeamTask::Part part{pair, kind, {}, static_};
         part.window = window_of(part.prefix() + "window", window, params.axis, size, space);
         // One vertex stays.
@@ -58,14 +59,18 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
     out.seams = part(false, kind_asked(count), params.window, params.static_);
     if (params.anchor.vertex > size - 1)
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices_along(params.axis, size, space)));
-    if (params.pair_window) out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
+    if (params.pair_window) {
+        out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
+        if (const auto fault = pair_fault(out.seams.window, out.pairs->window, *params.window, *params.pair_window)) throw Failure(*fault);
+    }
     return out;
 }
 
 void require_vertex_left(const SolverParams& params, int size, const std::string& space) {
     const int removed = -params.count.of(size);
     // A window that leaves out vertices keeps them.
-    const bool all = !params.window || (params.window->low == 0 && params.window->high == size - 1);
+    const auto window = params.window ? params.window->of(size) : Window{0, size - 1};
+    const bool all = window.first == 0 && window.last == size - 1;
     if (params.best_effort || removed < size || !all) return;
     const auto count = ParamTraits<Count>::text(params.count);
     const auto axis = to_text(params.axis) + space;

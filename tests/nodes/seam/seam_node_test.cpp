@@ -101,13 +101,30 @@ TEST_CASE("either window may be static: a river bank beside a river") {
     CHECK(bank.listener.entry["pair_energy"][0] == sum);
 }
 
+TEST_CASE("a window in shares holds for any spacing, and is checked once the lattice is known") {
+    const auto parsed = [](const std::string& window) { return NodeBench(seam_greedy(), "{count: -1, window: " + window + "}").faults(); };
+    CHECK(parsed("[0%, 50%]").empty());
+    CHECK(parsed("[0%, 150%]") == "window must be from 0% to 100%, not 150%\n");
+    CHECK(parsed("[60%, 50%]") == "window has its first vertex 60% above its last one 50%\n");
+    CHECK(parsed("[0, 50%]") == "window must be [first, last], whole vertices or shares of them such as [0%, 50%], not [0, 50%]\n");
+    const VertexRange half{0, 50, true};
+    CHECK(half.of(33).last == 16);
+    CHECK(half.of(10).last == 5);
+    CHECK(VertexRange{56, 100, true}.of(33).first == 18);
+    CHECK(VertexRange{2, 14}.of(33).first == 2);
+    CHECK(!half.vertices());
+    CHECK(VertexRange{2, 14}.vertices()->last == 14);
+    CHECK(ParamTraits<VertexRange>::text(half) == "[0%, 50%]");
+}
+
 TEST_CASE("windows that do not go together are told before anything runs") {
     CHECK(faults("{count: 1, pair_window: [3, 4]}") == "pair_window: parameter 'pair_window' needs a 'window' beside it, below it on the axis\n");
     CHECK(faults("{count: 1, window: [2, 5], pair_window: [5, 7]}") ==
           "pair_window: pair_window [5, 7] overlaps window [2, 5]; it must begin above vertex 5\n");
     CHECK(faults("{count: 1, window: [4, 5], pair_window: [0, 2]}") ==
           "pair_window: pair_window [0, 2] lies below window [4, 5]; it must begin above vertex 5\n");
-    CHECK(faults("{count: 1, window: [4, 5], pair_window: [6.5, 8]}") == "pair_window: parameter 'pair_window' must be whole vertices, not [6.5, 8]\n");
+    CHECK(faults("{count: 1, window: [4, 5], pair_window: [6.5, 8]}") ==
+          "pair_window must be [first, last], whole vertices or shares of them such as [0%, 50%], not [6.5, 8]\n");
     CHECK(faults("{count: 1, window: [4, 5], pair_static: true}") == "pair_static: parameter 'pair_static' needs a 'pair_window'\n");
     CHECK(faults("{count: 1, window: [4, 5], pair_window: [6, 8]}") == "");
 

@@ -311,7 +311,7 @@ TEST_CASE("a bad amount is refused before the run") {
     CHECK_THAT(faults("{amount: -3, factor: 3}"), Contains("must be auto, 1, 2 or 4, not 3"));
     CHECK_THAT(faults("{amount: -3, window: [3, 9], pair_window: [5, 12]}"), Contains("overlaps window [3, 9]"));
     CHECK_THAT(faults("{amount: -3, pair_window: [5, 12]}"), Contains("needs a 'window' beside it"));
-    CHECK_THAT(faults("{amount: -3, window: [2.5, 9]}"), Contains("must be whole vertices"));
+    CHECK_THAT(faults("{amount: -3, window: [2.5, 9]}"), Contains("whole vertices"));
     CHECK(faults("{amount: {along: time, at: [[1001, -10%]], over: [[0, 0], [0.5, 1]]}}") == "");
     // As text it is read back.
     const NodeBench bench(warp_solve(), "{amount: {along: time, at: [[1, 0], [9, -10%]], over: [[0, 0], [1, 1]]}}");

@@ -57,8 +57,8 @@ TEST_CASE("a task counts the vertices of its space, and its pairs are of the oth
     CHECK(second.seams.window.last == 4);
 
     params.count = {2, false};
-    params.window = Interval{1, 3};
-    params.pair_window = Interval{5, 8};
+    params.window = VertexRange{1, 3};
+    params.pair_window = VertexRange{5, 8};
     params.pair_static = true;
     const auto paired = task_of(params, whole);
     REQUIRE(paired.pairs);
@@ -70,6 +70,11 @@ TEST_CASE("a task counts the vertices of its space, and its pairs are of the oth
     CHECK(paired.pairs->static_);
     CHECK(failure_of([&] { task_of(params, left); }) ==
           "pair_window [5, 8] leaves the lattice, which has 5 vertices along u once the seams of `after` are carved: 0 to 4");
+    params.window = VertexRange{0, 60, true};
+    params.pair_window = VertexRange{40, 100, true};
+    CHECK(failure_of([&] { task_of(params, whole); }) == "pair_window [40%, 100%] overlaps window [0%, 60%]; it must begin above vertex 5");
+    params.pair_window = VertexRange{70, 100, true};
+    CHECK(task_of(params, whole).pairs->window.first == 6);
     params.anchor = {Anchor::At::vertex, 10};
     CHECK(failure_of([&] { task_of(params, whole); }) == "anchor 10 lies beyond the lattice, which has 10 vertices along u: 0 to 9");
 }
@@ -86,7 +91,7 @@ TEST_CASE("a set without seams remembers its lattices, and only windows that wer
     CHECK(empty(moving).lattice_hash == moving[0]->hash + "," + moving[1]->hash + "," + moving[2]->hash);
     CHECK(empty(still).frames == task_frames);
     CHECK(!empty(still).window);
-    params.window = Interval{2, 5};
+    params.window = VertexRange{2, 5};
     REQUIRE(empty(still).window);
     CHECK(empty(still).window->last == 5);
     CHECK(!empty(still).pair_window);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "graph/types/param.h"
+#include "nodes/seams/window.h"
+
+#include <optional>
+#include <string>
+
+namespace fluidcarve {
+
+/// A window as a pipeline states it: `[2, 14]`, first and last vertex along the carved axis, or shares of the way from the first vertex to the last,
+/// `[0%, 50%]`, so that it holds for any spacing.
+struct VertexRange {
+    double first = 0, last = 0;  ///< whole vertices, or percent
+    bool shares = false;
+
+    /// The window in vertices; shares are rounded. @param size  vertices along the axis
+    Window of(int size) const;
+    /// The same if no share is stated, so that it does not depend on the lattice.
+    std::optional<Window> vertices() const;
+};
+
+template <>
+struct ParamTraits<VertexRange> {
+    static Shape shape();
+    static std::optional<VertexRange> parse(const Value& value, ValueReader& reader);
+    static std::string text(const VertexRange& range);
+};
+
+}  // namespace fluidcarve
