@@ -2,10 +2,24 @@
 #include "runtime/run/run.h"
 #include "runtime/verbs/commands.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cstdio>
 #include <exception>
 
+namespace {
+
+/// Opens standard streams that were closed, so that no file of ours gets their number, and messages with it.
+void open_standard_streams() {
+    for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number)
+        if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+    open_standard_streams();
     int code = fluidcarve::exit_code::node_failed;
     try {
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());

@@ -61,8 +61,9 @@ private:
 
     std::string head() const {
         const std::array titles{"smoke", "fire", "a level set", "particles", "an image", "a mesh"};
-        auto out = fmt::format("# {} {}, along {}: seams leave where it shows least.\n", request_.count.starts_with('-') ? "Narrow" : "Widen",
-                               titles.at(static_cast<std::size_t>(contents_.matter)), request_.axis);
+        auto out =
+            fmt::format("# {} {}, along {}: {} where it shows least.\n", request_.count.starts_with('-') ? "Narrow" : "Widen",
+                        titles.at(static_cast<std::size_t>(contents_.matter)), request_.axis, warps() ? "a warp squeezes or draws it out" : "seams leave");
         out += "# Another amount, other files: --set count=-12 --set sim=FILES --set out=FILES\n";
         out += "fluidcarve: 1\n\nparams:\n";
         const auto param = [&](const char* name, const char* type, const std::string& value, const char* doc) {
@@ -149,17 +150,32 @@ private:
                          -reach, reach, -reach, reach));
     }
 
+    /// Whether a warp carves, not seams. In a wave of water a seam would be a cliff.
+    bool warps() const {
+        if (!request_.solver.empty()) return request_.solver == "warp.solve";
+        const auto of_seams = [](const auto& field) { return field.first == "spread" || field.first == "rigidity" || field.first == "soft"; };
+        const bool water = contents_.matter == Matter::level_set || contents_.matter == Matter::particles;
+        return water && std::ranges::none_of(request_.solver_fields, of_seams) && std::ranges::none_of(request_.remap_fields, of_seams);
+    }
+    /// Without the fields of a name.
+    static Fields without(Fields fields, std::string_view name) {
+        std::erase_if(fields, [&](const auto& field) { return field.first == name; });
+        return fields;
+    }
+
     void solver(Fields fields) {
+        if (warps()) fields = without(without(std::move(fields), "spread"), "field_weight");
         fields.insert(fields.begin(), {"energy", "energy"});
         fields.emplace_back("lattice", "box");
         if (!protected_.empty()) fields.emplace_back("protect", "keep");
         fields.emplace_back("axis", request_.axis == 'y' ? "v" : "u");
-        fields.emplace_back("count", "\"${count}\"");
+        fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
         if (contents_.matter != Matter::image) fields.emplace_back("anchor", "middle");
-        node("seams", request_.solver, with(std::move(fields), request_.solver_fields));
+        node("seams", !request_.solver.empty() ? request_.solver : warps() ? "warp.solve" : "seam.pyramid", with(std::move(fields), request_.solver_fields));
     }
 
     void carve(const std::string& name, const char* type, const std::string& source, Fields fields) {
+        if (warps()) fields = without(std::move(fields), "soft");
         fields.insert(fields.begin(), {{"source", source}, {"lattice", "box"}, {"seams", "seams"}});
         auto wanted = request_.remap_fields;
         if (std::string_view(type) != "remap.grids") std::erase_if(wanted, [](const auto& field) { return field.first != "soft"; });
@@ -298,7 +314,8 @@ private:
         box("surface");
         nodes_ += "\n";
         solver({});
-        if (!contents_.identified) comment("Vertex by vertex: a soft carve thins particles by their `id`, which these lack, and jitter follows it, too.");
+        if (!contents_.identified && !warps())
+            comment("Vertex by vertex: a soft carve thins particles by their `id`, which these lack, and jitter follows it, too.");
         const auto hard = contents_.identified ? Fields{} : Fields{{"soft", "0"}};
         auto jitter = hard;
         if (!contents_.identified) jitter.emplace_back("jitter", "0");

@@ -49,6 +49,9 @@ std::string wrong_output(const CarveArguments& arguments, const DraftFiles& file
     return {};
 }
 
+/// The node type of `--solver`; empty if it is not stated.
+std::string solver_type(const std::string& solver) { return solver.empty() ? "" : solver == "warp" ? "warp.solve" : "seam." + solver; }
+
 DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files) {
     auto out = files.request({});
     out.out = arguments.out;
@@ -56,7 +59,7 @@ DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files
     out.sheet = arguments.sheet;
     out.count = arguments.count;
     out.axis = arguments.axis.front();
-    out.solver = "seam." + arguments.solver;
+    out.solver = solver_type(arguments.solver);
     out.protect = arguments.protect;
     const auto put = [](DraftRequest::Fields& fields, const char* name, const std::string& value) {
         if (!value.empty()) fields.emplace_back(name, value);
@@ -78,7 +81,7 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
         if (value != otherwise) out.insert(out.end(), {name, value});
     };
     add("--axis", arguments.axis, fallback.axis);
-    add("--solver", arguments.solver, fallback.solver);
+    add("--solver", arguments.solver, {});
     for (const auto& each : arguments.protect) add("--protect", each, {});
     add("--empty", arguments.empty, {});
     add("--spread", arguments.spread, {});
@@ -103,7 +106,10 @@ void CarveArguments::declare(CLI::App& verb) {
     verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider")
         ->check(CLI::IsMember({"x", "y", "z"}))
         ->capture_default_str();
-    verb.add_option("--solver", solver, "What finds the seams, a type of the family `seam`")->capture_default_str()->type_name("SOLVER");
+    verb.add_option("--solver", solver,
+                    "What finds the seams, a type of the family `seam`, such as pyramid; or warp, which squeezes or draws out without seams, also by fractions "
+                    "(default: warp for level sets and particles, else pyramid)")
+        ->type_name("SOLVER");
     verb.add_option(
             "--protect", protect,
             "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid has at least this value; or a closed mesh; of images, a picture "
@@ -132,8 +138,9 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     };
     if (!is_count(arguments.count))
         return wrong(fmt::format("COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
-    const auto solver = "seam." + arguments.solver;
-    if (!registry.node(solver)) return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
+    const auto solver = solver_type(arguments.solver);
+    if (!solver.empty() && !registry.node(solver))
+        return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
     auto source = std::make_shared<Source>();
     std::vector<std::string> words;
     try {

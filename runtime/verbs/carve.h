@@ -16,7 +16,7 @@ namespace fluidcarve {
 /// Arguments of the verb `carve`.
 struct CarveArguments {
     std::string files, count, out, seams, sheet;
-    std::string axis = "x", solver = "pyramid";
+    std::string axis = "x", solver;
     std::vector<std::string> protect;
     std::string empty, spread, rigidity, anchor, window, soft, conserve;  ///< empty: as the draft has it
     bool print_pipeline = false;
