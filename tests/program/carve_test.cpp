@@ -150,3 +150,28 @@ TEST_CASE("init knows fire, particles and images, and takes a folder's longest s
     CHECK(carved.code == 2);
     CHECK_THAT(carved.err, Catch::Contains("name one of them: "));
 }
+
+TEST_CASE("carve makes particles and level sets narrower by a warp, unless seams are asked for") {
+    const Scratch scratch;
+    std::string cube = "ply\nformat ascii 1.0\nelement vertex 4096\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    for (int x = 0; x < 16; ++x)
+        for (int y = 0; y < 16; ++y)
+            for (int z = 0; z < 16; ++z) cube += std::to_string(x / 16.0) + " " + std::to_string(y / 16.0) + " " + std::to_string(z / 16.0) + "\n";
+    const auto file = scratch.write("cube.ply", cube);
+    const auto printed = fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply") + " --print-pipeline");
+    CHECK_THAT(printed.out, Catch::Contains("seams: {type: warp.solve") && Catch::Contains("amount: \"${count}\"") && !Catch::Contains("soft"));
+    CHECK_THAT(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply") + " --solver pyramid --print-pipeline").out,
+               Catch::Contains("seams: {type: seam.pyramid"));
+    CHECK_THAT(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply") + " --rigidity 0.1 --print-pipeline").out,
+               Catch::Contains("seams: {type: seam.pyramid"));
+    CHECK_THAT(fluidcarve_program("carve tests/data/plume/plume.0051.vdb -4 -o " + (scratch / "out.vdb") + " --solver warp --print-pipeline").out,
+               Catch::Contains("seams: {type: warp.solve"));
+    REQUIRE(fluidcarve_program("carve " + file + " -20% -o " + (scratch / "out.ply")).code == 0);
+    REQUIRE(fluidcarve_program("carve tests/data/plume/plume.0051.vdb -4 -o " + (scratch / "out.vdb") + " --solver warp").code == 0);
+    // A warp keeps the density: an eighth and more of the particles leave.
+    const auto points = [](const std::string& path) {
+        const auto text = Scratch::read(path);
+        return std::stoi(text.substr(text.find("element vertex ") + 15));
+    };
+    CHECK(points(scratch / "out.ply") < 3600);
+}

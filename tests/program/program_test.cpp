@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <regex>
+#include <sstream>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -375,4 +376,35 @@ TEST_CASE("with a tenth of the memory energies and seams go to files, and the gr
     CHECK(fs::exists(scarce / "work"));
     CHECK(fs::is_empty(scarce / "work"));
     for (int frame = 51; frame <= 56; ++frame) CHECK(same_but_identifier(plenty, scarce, "out.00" + std::to_string(frame) + ".vdb"));
+}
+
+TEST_CASE("the program and its modules look for libraries in no folder that depends on where they are started") {
+    const auto folder = fs::path(FLUIDCARVE_PROGRAM).parent_path();
+    std::vector<std::string> binaries{FLUIDCARVE_PROGRAM};
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().extension() == ".so") binaries.push_back(entry.path().string());
+    CHECK(binaries.size() >= 3);
+    for (const auto& binary : binaries) {
+        const auto read = call_shell(fmt::format("readelf -d {} | sed -n 's/.*R[UN]*PATH.*\\[\\(.*\\)\\]/\\1/p'", binary));
+        REQUIRE(read.code == 0);
+        INFO(binary << ": " << read.out);
+        std::istringstream paths(read.out);
+        std::string line;
+        while (std::getline(paths, line)) {
+            // A trailing separator is an empty element, too.
+            std::istringstream elements(line + ":/");
+            for (std::string element; std::getline(elements, element, ':');) CHECK((element.starts_with("/") || element.starts_with("$ORIGIN")));
+        }
+    }
+}
+
+TEST_CASE("messages reach no file of ours, even if the standard streams were closed") {
+    const Scratch scratch;
+    const auto ran =
+        call_shell(fmt::format("FLUIDCARVE_WORK={0}/w {1} run pipelines/plume.yaml --set frames=51-52 --set out={0}/o.####.vdb --set seams={0}/s.vdb "
+                               "--set sheet={0}/x.png <&- >&- 2>&-",
+                               scratch.path(), FLUIDCARVE_PROGRAM));
+    CHECK(ran.code == 0);
+    CHECK(fs::exists(scratch / "o.0052.vdb"));
+    CHECK(call_shell("grep -rlaE 'frames in|done:|solving' " + scratch.path()).out.empty());
 }
