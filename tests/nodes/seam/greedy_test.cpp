@@ -380,7 +380,8 @@ TEST_CASE("seam.greedy finds nothing for a count of nothing") {
 
 TEST_CASE("seam.greedy tells windows that do not fit, lattices that miss, and seams that cost nothing") {
     CHECK(failure_of([] { solve("{count: -1, window: [2, 8]}", wavy); }) == "window [2, 8] leaves the lattice, which has 8 vertices along u: 0 to 7");
-    CHECK(NodeBench(seam_greedy(), "{count: -1, window: [0.5, 3]}").faults() == "window must be [first, last], whole vertices or shares of them such as [0%, 50%], not [0.5, 3]\n");
+    CHECK(NodeBench(seam_greedy(), "{count: -1, window: [0.5, 3]}").faults() ==
+          "window must be [first, last], whole vertices or shares of them such as [0%, 50%], not [0.5, 3]\n");
     CHECK(failure_of([] {
               solve("{count: -1}", wavy, make_box(Vec3d(20, 0, 0), {8, 8, 8}, 1.0, {0, 1, 2}));
           }) ==
