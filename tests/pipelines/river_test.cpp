@@ -54,7 +54,7 @@ Lattice channel() {
     return build_lattice(extended(rig, 2), spec).lattice;
 }
 
-/// The river, carved by so many seams.
+/// The river, made so many voxels wider.
 struct Carved {
     Scratch scratch;
     nlohmann::json report;
