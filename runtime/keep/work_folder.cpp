@@ -114,10 +114,10 @@ void WorkFolder::make() const {
     std::error_code error;
     fs::create_directories(path_, error);
     if (error && !fs::is_directory(path_)) throw Failure(fmt::format("cannot make the work folder {}: {}", path_, error.message()));
-    if (!fs::is_empty(path_, error) || error) return;
-    OutputFile mark(path_ + "/" + mark_name);
-    std::ofstream(mark.aside()) << mark_text;
-    mark.commit();
+    // A run that was killed here has left the mark's temporary file.
+    for (fs::directory_iterator each(path_, error), end; !error && each != end; each.increment(error))
+        if (!OutputFile::is_aside(each->path().filename().string())) return;
+    if (!error) OutputFile::write(path_ + "/" + mark_name, mark_text);
 }
 
 bool WorkFolder::marked() const {

@@ -1,4 +1,5 @@
 #include "runtime/keep/work_folder.h"
+#include "graph/output_file.h"
 #include "runtime/keep/cache.h"
 #include "tests/support/keys.h"
 #include "tests/support/scratch.h"
@@ -6,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <filesystem>
 #include <map>
 #include <random>
@@ -53,6 +56,21 @@ TEST_CASE("a work folder is marked where there was nothing, and only there") {
               "another with --work");
     put(used + "/CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# of another program\n");
     CHECK(!WorkFolder(used).marked());
+}
+
+TEST_CASE("a work folder whose first run was killed while it made the mark is marked by the next, and keeps nothing of the first") {
+    const Scratch scratch;
+    const auto work = scratch / "work";
+    if (const auto first = fork(); first == 0) {
+        const OutputFile mark(work + "/CACHEDIR.TAG");
+        _exit(0);
+    } else {
+        waitpid(first, nullptr, 0);
+    }
+    REQUIRE(!fs::is_empty(work));
+    WorkFolder(work).make();
+    CHECK(WorkFolder(work).marked());
+    CHECK(std::distance(fs::directory_iterator(work), {}) == 1);
 }
 
 TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
