@@ -21,6 +21,10 @@
 #include "nodes/field/gradient.h"
 #include "nodes/field/laplacian.h"
 #include "nodes/field/magnitude.h"
+#include "nodes/grid/crop.h"
+#include "nodes/grid/pick.h"
+#include "nodes/grid/prune.h"
+#include "nodes/grid/resample.h"
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
 #include "nodes/inspect/geometry.h"
@@ -111,6 +115,10 @@ Registry builtin_registry() {
     out.add(points_write());
     out.add(mesh_read());
     out.add(mesh_write());
+    out.add(grid_pick());
+    out.add(grid_crop());
+    out.add(grid_prune());
+    out.add(grid_resample());
     out.add(field_gradient());
     out.add(field_curl());
     out.add(field_curvature());

@@ -23,8 +23,8 @@ struct Gradient {
 }  // namespace
 
 FloatGrid::Ptr gradient_energy(const FloatGrid& field, float gain) {
-    const auto scale = static_cast<float>(gain / (2 * cubic_voxel_size(field)));
-    const auto out = map_stencil<FloatGrid>(field, 0.0f, [scale](auto& s, const openvdb::Coord& at) { return scale * gradient_differences(s, at).length(); });
+    const auto out = map_stencil<FloatGrid>(
+        field, 0.0f, [gain, jacobian = Jacobian(field)](auto& s, const openvdb::Coord& at) { return gain * gradient_at(s, at, jacobian).length(); });
     out->setName("gradient of " + field.getName());
     return out;
 }

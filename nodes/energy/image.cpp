@@ -1,6 +1,7 @@
 #include "nodes/energy/image.h"
 
 #include "nodes/field/extent.h"
+#include "nodes/field/jacobian.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
 #include "nodes/image/image.h"
@@ -143,7 +144,7 @@ private:
 /// image_energy() of the intensity that the terms make, which is never stored as a whole.
 FloatGrid::Ptr energy_of(const std::vector<Term>& terms) {
     const auto out = blank(terms);
-    const auto per_world = static_cast<float>(1 / cubic_voxel_size(*out));
+    const auto per_world = static_cast<float>(1 / Jacobian(*out).edge());
     std::mutex mutex;
     std::optional<openvdb::Coord> lowest;  ///< where something is not finite
     const openvdb::tree::LeafManager<openvdb::FloatTree> leaves(out->tree());

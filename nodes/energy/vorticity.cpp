@@ -24,9 +24,9 @@ struct Vorticity {
 }  // namespace
 
 FloatGrid::Ptr vorticity_energy(const Ref<VectorGrid>& velocity, float gain) {
-    const auto scale = static_cast<float>(gain / (2 * cubic_voxel_size(*velocity)));
-    const auto out =
-        map_stencil<FloatGrid>(*collocated(velocity), 0.0f, [scale](auto& v, const openvdb::Coord& at) { return scale * curl_differences(v, at).length(); });
+    const auto out = map_stencil<FloatGrid>(*collocated(velocity), 0.0f, [gain, jacobian = Jacobian(*velocity)](auto& v, const openvdb::Coord& at) {
+        return gain * curl_at(v, at, jacobian).length();
+    });
     out->setName("vorticity of " + velocity->getName());
     return out;
 }

@@ -79,11 +79,11 @@ void mean_along(Leaves& leaves, int width, int axis) {
 
 }  // namespace
 
-void box_mean(Tree& tree, int width, int iterations) {
+void box_mean(Tree& tree, int width, int iterations, const std::array<int, 3>& order) {
     // Each pass reads the values of the pass before; inactive ones are the same in both.
     Leaves leaves(tree, 1);
     for (int n = 0; n < iterations; ++n)
-        for (const int axis : {0, 2, 1}) mean_along(leaves, width, axis);
+        for (const int axis : order) mean_along(leaves, width, axis);
 }
 
 }  // namespace fluidcarve

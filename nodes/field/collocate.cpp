@@ -1,6 +1,9 @@
 #include "nodes/field/collocate.h"
 
+#include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
+
+#include <fmt/format.h>
 
 namespace fluidcarve {
 namespace {
@@ -20,6 +23,9 @@ struct FieldCollocate {
 
 Ref<VectorGrid> collocated(const Ref<VectorGrid>& velocity) {
     if (velocity->getGridClass() != openvdb::GRID_STAGGERED) return velocity;
+    if (!velocity->transform().isLinear() || !velocity->transform().baseMap()->getAffineMap()->isScaleTranslate())
+        throw Failure(fmt::format("grid '{}' is staggered on turned voxels, so that nobody can tell which way its components point; store it collocated",
+                                  velocity->getName()));
     const auto out = map_stencil<VectorGrid>(*velocity, velocity->background(), [](auto& faces, const openvdb::Coord& at) {
         const auto& low = faces.getValue(at);
         return 0.5f * openvdb::Vec3s(low[0] + faces.getValue(at.offsetBy(1, 0, 0))[0],  //

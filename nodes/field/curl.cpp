@@ -21,9 +21,8 @@ struct FieldCurl {
 }  // namespace
 
 VectorGrid::Ptr curl_field(const Ref<VectorGrid>& velocity) {
-    const auto scale = static_cast<float>(1 / (2 * cubic_voxel_size(*velocity)));
     const auto out = map_stencil<VectorGrid>(*collocated(velocity), openvdb::Vec3s(0),
-                                             [scale](auto& v, const openvdb::Coord& at) { return scale * curl_differences(v, at); });
+                                             [jacobian = Jacobian(*velocity)](auto& v, const openvdb::Coord& at) { return curl_at(v, at, jacobian); });
     out->setName("curl of " + velocity->getName());
     out->setVectorType(openvdb::VEC_COVARIANT);
     return out;

@@ -1,5 +1,6 @@
 #include "nodes/field/curvature.h"
 
+#include "nodes/field/jacobian.h"
 #include "nodes/field/stencil.h"
 
 #include <algorithm>
@@ -26,9 +27,9 @@ struct FieldCurvature {
 /// Limit of the curvature: that of a ball with a radius of one voxel, 1 / voxel.
 constexpr double sharpest = 2;
 
-/// Curvature at a voxel, 1 / voxel. In double precision: in a nearly constant field, differences of floats would be rounding errors.
+/// Curvature at a voxel, 1 / world unit. In double precision: in a nearly constant field, differences of floats would be rounding errors.
 template <class Accessor>
-double curvature(Accessor& field, const Coord& at) {
+double curvature(Accessor& field, const Coord& at, const Jacobian& jacobian) {
     double s[3][3][3];
     for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y)
@@ -40,22 +41,23 @@ double curvature(Accessor& field, const Coord& at) {
                 s[x + 1][y + 1][z + 1] = value;
             }
     const double centre = s[1][1][1];
-    const Vec3d g(0.5 * (s[2][1][1] - s[0][1][1]), 0.5 * (s[1][2][1] - s[1][0][1]), 0.5 * (s[1][1][2] - s[1][1][0]));
+    const auto g = jacobian.first({0.5 * (s[2][1][1] - s[0][1][1]), 0.5 * (s[1][2][1] - s[1][0][1]), 0.5 * (s[1][1][2] - s[1][1][0])});
     const double square = g.lengthSqr();
     if (!(square > 0)) return 0;
     const double xx = s[2][1][1] - 2 * centre + s[0][1][1], yy = s[1][2][1] - 2 * centre + s[1][0][1], zz = s[1][1][2] - 2 * centre + s[1][1][0];
     const double xy = 0.25 * (s[2][2][1] - s[2][0][1] - s[0][2][1] + s[0][0][1]);
     const double yz = 0.25 * (s[1][2][2] - s[1][2][0] - s[1][0][2] + s[1][0][0]);
     const double zx = 0.25 * (s[2][1][2] - s[0][1][2] - s[2][1][0] + s[0][1][0]);
-    const double along = g.x() * g.x() * xx + g.y() * g.y() * yy + g.z() * g.z() * zz + 2 * (g.x() * g.y() * xy + g.y() * g.z() * yz + g.z() * g.x() * zx);
-    return std::clamp((square * (xx + yy + zz) - along) / (square * std::sqrt(square)), -sharpest, sharpest);
+    const auto second = jacobian.second({xx, xy, zx, xy, yy, yz, zx, yz, zz});
+    const double trace = second(0, 0) + second(1, 1) + second(2, 2), along = g.dot(second * g);
+    return std::clamp((square * trace - along) / (square * std::sqrt(square)), -sharpest / jacobian.edge(), sharpest / jacobian.edge());
 }
 
 }  // namespace
 
 FloatGrid::Ptr curvature_field(const FloatGrid& field) {
-    const double per_voxel = 1 / cubic_voxel_size(field);
-    const auto out = map_stencil<FloatGrid>(field, 0.0f, [per_voxel](auto& s, const Coord& at) { return static_cast<float>(per_voxel * curvature(s, at)); });
+    const auto out =
+        map_stencil<FloatGrid>(field, 0.0f, [jacobian = Jacobian(field)](auto& s, const Coord& at) { return static_cast<float>(curvature(s, at, jacobian)); });
     out->setName("curvature of " + field.getName());
     return out;
 }

@@ -3,6 +3,7 @@
 #include "nodes/field/box_mean.h"
 #include "nodes/field/extent.h"
 #include "nodes/field/stencil.h"
+#include "nodes/field/voxel_axes.h"
 
 #include <openvdb/tools/Filter.h>
 
@@ -56,6 +57,13 @@ std::optional<openvdb::Coord> lowest_near_not_finite(const Tree& tree, int width
     return lowest;
 }
 
+/// The order of axes of openvdb::tools::Filter, for the world's axes.
+std::array<int, 3> filter_order(const openvdb::math::Transform& transform) {
+    if (!transform.isLinear()) return {0, 2, 1};
+    const VoxelAxes own(transform);
+    return {own.nearest(0), own.nearest(2), own.nearest(1)};
+}
+
 /// How far a voxel's value comes from, voxels.
 int reach(FilterMode mode, int width, int iterations) { return width * iterations * (mode == FilterMode::gaussian ? 4 : 1); }
 
@@ -88,7 +96,7 @@ FloatGrid::Ptr filtered_field(const FloatGrid& field, FilterMode mode, int width
     // A Gaussian is four means in a row, as openvdb::tools::Filter has it.
     const bool narrow = width <= most_box_width;
     if (mode == FilterMode::median) filter.median(width, iterations);
-    else if (narrow) box_mean(out->tree(), width, mode == FilterMode::gaussian ? 4 * iterations : iterations);
+    else if (narrow) box_mean(out->tree(), width, mode == FilterMode::gaussian ? 4 * iterations : iterations, filter_order(field.transform()));
     else if (mode == FilterMode::gaussian) filter.gaussian(width, iterations);
     else filter.mean(width, iterations);
     refuse(0);

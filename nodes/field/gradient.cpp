@@ -21,9 +21,8 @@ struct FieldGradient {
 }  // namespace
 
 VectorGrid::Ptr gradient_field(const FloatGrid& field) {
-    const auto scale = static_cast<float>(1 / (2 * cubic_voxel_size(field)));
-    const auto out =
-        map_stencil<VectorGrid>(field, openvdb::Vec3s(0), [scale](auto& s, const openvdb::Coord& at) { return scale * gradient_differences(s, at); });
+    const auto out = map_stencil<VectorGrid>(field, openvdb::Vec3s(0),
+                                             [jacobian = Jacobian(field)](auto& s, const openvdb::Coord& at) { return gradient_at(s, at, jacobian); });
     out->setName("gradient of " + field.getName());
     out->setVectorType(openvdb::VEC_COVARIANT);
     return out;

@@ -1,5 +1,6 @@
 #include "nodes/field/laplacian.h"
 
+#include "nodes/field/jacobian.h"
 #include "nodes/field/stencil.h"
 
 namespace fluidcarve {
@@ -20,16 +21,22 @@ struct FieldLaplacian {
 }  // namespace
 
 FloatGrid::Ptr laplacian_field(const FloatGrid& field) {
-    const double voxel = cubic_voxel_size(field), scale = 1 / (voxel * voxel);
-    const auto out = map_stencil<FloatGrid>(field, 0.0f, [scale](auto& s, const openvdb::Coord& at) {
-        double sum = -6 * static_cast<double>(s.getValue(at));
-        for (int axis = 0; axis < 3; ++axis)
-            for (const int by : {-1, 1}) {
-                auto beside = at;
-                beside[axis] += by;
-                sum += s.getValue(beside);
-            }
-        return static_cast<float>(scale * sum);
+    const auto metric = Jacobian(field).metric();
+    const auto out = map_stencil<FloatGrid>(field, 0.0f, [&metric](auto& s, const openvdb::Coord& at) {
+        const auto beside = [&](int axis, int by, int other = 0, int other_by = 0) -> double {
+            auto place = at;
+            place[axis] += by;
+            place[other] += other_by;
+            return s.getValue(place);
+        };
+        const double here = s.getValue(at);
+        double sum = 0;
+        for (int a = 0; a < 3; ++a) {
+            sum += metric(a, a) * (beside(a, 1) - 2 * here + beside(a, -1));
+            for (int b = a + 1; b < 3; ++b)
+                if (metric(a, b) != 0) sum += 0.5 * metric(a, b) * (beside(a, 1, b, 1) - beside(a, 1, b, -1) - beside(a, -1, b, 1) + beside(a, -1, b, -1));
+        }
+        return static_cast<float>(sum);
     });
     out->setName("laplacian of " + field.getName());
     return out;

@@ -20,16 +20,12 @@ template <class Grid>
 
 }  // namespace
 
-double cubic_voxel_size(const openvdb::GridBase& grid) {
+void require_cubes(const openvdb::GridBase& grid) {
     const auto& transform = grid.constTransform();
-    const auto remedy = "derivatives need cubic voxels along the world's axes: resample the grid first";
-    if (!transform.isLinear()) throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); {}", grid.getName(), transform.mapType(), remedy));
-    if (!cubes_along_axes(transform)) {
-        const auto shape = transform.voxelSize();
-        throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); {}", grid.getName(), shape.x(), shape.y(), shape.z(),
-                                  transform.mapType(), remedy));
-    }
-    return transform.voxelSize().x();
+    if (are_cubes(transform)) return;
+    const auto shape = transform.voxelSize();
+    throw Failure(fmt::format("grid '{}' has voxels of {:.6g} x {:.6g} x {:.6g} ({}); distances need cubes, as grid.resample makes them", grid.getName(),
+                              shape.x(), shape.y(), shape.z(), transform.mapType()));
 }
 
 void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside) { refuse(grid, beside); }

@@ -15,9 +15,9 @@
 
 namespace fluidcarve {
 
-/// Edge length of a grid's cubic voxels, world units.
-/// @throws Failure naming the grid if its voxels are not cubes along the world's axes
-double cubic_voxel_size(const openvdb::GridBase& grid);
+/// Checks that a grid's voxels are cubes, however they are turned, as distances need them.
+/// @throws Failure naming the grid if they are not
+void require_cubes(const openvdb::GridBase& grid);
 
 /// Always throws. @throws Failure naming the grid and its lowest active voxel with a value that is not finite, else `beside`
 [[noreturn]] void refuse_not_finite(const FloatGrid& grid, const openvdb::Coord& beside);

@@ -134,8 +134,8 @@ void note_grid(const GridBase& grid, const Json& facts, const Conventions* conve
     if (RawGrid::of(grid)) return say(fmt::format("of type {}, which OpenVDB does not know: kept as it is, but can't be looked at or carved", grid.type()));
     if (grid.activeVoxelCount() == 0) say("no active voxels");
     if (!grid.transform().isLinear()) say(fmt::format("voxels of varying shape ({}): no energy or lattice takes them", grid.transform().mapType()));
-    else if (!cubes_along_axes(grid.transform()))
-        say(fmt::format("voxels that are no cubes along the axes ({:.6g} x {:.6g} x {:.6g}): derivatives refuse them", size.x(), size.y(), size.z()));
+    else if (!are_cubes(grid.transform()))
+        say(fmt::format("voxels that are no cubes ({:.6g} x {:.6g} x {:.6g}): distances refuse them", size.x(), size.y(), size.z()));
     if (facts.contains("not_finite"))
         say(fmt::format("{} values are not finite, the first at voxel {}: energies refuse them", facts["not_finite"].get<std::size_t>(),
                         facts["first_not_finite"].dump()));

@@ -69,7 +69,7 @@ openvdb::GridBase::ConstPtr unplaced(const openvdb::GridBase::ConstPtr& grid, co
     auto by = placement ? *placement : stored->placement;
     if (stored) by.offset = stored->placement.offset;
     // An inverted transform differs from the file's in the last bits: use the stored one if possible.
-    const bool as_it_came = stored && by == stored->placement && (!stored->in_file || *placed(*stored->in_file, by) == grid->transform());
+    const bool as_it_came = stored && by == stored->placement && (stored->in_file ? *placed(*stored->in_file, by) == grid->transform() : by == Placement{});
     // Share the transform: a copy of a map computes its inverse again.
     const auto kept = stored && stored->in_file ? stored->in_file : grid->transformPtr();
     const auto transform = as_it_came ? std::const_pointer_cast<openvdb::math::Transform>(kept) : inverse(grid->transform(), by);

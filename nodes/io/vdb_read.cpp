@@ -189,7 +189,8 @@ private:
     const Conventions* conventions_;
 };
 
-/// Checks that grids keep their transform over a sequence and, in Blender's files, the size of their domain.
+/// Checks that grids keep the shape of their voxels over a sequence and, in Blender's files, the size of their domain: of an adaptive one,
+/// Blender stores neither the place nor the true size of the voxels.
 class Steadiness {
 public:
     /// Warns of the first grid that changes, once per sequence.
@@ -200,7 +201,7 @@ public:
             if (!grid.transform || told_) continue;
             const Space space{frame, grid.transform, grid.metadata["file_base_resolution"] ? grid.metadata["file_base_resolution"]->str() : std::string()};
             const auto& first = first_.try_emplace(grid.unique_name, space).first->second;
-            if (*first.transform == *space.transform && first.domain == space.domain) continue;
+            if (same_voxels(*first.transform, *space.transform) && first.domain == space.domain) continue;
             told_ = true;
             survey.warn(fmt::format("grid '{}' has {} in frame {}, but {} in frame {} (an adaptive domain?): no lattice fits both; bake with a fixed domain",
                                     grid.unique_name, text(first), first.frame, text(space), frame));

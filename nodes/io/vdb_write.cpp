@@ -1,5 +1,6 @@
 #include "nodes/io/vdb_write.h"
 
+#include "nodes/grid/names.h"
 #include "nodes/io/provenance_metadata.h"
 #include "nodes/io/vdb_file.h"
 
@@ -13,10 +14,22 @@ struct ChoiceNames<Codec> {
 
 namespace {
 
+/// Sets whether the grids of some names are written with half floats.
+void stored_as_half(Volume& volume, const std::vector<std::string>& names, bool half) {
+    const auto named = grids_named(volume, names);
+    for (auto& grid : volume.grids) {
+        if (!named.contains(grid.get()) || grid->saveFloatAsHalf() == half) continue;
+        const auto changed = openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid());
+        changed->setSaveFloatAsHalf(half);
+        grid = changed;
+    }
+}
+
 struct VdbWrite {
     struct Params {
         OutputPath path;
         Codec compression = Codec::as_read;
+        std::vector<std::string> half, full;
         Auto<Vec3> translate;
         Auto<double> scale;
     };
@@ -28,6 +41,8 @@ struct VdbWrite {
         const auto at = params.translate.value_or(Vec3{});
         const Placement placement{openvdb::Vec3d(at[0], at[1], at[2]), params.scale.value_or(1)};
         auto volume = *io.source;
+        stored_as_half(volume, params.half, true);
+        stored_as_half(volume, params.full, false);
         set_provenance(volume.metadata, context.provenance());
         write_vdb(params.path.at(context.frame()), volume, params.compression, params.translate || params.scale ? &placement : nullptr);
     }
@@ -37,9 +52,12 @@ struct VdbWrite {
 
 NodeType vdb_write() {
     return Declare<VdbWrite>("vdb.write", "Writes OpenVDB files: all grids of a volume, or one grid. A file appears whole or not at all.")
-        .input("source", &VdbWrite::Ports::source, "The grids to write. Nothing is changed; half floats stay half.")
+        .input("source", &VdbWrite::Ports::source, "The grids to write. Nothing is changed; half floats stay half, unless `full` names them.")
         .required("path", &VdbWrite::Params::path, "File; with a frame token such as #### if the source comes per frame. Missing folders are made.")
         .param("compression", &VdbWrite::Params::compression, "as_read: that of the source's file, or blosc if it has none. All are lossless.")
+        .param("half", &VdbWrite::Params::half,
+               "Names of grids, or patterns, whose floats are written in 16 bits: half the size, to three digits, up to 65504.")
+        .param("full", &VdbWrite::Params::full, "Names of grids, or patterns, whose floats are written in 32 bits, though the source had them in 16.")
         .param("translate", &VdbWrite::Params::translate, Unit::world, any_number(),
                "The placement of a reader to undo. Auto: that of each grid's reader; grids made by nodes stay in the shot's world.")
         .param("scale", &VdbWrite::Params::scale, Unit::none, between(1e-6, 1e6), "The same for a reader's `scale`.");

@@ -61,7 +61,7 @@ Lattice on_voxels(const Lattice& lattice, const Alignment& alignment, const open
     auto out = lattice;
     out.spacing = step[0].length();
     for (std::size_t k = 0; k < out.planes.size(); ++k)
-        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0].unit(), step[1].unit(), step[2].unit()};
+        out.planes[k] = {first + static_cast<double>(k) * step[2], step[0] / out.spacing, step[1] / out.spacing, step[2] / out.spacing};
     return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include "nodes/field/extent.h"
 #include "nodes/field/same_transform.h"
+#include "nodes/field/voxel_axes.h"
 #include "nodes/lattice/active_box.h"
 #include "nodes/lattice/lattice.h"
 #include "nodes/payloads.h"
@@ -31,6 +32,9 @@ std::array<int, 3> world_axes(AxisOrder order) {
     const auto name = ParamTraits<AxisOrder>::text(order);
     return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
 }
+
+/// Largest distance of a container's voxels from those of the first frame that rounding explains, voxels.
+constexpr double rounding = 2e-3;
 
 struct Box {
     struct Params {
@@ -82,15 +86,21 @@ struct Box {
 
     void add(const Params&, const Ref<ActiveBox>& in, Context& context) {
         if (in->voxels.empty()) return;
-        const bool first = !transform_.transform();
-        transform_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
-        if (first && !cubes_along_axes(*in->transform))
+        if (!in->transform->isLinear())
             throw Failure(
-                fmt::format("grid '{}' is rotated, or its voxels are not cubes, in frame {}; a box fits only grids of cubic voxels along the axes: state "
-                            "'min', 'max' and 'spacing' instead",
-                            in->name, context.frame()));
+                fmt::format("grid '{}' has voxels of varying shape ({}) in frame {}; a box fits voxels of one shape, as grid.resample makes them: "
+                            "or state 'min', 'max' and 'spacing' instead",
+                            in->name, in->transform->mapType(), context.frame()));
+        voxels_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         name_ = in->name;
-        box_.expand(in->voxels);
+        // A container may move from frame to frame: its voxels count where they lie among those of the first frame.
+        if (*voxels_.transform() == *in->transform) return box_.expand(in->voxels);
+        const auto moved = voxels_.transform()->worldToIndex(in->transform->indexToWorld(Vec3d(0)));
+        const Vec3d low = in->voxels.min().asVec3d() + moved, high = in->voxels.max().asVec3d() + moved;
+        if (!voxel_at(low) || !voxel_at(high))
+            throw Failure(fmt::format("grid '{}' has {} in frame {}, too far from where it is in other frames for one lattice", in->name,
+                                      place_text(*in->transform), context.frame()));
+        box_.expand(openvdb::CoordBBox(openvdb::Coord::floor(low + Vec3d(rounding)), openvdb::Coord::ceil(high - Vec3d(rounding))));
     }
 
     void finish(const Params& params, Ports& io, Context&) {
@@ -110,19 +120,35 @@ struct Box {
             io.lattice = std::make_shared<Lattice>(make_box(Vec3d((*params.min)[0], (*params.min)[1], (*params.min)[2]), shaped(counts), spacing, axes));
             return;
         }
-        if (!transform_.transform()) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
-        const auto& transform = *transform_.transform();
+        if (!voxels_.transform()) throw Failure("the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
+        const auto& transform = *voxels_.transform();
         const auto counts = extents_of(box_);
         if (*std::max_element(counts.begin(), counts.end()) > most_vertices)
             throw Failure(fmt::format("the active voxels of grid '{}' span {}; {} along an axis is the most: crop the grid, or state 'min', 'max' and "
                                       "'spacing' of a part",
                                       name_, span_text(box_), most_vertices),
                           Failure::Kind::input);
-        const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]), static_cast<int>(counts[2])};
-        io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()), shaped(shape), transform.voxelSize().x(), axes));
+        if (cubes_along_axes(transform)) {
+            const std::array<int, 3> shape{static_cast<int>(counts[0]), static_cast<int>(counts[1]), static_cast<int>(counts[2])};
+            io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(box_.min()), shaped(shape), transform.voxelSize().x(), axes));
+            return;
+        }
+        // Along u, v and w, the voxels' own axes that come nearest to those of the world.
+        const VoxelAxes own(transform);
+        openvdb::Vec3d first;
+        std::array<int, 3> shape;
+        std::array<Vec3d, 3> steps;
+        for (std::size_t n = 0; n < 3; ++n) {
+            const int axis = own.nearest(axes[n]);
+            const bool back = own.step(axis)[axes[n]] < 0;
+            shape[n] = static_cast<int>(counts[static_cast<std::size_t>(axis)]);
+            steps[n] = own.step(axis) * (back ? -1 : 1);
+            first[axis] = back ? box_.max()[axis] : box_.min()[axis];
+        }
+        io.lattice = std::make_shared<Lattice>(make_box(transform.indexToWorld(first), shape, steps));
     }
 
-    OneTransform transform_;
+    SameVoxels voxels_;
     openvdb::CoordBBox box_;
     std::string name_;
 };
@@ -136,7 +162,7 @@ NodeType lattice_box() {
         .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
         .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex, a whole number of spacings (0 or more) from `min`.")
         .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance between neighbouring vertices; above 0.")
-        .param("axes", &Box::Params::axes, "Which world axes are u, v and w.")
+        .param("axes", &Box::Params::axes, "Which world axes are u, v and w; of turned voxels, the axes of the voxels that come nearest to them.")
         .output("lattice", &Box::Ports::lattice, "The lattice.")
         .digests({"fit"})
         .kept();

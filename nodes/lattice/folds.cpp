@@ -89,6 +89,7 @@ std::size_t folded_cells(const Clearance& upper, const Clearance& lower, int ext
 Folds count_folds(const Lattice& lattice, int extent_u, int extent_v) {
     const auto& planes = lattice.planes;
     Folds out;
+    if (lattice.is_box()) return out;
     for (std::size_t k = 0; k + 1 < planes.size() + (lattice.closed ? 1 : 0); ++k) {
         const auto &low = planes[k], &high = planes[(k + 1) % planes.size()];
         const auto chord = high.origin - low.origin;

@@ -33,7 +33,22 @@ private:
     XXH3_state_t state_;
 };
 
+constexpr double least_volume = 1e-6;  ///< of a cell of a box, cubic spacings; flatter ones have no inverse
+
 bool near(const Vec3d& a, const Vec3d& b, double tolerance) { return (a - b).length() <= tolerance; }
+
+/// @param directions  of u, v and w, spacings  @param steps  in words, for the description
+Lattice box_of(const Vec3d& first, const std::array<int, 3>& shape, double spacing, const std::array<Vec3d, 3>& directions, const std::string& steps) {
+    Lattice out;
+    out.shape = shape;
+    out.spacing = spacing;
+    for (int k = 0; k < shape[2]; ++k) out.planes.push_back({first + spacing * k * directions[2], directions[0], directions[1], directions[2]});
+    const auto last = out.position(Vec3d(shape[0] - 1, shape[1] - 1, shape[2] - 1));
+    out.description = fmt::format("box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), {}", shape[0], shape[1], shape[2], first.x(),
+                                  first.y(), first.z(), last.x(), last.y(), last.z(), steps);
+    out.hash = lattice_hash(out);
+    return out;
+}
 
 }  // namespace
 
@@ -42,8 +57,7 @@ std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }
 bool Lattice::is_box() const {
     if (planes.empty() || closed || around) return false;
     const auto& first = planes.front();
-    const bool orthogonal = std::max({std::abs(first.u.dot(first.v)), std::abs(first.v.dot(first.w)), std::abs(first.w.dot(first.u))}) <= 1e-12;
-    return orthogonal && std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+    return std::abs(first.w.dot(first.u.cross(first.v))) > least_volume && std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
                const auto expected = first.origin + spacing * static_cast<double>(&plane - planes.data()) * first.w;
                return near(plane.u, first.u, 1e-12) && near(plane.v, first.v, 1e-12) && near(plane.w, first.w, 1e-12) &&
                       near(plane.origin, expected, 1e-9 * spacing);
@@ -89,16 +103,14 @@ Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape, double spa
         direction[n] = Vec3d(0);
         direction[n][axes[n]] = 1;
     }
-    Lattice out;
-    out.shape = shape;
-    out.spacing = spacing;
-    for (int k = 0; k < shape[2]; ++k) out.planes.push_back({first + spacing * k * direction[2], direction[0], direction[1], direction[2]});
-    const auto last = out.position(Vec3d(shape[0] - 1, shape[1] - 1, shape[2] - 1));
-    out.description =
-        fmt::format("box of {} x {} x {} vertices from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), spacing {:g}, axes {}{}{}", shape[0], shape[1], shape[2],
-                    first.x(), first.y(), first.z(), last.x(), last.y(), last.z(), spacing, "xyz"[axes[0]], "xyz"[axes[1]], "xyz"[axes[2]]);
-    out.hash = lattice_hash(out);
-    return out;
+    return box_of(first, shape, spacing, direction, fmt::format("spacing {:g}, axes {}{}{}", spacing, "xyz"[axes[0]], "xyz"[axes[1]], "xyz"[axes[2]]));
+}
+
+Lattice make_box(const Vec3d& first, const std::array<int, 3>& shape, const std::array<Vec3d, 3>& steps) {
+    const double spacing = steps[0].length();
+    const auto text = [](const Vec3d& step) { return fmt::format("({:g}, {:g}, {:g})", step.x(), step.y(), step.z()); };
+    return box_of(first, shape, spacing, {steps[0] / spacing, steps[1] / spacing, steps[2] / spacing},
+                  fmt::format("steps {}, {}, {}", text(steps[0]), text(steps[1]), text(steps[2])));
 }
 
 }  // namespace fluidcarve

@@ -33,11 +33,11 @@ constexpr int most_vertices = 65534;
 struct Lattice {
     struct Plane {
         openvdb::Vec3d origin;   ///< world position of vertex (0, 0, k); around a rig, of all vertices (0, j, k)
-        openvdb::Vec3d u, v, w;  ///< unit directions
+        openvdb::Vec3d u, v, w;  ///< directions, of length 1; in a box, steps to the next vertex in spacings, which may differ in length
     };
 
     std::array<int, 3> shape{};  ///< I, J, K
-    double spacing = 0;          ///< distance of neighbouring vertices, world units
+    double spacing = 0;          ///< distance of neighbouring vertices, world units; in a box along u
     bool closed = false;         ///< plane K-1 is followed by plane 0; needs at least 3 planes
     bool around = false;         ///< u and v go around the rig: vertex j = J-1 is followed by j = 0
     bool closed_form = false;    ///< positions are located by the paper's eq. 3, not by the true inverse of position()
@@ -45,7 +45,7 @@ struct Lattice {
     std::string description;     ///< what the lattice was made from, for messages
     std::string hash;            ///< lattice_hash(); identifies the lattice that seams belong to
 
-    /// Whether the lattice is a straight box: open, all planes share their orthogonal directions and stand `spacing` apart along w.
+    /// Whether the lattice is a straight box, upright or slanted: open, all planes share their directions and stand `spacing * w` apart.
     bool is_box() const;
     /// World position of a vertex (paper eq. 2) or of a point between vertices, trilinear in its cell. Continues straight beyond rims and
     /// open ends. In a closed lattice `w` and `w + K` are the same place, around a rig `v` and `v + J`; there `u` and `v` are polar within a
@@ -70,5 +70,9 @@ std::string lattice_hash(const Lattice& lattice);
 /// @param spacing  world units, above 0
 /// @param axes     world axes (0, 1, 2) of u, v and w
 Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape, double spacing, const std::array<int, 3>& axes);
+
+/// Makes a straight lattice of any steps, with description and hash.
+/// @param steps  from a vertex to the next along u, v and w, world units; not in one plane
+Lattice make_box(const openvdb::Vec3d& first, const std::array<int, 3>& shape, const std::array<openvdb::Vec3d, 3>& steps);
 
 }  // namespace fluidcarve

@@ -29,7 +29,10 @@ Mapping::Mapping(const Lattice& lattice, const std::array<int, 3>& extent) : ext
     const auto& plane = lattice.planes.front();
     origin_ = plane.origin;
     step_ = {lattice.spacing * plane.u, lattice.spacing * plane.v, lattice.spacing * plane.w};
-    gradient_ = {plane.u / lattice.spacing, plane.v / lattice.spacing, plane.w / lattice.spacing};
+    for (std::size_t n = 0; n < 3; ++n) {
+        const auto across = step_[(n + 1) % 3].cross(step_[(n + 2) % 3]);
+        gradient_[n] = across / step_[n].dot(across);
+    }
 }
 
 Vec3d Mapping::coordinates(const Vec3d& world) const {

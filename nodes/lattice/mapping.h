@@ -42,8 +42,10 @@ public:
     /// Null in a straight box.
     const Slabs* slabs() const { return slabs_.get(); }
 
-private:
+    /// Lattice index coordinates in a straight box, also beyond it, not snapped.
     openvdb::Vec3d coordinates(const openvdb::Vec3d& world) const;
+
+private:
     openvdb::Vec3d origin_;
     std::array<openvdb::Vec3d, 3> step_;      ///< from a vertex to the next along u, v, w, world units
     std::array<openvdb::Vec3d, 3> gradient_;  ///< of the lattice coordinates, vertices per world unit

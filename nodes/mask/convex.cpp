@@ -92,7 +92,7 @@ double convex_slack(const openvdb::GridBase& like) {
 
 MaskGrid::Ptr convex_mask(const openvdb::GridBase& like, const Convex& shape) {
     if (!like.transform().isLinear())
-        throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); a {} needs voxels of one shape: resample the grid first", like.getName(),
+        throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); a {} needs voxels of one shape, as grid.resample makes them", like.getName(),
                                   like.transform().mapType(), shape.name));
     const auto voxels = voxels_around(like, shape);
     const auto out = MaskGrid::create();

@@ -42,7 +42,7 @@ struct MaskMesh {
     }
 
     void run(const Params& params, Ports& io, Context&) const {
-        cubic_voxel_size(*io.like->grid);
+        require_cubes(*io.like->grid);
         const auto& transform = io.like->grid->transform();
         io.mask = made_(io.mesh, transform,
                         [&] { return params.where == Where::inside ? inside_mask(*io.mesh, transform) : near_mask(*io.mesh, transform, params.distance); });

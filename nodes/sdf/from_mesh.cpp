@@ -129,7 +129,7 @@ struct SdfFromMesh {
 
     void run(const Params& params, Ports& io, Context& context) const {
         const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
-        if (io.like) cubic_voxel_size(*io.like->grid);
+        if (io.like) require_cubes(*io.like->grid);
         io.surface = made_(io.mesh, *transform, [&] { return mesh_distance(*io.mesh, *transform, params.band, params.thickness); });
         if (io.surface->getGridClass() != openvdb::GRID_LEVEL_SET)
             context.warn("the mesh is not closed, so that it has no inside: the distances have no sign; state a `thickness` for a shell around its faces");

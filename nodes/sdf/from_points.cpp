@@ -46,7 +46,7 @@ struct FromPoints {
     }
 
     static void run(const Params& params, Ports& io, Context&) {
-        if (io.like) cubic_voxel_size(*io.like->grid);
+        if (io.like) require_cubes(*io.like->grid);
         const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
         io.surface = sdf_of_points(*io.points, *transform, {params.radius, params.smoothing, params.half_width});
     }

@@ -24,13 +24,12 @@ public:
           before_(around_ ? 0 : static_cast<int>(std::ceil(margin_))),
           shape_(lattice.shape),
           mapping_(lattice.is_box() ? Mapping(lattice) : bent(lattice, static_cast<int>(std::ceil(margin_)))),
-          box_(lattice.is_box() ? &lattice.planes.front() : nullptr),
-          spacing_(lattice.spacing) {}
+          box_(lattice.is_box()) {}
 
     bool operator()(const Vec3d& world) const {
         if (box_) {
-            const auto from = (world - box_->origin) / spacing_;
-            return within(from.dot(box_->u), 0) && within(from.dot(box_->v), 1) && within(from.dot(box_->w), 2);
+            const auto at = mapping_.coordinates(world);
+            return within(at.x(), 0) && within(at.y(), 1) && within(at.z(), 2);
         }
         const auto at = mapping_.locate(world);
         return at && within(at->x() - before_, 0) && (around_ || within(at->y() - before_, 1));
@@ -52,8 +51,7 @@ private:
     const int before_;  ///< vertices of the mapping before the lattice's first
     const std::array<int, 3> shape_;
     const Mapping mapping_;
-    const Lattice::Plane* const box_;
-    const double spacing_;
+    const bool box_;
 };
 
 /// A leaf or an active tile, as 8 x 8 x 8 slots.

@@ -79,7 +79,7 @@ private:
     int finest_ = 1;
     std::optional<EnergyVolume> energy_;  ///< of the whole lattice
     std::vector<bool> begun_;             ///< for each frame of the volume, whether it has the codes of a frame
-    OneTransform transform_, field_transform_;
+    SameVoxels transform_, field_transform_;
     MarkCounts marks_;
     bool forward_ = false;                                      ///< whether there is a field
     Content content_;                                           ///< of all frames

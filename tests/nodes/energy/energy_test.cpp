@@ -120,28 +120,6 @@ TEST_CASE("an active tile has energy at its border only, exactly as the same val
     CHECK(different == 0);
 }
 
-TEST_CASE("voxels that are no cubes along the axes are refused") {
-    const auto field = FloatGrid::create();
-    field->setName("density");
-    const auto refusal = [&](const openvdb::math::Transform::Ptr& transform) {
-        field->setTransform(transform);
-        return failure_of([&] { gradient_energy(*field, 1); });
-    };
-    using openvdb::math::Transform;
-    auto transform = Transform::createLinearTransform(0.1);
-    transform->postTranslate({3, 4, 5});
-    CHECK(refusal(transform) == "");
-    transform->postScale({1, 2, 1});
-    CHECK(refusal(transform) ==
-          "grid 'density' has voxels of 0.1 x 0.2 x 0.1 (ScaleTranslateMap); derivatives need cubic voxels along the world's axes: resample the grid first");
-    transform = Transform::createLinearTransform(0.1);
-    transform->postRotate(0.3);
-    CHECK(refusal(transform) ==
-          "grid 'density' has voxels of 0.1 x 0.1 x 0.1 (AffineMap); derivatives need cubic voxels along the world's axes: resample the grid first");
-    CHECK(refusal(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)) ==
-          "grid 'density' has voxels of varying shape (NonlinearFrustumMap); derivatives need cubic voxels along the world's axes: resample the grid first");
-}
-
 TEST_CASE("a value that is not finite is refused, the lowest voxel named") {
     const auto field = flat("density", cube, 1);
     field->tree().setValue({5, 1, 1}, std::numeric_limits<float>::infinity());

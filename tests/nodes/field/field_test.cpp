@@ -1,8 +1,10 @@
 #include "nodes/field/active_range.h"
 #include "nodes/field/collocate.h"
 #include "nodes/field/curl.h"
+#include "nodes/field/curvature.h"
 #include "nodes/field/filter.h"
 #include "nodes/field/gradient.h"
+#include "nodes/field/laplacian.h"
 #include "nodes/field/magnitude.h"
 #include "nodes/io/vdb_file.h"
 #include "tests/support/grid_bytes.h"
@@ -92,17 +94,54 @@ TEST_CASE("a rigid rotation has a curl of twice its angular velocity, staggered 
     CHECK(largest_error(*staggered, {{-7, -7, -7}, {7, 7, 7}}, wanted) < 1e-5);
 }
 
-TEST_CASE("derivatives need cubes along the axes, and finite values") {
+TEST_CASE("derivatives are by world units, whatever voxels a linear transform makes") {
+    const auto placed = [](const auto& change) {
+        const auto out = openvdb::math::Transform::createLinearTransform(voxel);
+        change(*out);
+        return out;
+    };
+    using Transform = openvdb::math::Transform;
+    const auto transform = GENERATE_COPY(placed([](Transform& to) { to.postRotate(M_PI / 2, openvdb::math::Z_AXIS); }),
+                                         placed([](Transform& to) { to.postRotate(0.5, openvdb::math::Y_AXIS); }), placed([](Transform& to) {
+                                             to.postScale({-1, 1, 1});
+                                         }),
+                                         placed([](Transform& to) {
+                                             to.postScale({1.01, 1, 2});
+                                         }),
+                                         placed([](Transform& to) { to.postShear(0.3, openvdb::math::X_AXIS, openvdb::math::Y_AXIS); }));
+    const auto at_voxels = [&](const auto& value, auto grid) {
+        grid->setTransform(transform->copy());
+        for (auto at = cube.begin(); at; ++at) grid->tree().setValue(*at, value(grid->indexToWorld((*at).asVec3d())));
+        return grid;
+    };
+    const auto slope = at_voxels([](const Vec3d& p) { return float(7 + 2 * p.x() - 3 * p.y() + 6 * p.z()); }, FloatGrid::create());
+    CHECK(largest_error(*gradient_field(*slope), inner, [](const Vec3d&) { return Vec3s(2, -3, 6); }) < 1e-5);
+    const Vec3d omega(0.3, -0.4, 1.2);
+    const auto spin = at_voxels([&](const Vec3d& p) { return rotation(omega, p); }, VectorGrid::create());
+    CHECK(largest_error(*curl_field(spin), inner, [&](const Vec3d&) { return Vec3s(2 * omega); }) < 1e-5);
+    const auto bowl =
+        at_voxels([](const Vec3d& p) { return float(p.x() * p.x() + 2 * p.y() * p.y() - 0.5 * p.z() * p.z() + p.x() * p.y()); }, FloatGrid::create());
+    CHECK(largest_error(*laplacian_field(*bowl), inner, [](const Vec3d&) { return 5.0f; }) < 1e-3);
+    // Of level surfaces of p . p, spheres, of which second differences are exact.
+    const auto ball = at_voxels([](const Vec3d& p) { return float(p.lengthSqr()); }, FloatGrid::create());
+    const auto curvature = curvature_field(*ball);
+    for (const auto& at : {Coord(6, 0, 0), Coord(-5, 4, 3), Coord(3, 3, -6)})
+        CHECK(curvature->tree().getValue(at) == Approx(2 / curvature->indexToWorld(at).length()).epsilon(1e-3));
+}
+
+TEST_CASE("derivatives need voxels of one shape, and finite values") {
     const auto field = FloatGrid::create();
     field->setName("density");
-    field->transform().postScale({1, 2, 1});
+    field->setTransform(openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1));
     CHECK(failure_of([&] { gradient_field(*field); }) ==
-          "grid 'density' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubic voxels along the world's axes: resample the grid first");
+          "grid 'density' has voxels of varying shape (NonlinearFrustumMap); derivatives need voxels of one shape, as grid.resample makes them");
     const auto velocity = VectorGrid::create();
     velocity->setName("velocity");
-    velocity->transform().postScale({1, 2, 1});
+    velocity->setGridClass(openvdb::GRID_STAGGERED);
+    velocity->transform().postRotate(0.5, openvdb::math::Z_AXIS);
     CHECK(failure_of([&] { curl_field(velocity); }) ==
-          "grid 'velocity' has voxels of 1 x 2 x 1 (ScaleMap); derivatives need cubic voxels along the world's axes: resample the grid first");
+          "grid 'velocity' is staggered on turned voxels, so that nobody can tell which way its components point; store it collocated");
+    velocity->setGridClass(openvdb::GRID_UNKNOWN);
     velocity->setTransform(openvdb::math::Transform::createLinearTransform(1));
     velocity->tree().setValue({1, 2, 3}, Vec3s(0, not_a_number, 0));
     const std::string message = "grid 'velocity' has a value that is not finite (NaN or infinite) at voxel [1, 2, 3]; repair it where it comes from";

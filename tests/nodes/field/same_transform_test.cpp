@@ -37,7 +37,12 @@ TEST_CASE("a solver refuses energies whose voxels change from frame to frame, na
     add(0, 0.125);
     CHECK(failure_of([&] { add(1, 0.12); }) ==
           "the energy has voxels of 0.125 x 0.125 x 0.125, the first at [0, 0, 0] in frame 13, but voxels of 0.12 x 0.12 x 0.12, the first at [0, 0, 0] in "
-          "frame 14: no lattice fits both; bake the sequence with a fixed domain, or resample it");
+          "frame 14: no lattice fits both; bake the sequence with a fixed domain, or make its voxels alike with grid.resample");
+    for (const auto& at : {openvdb::Vec3d(0.3, 0, 0), openvdb::Vec3d(-5, 1, 0)}) {
+        const auto moved = grid_of(0.125);
+        moved->transform().postTranslate(at);
+        solver.add({{"energy", {Payload(moved)}}, {"lattice", {lattice}}}, Context(host, frames).at(1));
+    }
 }
 
 TEST_CASE("a reader warns of a domain that grows, even where its voxels stay") {

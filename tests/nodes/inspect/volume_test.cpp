@@ -91,7 +91,7 @@ TEST_CASE("inspect finds values that are not finite, odd voxels, odd level sets,
     CHECK(oddities(facts) == std::vector<std::string>{
                                  "density[0], density[1]: 2 values are not finite, the first at voxel [2,4,5]: energies refuse them",
                                  "density[0], density[1]: no class: treated as a fog volume",
-                                 "flat: voxels that are no cubes along the axes (0.1 x 0.2 x 0.1): derivatives refuse them",
+                                 "flat: voxels that are no cubes (0.1 x 0.2 x 0.1): distances refuse them",
                                  "phi: called a level set, but its background is not above 0: dense values in voxels, no narrow band",
                                  "flat: another transform than density[0]",
                                  "density[1]: not the only grid of its name",

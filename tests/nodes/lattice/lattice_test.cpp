@@ -131,14 +131,61 @@ TEST_CASE("lattice.box refuses to fit what has no one box") {
             fitted({grid_of(active, voxels_of(0.5)), grid_of(active, voxels_of(0.25))});
         }) ==
         "grid 'density' has voxels of 0.5 x 0.5 x 0.5, the first at [0, 0, 0] in frame 7, but voxels of 0.25 x 0.25 x 0.25, the first at [0, 0, 0] in frame 8: "
-        "no lattice fits both; bake the sequence with a fixed domain, or resample it");
+        "no lattice fits both; bake the sequence with a fixed domain, or make its voxels alike with grid.resample");
     CHECK(failure_of([&] { fitted({grid_of(CoordBBox(), voxels_of(0.5))}); }) ==
           "the grid to fit has no active voxels in any frame; state 'min', 'max' and 'spacing' instead");
-    const auto turned = voxels_of(0.5);
+    const auto frustum = openvdb::math::Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1);
+    CHECK(failure_of([&] { fitted({grid_of(active, frustum)}); }) ==
+          "grid 'density' has voxels of varying shape (NonlinearFrustumMap) in frame 7; a box fits voxels of one shape, as grid.resample makes them: or state "
+          "'min', 'max' and 'spacing' instead");
+}
+
+TEST_CASE("lattice.box stands on turned, mirrored, sheared and oblong voxels, along the axes nearest to the world's") {
+    const CoordBBox active(Coord(-1, 0, 2), Coord(3, 5, 4));
+    const auto check = [&](const openvdb::math::Transform::Ptr& transform, const std::array<int, 3>& shape) {
+        const auto lattice = fitted({grid_of(active, transform)});
+        CHECK(lattice.shape == shape);
+        const auto alignment = align(lattice, *transform);
+        REQUIRE(alignment);
+        CHECK(alignment->one_to_one());
+        // The corners are those of the active voxels, and u, v and w run along x, y and z.
+        CoordBBox box(alignment->voxel(0, 0, 0), alignment->voxel(0, 0, 0));
+        box.expand(alignment->voxel(shape[0] - 1, shape[1] - 1, shape[2] - 1));
+        CHECK(box == active);
+        for (int n = 0; n < 3; ++n) {
+            Vec3d next(0);
+            next[n] = 1;
+            CHECK((lattice.position(next) - lattice.position(Vec3d(0)))[n] > 0);
+        }
+        const Mapping mapping(lattice);
+        const Vec3d at(1.25, 2.5, 0.75);
+        CHECK((*mapping.locate(lattice.position(at)) - at).length() < 1e-9);
+        CHECK(!mapping.locate(lattice.position(at - Vec3d(1.5, 0, 0))));
+    };
+    const auto turned = voxels_of(0.5), quarter = voxels_of(0.5), mirrored = voxels_of(0.5), oblong = voxels_of(0.5), sheared = voxels_of(0.5);
     turned->preRotate(0.1, openvdb::math::Y_AXIS);
-    CHECK(failure_of([&] { fitted({grid_of(active, turned)}); }) ==
-          "grid 'density' is rotated, or its voxels are not cubes, in frame 7; a box fits only grids of cubic voxels along the axes: state 'min', 'max' and "
-          "'spacing' instead");
+    check(turned, {5, 6, 3});
+    quarter->postRotate(M_PI / 2, openvdb::math::Z_AXIS);
+    check(quarter, {6, 5, 3});
+    mirrored->postScale({-1, 1, -1});
+    check(mirrored, {5, 6, 3});
+    oblong->postScale({1, 1.01, 3});
+    check(oblong, {5, 6, 3});
+    sheared->postShear(0.4, openvdb::math::X_AXIS, openvdb::math::Y_AXIS);
+    check(sheared, {5, 6, 3});
+}
+
+TEST_CASE("lattice.box goes with a container that moves") {
+    const auto at = [](double x) { return voxels_of(0.5, Vec3d(x, 0, 0)); };
+    const CoordBBox active(Coord(0, 0, 0), Coord(3, 3, 3));
+    // Two voxels further, and a third of a voxel before.
+    const auto lattice = fitted({grid_of(active, at(0)), grid_of(active, at(1)), grid_of(active, at(-0.15))});
+    CHECK(lattice.shape == std::array{7, 4, 4});
+    CHECK(lattice.position(Vec3d(0)) == Vec3d(-0.5, 0, 0));
+    CHECK_THAT(failure_of([&] {
+                   fitted({grid_of(active, at(0)), grid_of(active, at(1e9))});
+               }),
+               Catch::EndsWith("in frame 8, too far from where it is in other frames for one lattice"));
 }
 
 TEST_CASE("lattice.box says what is wrong with its extent before a run") {

@@ -226,7 +226,7 @@ TEST_CASE("masks by place refuse bent grids and sizes that no mask can hold") {
           "smaller: it needs to cover only the lattice");
     CHECK(failure_of([&] {
               box_mask(*grid_of(Transform::createFrustumTransform({{0, 0, 0}, {9, 9, 9}}, 0.5, 3.0, 0.1)), {0, 0, 0}, {1, 1, 1});
-          }) == "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs voxels of one shape: resample the grid first");
+          }) == "grid 'density' has voxels of varying shape (NonlinearFrustumMap); a box needs voxels of one shape, as grid.resample makes them");
 }
 
 TEST_CASE("union, intersection and difference of masks, voxel by voxel, with tiles") {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+#include "nodes/payloads.h"
+
+namespace fluidcarve {
+
+/// All grids without what lies outside of a box, by openvdb::GridBase::clipGrid; points stay.
+/// @param box  world units; of turned voxels, the box around it along their axes counts
+Volume cropped(const Volume& volume, const openvdb::BBoxd& box);
+
+NodeType grid_crop();
+
+}  // namespace fluidcarve
