@@ -4,6 +4,8 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,14 +20,19 @@ struct AnyGrid {
     openvdb::GridBase::ConstPtr grid;
 };
 
+/// Place of the first name that is the wanted one. If there is none, `name[n]` is the place of the name's n-th, from 0 on.
+std::optional<std::size_t> find_name(const std::vector<std::string>& names, const std::string& wanted);
+
 /// All grids of one frame, in the order of their file, and the file's metadata.
 struct Volume {
     std::vector<openvdb::GridBase::ConstPtr> grids;
     openvdb::MetaMap metadata;  ///< metadata of the file, not of its grids
     std::string codec;          ///< compression of the file: "none", "zip", "blosc"; empty: not from a file
 
-    /// The first grid of this name, or null.
+    /// The grid that find_name() finds, or null.
     openvdb::GridBase::ConstPtr find(const std::string& name) const;
+    /// Names of the grids, several of one name as OpenVDB tells them apart: "density[0]", "density[1]".
+    std::vector<std::string> unique_names() const;
     /// Names of the grids for messages: "density, velocity".
     std::string names() const;
 };

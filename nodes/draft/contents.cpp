@@ -1,6 +1,7 @@
 #include "nodes/draft/contents.h"
 
 #include "graph/text/problem.h"
+#include "nodes/io/picked_grid.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -42,8 +44,25 @@ public:
     explicit Grids(const std::vector<Facts>& files) : files_(files) {
         for (const auto& grid : files.front().at("grids")) {
             const auto name = grid.at("name").get<std::string>();
-            if (std::ranges::all_of(files, [&](const Facts& file) { return part_of(file.at("grids"), name) != nullptr; })) shared_.push_back(&grid);
+            const auto lacking = std::ranges::find_if(files, [&](const Facts& file) { return part_of(file.at("grids"), name) == nullptr; });
+            if (lacking == files.end()) shared_.push_back(&grid);
+            else lacked_.emplace_back(&grid, &*lacking);
         }
+    }
+
+    /// Why no grid suits: a frame lacks one that the first file has. Empty: none does.
+    std::string lack() const {
+        if (lacked_.empty()) return {};
+        const auto of_content = std::ranges::find_if(lacked_, [](const auto& each) { return each.first->at("active_voxels") != 0; });
+        const auto& [grid, file] = of_content == lacked_.end() ? lacked_.front() : *of_content;
+        std::vector<std::string> known;
+        for (const auto& each : file->at("grids")) known.push_back(each.at("name"));
+        return fmt::format("{} {}", file->at("file").get<std::string>(),
+                           lacks_grid(grid->at("name"), known, fmt::format(", which {} has", files_.front().at("file").get<std::string>())));
+    }
+    /// Whether a frame lacks a grid of a name that tells what it is.
+    bool lacks(std::string_view word) const {
+        return std::ranges::any_of(lacked_, [&](const auto& each) { return lower(each.first->at("name")) == word; });
     }
 
     /// Names of a type that every file has, content or not.
@@ -73,6 +92,22 @@ public:
         return out;
     }
 
+    /// The box in each file that has content.
+    std::vector<openvdb::BBoxd> boxes(const std::string& name) const {
+        std::vector<openvdb::BBoxd> out;
+        for (const auto& file : files_)
+            if (const auto* const grid = part_of(file.at("grids"), name); grid && grid->contains("world_box")) out.push_back(box_of(grid->at("world_box")));
+        return out;
+    }
+    /// The other grids of the name and type of one.
+    std::vector<std::string> same(const std::string& name) const {
+        const auto end = name.rfind('[');
+        if (end == std::string::npos || !name.ends_with(']')) return {};
+        auto out = filled(facts(name).at("type").get<std::string>());
+        std::erase_if(out, [&](const std::string& each) { return each == name || !each.starts_with(name.substr(0, end + 1)); });
+        return out;
+    }
+
 private:
     /// Whether any of the files has active voxels in it, and not all of one value.
     bool has_content(const std::string& name) const {
@@ -89,7 +124,8 @@ private:
     }
 
     const std::vector<Facts>& files_;
-    std::vector<const Facts*> shared_;  ///< those that every file has
+    std::vector<const Facts*> shared_;                           ///< those that every file has
+    std::vector<std::pair<const Facts*, const Facts*>> lacked_;  ///< the others of the first file, each with a file that lacks it
 };
 
 using Words = std::span<const std::string_view>;
@@ -122,6 +158,24 @@ std::string velocity_beside(const Grids& grids, const std::string& name) {
     return out.empty() || !grids.lie_alike(out, name) ? std::string() : out;
 }
 
+/// Which end of the content stays in place when an axis is carved: the one that stands still over the frames while the other moves, where the
+/// source is. Upwards, if neither tells, the lower one, on which things stand; else the middle.
+/// @param boxes  of frames in the order of time
+/// @param up     0, 1, 2: x, y, z
+std::array<std::string, 3> sources_of(const std::vector<openvdb::BBoxd>& boxes, double voxel, int up) {
+    std::array<std::string, 3> out;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto stands = [&](const auto& end_of) {
+            const auto [low, high] = std::ranges::minmax(boxes, {}, end_of);
+            return end_of(high) - end_of(low) < 1.5 * voxel;
+        };
+        const bool low = boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.min()[axis]; });
+        const bool high = boxes.empty() || stands([axis](const openvdb::BBoxd& box) { return box.max()[axis]; });
+        out[static_cast<std::size_t>(axis)] = low == high ? (low && axis == up ? "low" : "middle") : low ? "low" : "high";
+    }
+    return out;
+}
+
 Contents contents_of_volumes(const std::vector<Facts>& files) {
     using Matter = Contents::Matter;
     const Grids grids(files);
@@ -136,6 +190,8 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
     if (const auto& profile = files.front().at("profile"); profile.is_string()) out.profile = profile;
     out.flame = named(fogs, flames);
     out.main = named(fogs, smokes);
+    if (out.main.empty() && std::ranges::any_of(smokes, [&](std::string_view word) { return grids.lacks(word); }))
+        throw Failure(grids.lack(), Failure::Kind::input);
     if (!out.flame.empty()) {
         out.matter = Matter::fire;
         if (out.main.empty() || !grids.lie_alike(out.main, out.flame)) out.main = out.flame;
@@ -157,12 +213,17 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
         out.vectors = fogs.empty();
         out.main = out.vectors ? vectors.front() : fogs.front();
     } else {
-        throw Failure(fmt::format("{} holds nothing that can be carved: no particles, and no grid of floats or vectors with different values",
-                                  files.front().at("file").get<std::string>()),
+        const auto lack = grids.lack();
+        throw Failure(lack.empty() ? fmt::format("{} holds nothing that can be carved: no particles, and no grid of floats or vectors with different values",
+                                                 files.front().at("file").get<std::string>())
+                                   : lack,
                       Failure::Kind::input);
     }
     out.voxel = grids.voxel(out.main);
     out.box = grids.box(out.main);
+    if (out.matter != Matter::particles) out.same = grids.same(out.main);
+    const bool y_up = out.profile == "houdini" || out.profile == "embergen";
+    out.source = sources_of(grids.boxes(out.main), out.voxel, y_up ? 1 : 2);
     return out;
 }
 
@@ -185,8 +246,9 @@ Contents contents_of_geometry(const std::vector<Facts>& files) {
     Contents out;
     out.matter = mesh ? Contents::Matter::mesh : Contents::Matter::particles;
     out.alone = true;
+    std::vector<openvdb::BBoxd> boxes;
     for (const auto& file : files)
-        if (file.contains("world_box")) out.box.expand(box_of(file.at("world_box")));
+        if (file.contains("world_box")) out.box.expand(boxes.emplace_back(box_of(file.at("world_box"))));
     const auto size = out.box.extents();
     const auto longest = std::max({size.x(), size.y(), size.z()});
     // In liquids, particles are about half a voxel apart.
@@ -194,6 +256,7 @@ Contents contents_of_geometry(const std::vector<Facts>& files) {
         std::cbrt(std::max(size.x(), longest / 100) * std::max(size.y(), longest / 100) * std::max(size.z(), longest / 100) / counted.get<double>());
     out.voxel = mesh ? longest / voxels_of_mesh : std::max(2 * apart, longest / 500);
     if (!mesh) out.identified = part_of(first.at("attributes"), "id") != nullptr;
+    out.source = sources_of(boxes, out.voxel, 2);
     return out;
 }
 

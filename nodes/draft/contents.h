@@ -3,6 +3,7 @@
 #include <openvdb/openvdb.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct Contents {
     std::string profile;              ///< name of the application's profile; empty: unknown
     openvdb::BBoxd box;               ///< around the content, in the files' world
     std::vector<std::string> floats;  ///< names of all float grids or channels that every file has
+    std::vector<std::string> same;    ///< further grids of the name and type of `main`
+    std::array<std::string, 3> source{"middle", "middle", "middle"};  ///< which end stays in place when x, y or z is carved (source_of)
 };
 
 /// Finds what is to be carved by types and names of grids. Grids without content, or with one value everywhere, do not count.

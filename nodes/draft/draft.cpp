@@ -105,6 +105,12 @@ private:
     }
 
     /// The nodes of masks that no seam may pass. @param like  a grid on whose voxels they lie
+    /// Offers the grids that have the name of the one that is looked at.
+    void beside() {
+        for (std::size_t n = 0; n < contents_.same.size(); ++n)
+            offer(contents_.same[n], fmt::format("beside{}", n + 1), contents_.vectors ? "vector" : "float");
+    }
+
     void masks(const std::string& like) {
         std::vector<std::string> all;
         for (const auto& each : protected_) {
@@ -128,7 +134,10 @@ private:
     void box(const std::string& fit) {
         comment(contents_.matter == Matter::image ? "The lattice is the image: `u` to the right, `v` up."
                                                   : "The space in which seams run: the box around all frames, a vertex at every voxel.");
-        Fields fields{{"fit", fit}};
+        // Grids of the same name beside it move alike.
+        std::vector<std::string> all{fit};
+        for (std::size_t n = 0; n < contents_.same.size(); ++n) all.push_back(fmt::format("sim.beside{}", n + 1));
+        Fields fields{{"fit", all.size() == 1 ? fit : fmt::format("[{}]", fmt::join(all, ", "))}};
         if (request_.axis == 'z') fields.emplace_back("axes", "zxy");
         node("box", "lattice.box", fields);
         if (contents_.matter != Matter::image && contents_.box) rig_comment();
@@ -170,7 +179,7 @@ private:
         if (!protected_.empty()) fields.emplace_back("protect", "keep");
         fields.emplace_back("axis", request_.axis == 'y' ? "v" : "u");
         fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
-        if (contents_.matter != Matter::image) fields.emplace_back("anchor", "middle");
+        if (contents_.matter != Matter::image) fields.emplace_back("anchor", contents_.source.at(static_cast<std::size_t>(request_.axis - 'x')));
         node("seams", !request_.solver.empty() ? request_.solver : warps() ? "warp.solve" : "seam.pyramid", with(std::move(fields), request_.solver_fields));
     }
 
@@ -229,7 +238,10 @@ private:
                 protected_.push_back({{}, each});
                 continue;
             }
-            const auto grid = each.substr(0, sign);
+            auto grid = each.substr(0, sign);
+            // Of several grids of one name the first.
+            if (std::ranges::find(contents_.floats, grid) == contents_.floats.end() && std::ranges::find(contents_.floats, grid + "[0]") != contents_.floats.end())
+                grid += "[0]";
             if (std::ranges::find(contents_.floats, grid) == contents_.floats.end())
                 throw Failure(fmt::format("--protect: there is no float grid '{}' in every file of {}{}", grid, request_.input,
                                           contents_.floats.empty() ? "" : did_you_mean(grid, contents_.floats)));
@@ -243,6 +255,7 @@ private:
         const bool fire = contents_.matter == Matter::fire, both = fire && contents_.flame != contents_.main;
         auto field = offer(contents_.main, "main", contents_.vectors ? "vector" : "float");
         const auto flame = both ? offer(contents_.flame, "flame", "float") : field;
+        beside();
         read_protected();
         comment("`sim` alone means all grids of the files, which are all carved; `grids` names those that nodes take.");
         reader("vdb.read", "grids");
@@ -276,6 +289,7 @@ private:
         const auto surface = offer(contents_.main, "surface", "float");
         Fields energy{{"surface", surface}};
         if (!contents_.velocity.empty()) energy.emplace_back("velocity", offer(contents_.velocity, "velocity", "vector"));
+        beside();
         read_protected();
         comment("`sim` alone means all grids of the files, which are all carved; `grids` names those that nodes take.");
         reader("vdb.read", "grids");

@@ -122,6 +122,9 @@ public:
         return {place(name, choice.kind)};
     }
 
+    /// Number of grids of a name.
+    std::ptrdiff_t count(const std::string& name) const { return std::ranges::count(header_.grids, name, &VdbHeader::Entry::name); }
+
     /// Name of the grid that an output will be. @param places  as of `places`
     std::string name_of(const std::vector<std::size_t>& places) const {
         const auto& name = header().grids[places.front()].name;
@@ -260,12 +263,17 @@ struct VdbRead {
     static void survey(const Params& params, Survey& survey) {
         Steadiness steadiness;
         std::map<std::string, HeaderRegion> regions;
+        std::map<std::string, std::string> several;  // the first grid that is taken, of those of one name
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
             for (const auto& [output, choice] : params.grids) {
                 if (!survey.wants(output)) continue;
                 const auto of_output = contents.places(output, choice);
+                if (const auto& grid = contents.header().grids[of_output.front()]; contents.count(grid.name) > 1) {
+                    auto& first = several.try_emplace(grid.name, grid.unique_name).first->second;
+                    first = std::min(first, grid.unique_name);
+                }
                 places.insert(of_output.begin(), of_output.end());
                 for (const auto place : of_output) regions[output].add(contents.header().grids[place], placement_of(params));
                 survey.delivers(frame, output, {{{contents.name_of(of_output)}}, std::nullopt});
@@ -283,6 +291,8 @@ struct VdbRead {
             steadiness.look(contents.header(), places, frame, survey);
             survey.expect(frame, memory_of(contents, places, named));
         });
+        for (const auto& [name, first] : several)
+            survey.warn(fmt::format("there are several grids '{}': energies see '{}', and all are carved by the same seams", name, first));
         for (const auto& [output, of] : regions)
             if (const auto region = of.region()) survey.lies(output, *region);
     }

@@ -24,6 +24,8 @@ struct ChoiceNames<AxisOrder> {
 
 namespace {
 
+using openvdb::Coord;
+using openvdb::CoordBBox;
 using openvdb::Vec3d;
 
 constexpr int most_steps = most_vertices - 1;
@@ -33,8 +35,24 @@ std::array<int, 3> world_axes(AxisOrder order) {
     return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
 }
 
-/// Largest distance of a container's voxels from those of the first frame that rounding explains, voxels.
+/// Largest distance from a voxel that rounding explains, voxels.
 constexpr double rounding = 2e-3;
+
+/// The voxels of a transform in which those of a grid lie.
+/// @throws Failure naming the grid and the frame, if they lie too far away
+CoordBBox among(const openvdb::math::Transform& first, const CoordBBox& voxels, const openvdb::math::Transform& transform, const std::string& name, int frame) {
+    if (first == transform) return voxels;
+    CoordBBox out;
+    for (int n = 0; n < 8; ++n) {
+        const auto corner = [&](int axis) -> double { return (n >> axis & 1) != 0 ? voxels.max()[axis] : voxels.min()[axis]; };
+        const auto at = first.worldToIndex(transform.indexToWorld(Vec3d(corner(0), corner(1), corner(2))));
+        if (!voxel_at(at))
+            throw Failure(fmt::format("grid '{}' has {} in frame {}, too far from the others for one lattice", name, place_text(transform), frame));
+        out.expand(Coord::floor(at + Vec3d(rounding)));
+        out.expand(Coord::ceil(at - Vec3d(rounding)));
+    }
+    return out;
+}
 
 struct Box {
     struct Params {
@@ -43,7 +61,7 @@ struct Box {
         AxisOrder axes = AxisOrder::xyz;
     };
     struct Ports {
-        Optional<AnyGrid> fit;
+        OptionalList<AnyGrid> fit;
         Ref<Lattice> lattice;
     };
 
@@ -79,9 +97,16 @@ struct Box {
         else if (const auto* const fit = ahead.region("fit")) ahead.lies(*fit);
     }
 
-    static std::shared_ptr<ActiveBox> digest(const Params&, const Ports& io, Context&) {
-        const auto& grid = *io.fit->grid;
-        return std::make_shared<ActiveBox>(ActiveBox{grid.getName(), grid.transform().copy(), grid.evalActiveVoxelBoundingBox()});
+    static std::shared_ptr<ActiveBox> digest(const Params&, const Ports& io, Context& context) {
+        const auto& first = *io.fit.front()->grid;
+        ActiveBox out{first.getName(), first.transform().copy(), first.evalActiveVoxelBoundingBox()};
+        for (std::size_t n = 1; n < io.fit.size(); ++n) {
+            const auto& grid = *io.fit[n]->grid;
+            const auto active = grid.evalActiveVoxelBoundingBox();
+            if (active.empty()) continue;
+            out.voxels.expand(among(first.transform(), active, grid.transform(), grid.getName(), context.frame()));
+        }
+        return std::make_shared<ActiveBox>(std::move(out));
     }
 
     void add(const Params&, const Ref<ActiveBox>& in, Context& context) {
@@ -93,14 +118,8 @@ struct Box {
                             in->name, in->transform->mapType(), context.frame()));
         voxels_.require(fmt::format("grid '{}'", in->name), *in->transform, context.frame());
         name_ = in->name;
-        // A container may move from frame to frame: its voxels count where they lie among those of the first frame.
-        if (*voxels_.transform() == *in->transform) return box_.expand(in->voxels);
-        const auto moved = voxels_.transform()->worldToIndex(in->transform->indexToWorld(Vec3d(0)));
-        const Vec3d low = in->voxels.min().asVec3d() + moved, high = in->voxels.max().asVec3d() + moved;
-        if (!voxel_at(low) || !voxel_at(high))
-            throw Failure(fmt::format("grid '{}' has {} in frame {}, too far from where it is in other frames for one lattice", in->name,
-                                      place_text(*in->transform), context.frame()));
-        box_.expand(openvdb::CoordBBox(openvdb::Coord::floor(low + Vec3d(rounding)), openvdb::Coord::ceil(high - Vec3d(rounding))));
+        // A container may move from frame to frame.
+        box_.expand(among(*voxels_.transform(), in->voxels, *in->transform, in->name, context.frame()));
     }
 
     void finish(const Params& params, Ports& io, Context&) {
@@ -158,7 +177,8 @@ struct Box {
 NodeType lattice_box() {
     return Declare<Box>("lattice.box", "A straight lattice, given by its corners or fitted around the active voxels of a grid over all frames.")
         .input("fit", &Box::Ports::fit,
-               "A grid. The lattice gets a vertex at each voxel of the box around the grid's active voxels, over all frames. Replaces min, max and spacing.")
+               "A grid, or a list. The lattice gets a vertex at each voxel of the first one, in the box around the active voxels of all, over all frames. "
+               "Replaces min, max and spacing.")
         .param("min", &Box::Params::min, Unit::world, any_number(), "Position of the first vertex.")
         .param("max", &Box::Params::max, Unit::world, any_number(), "Position of the last vertex, a whole number of spacings (0 or more) from `min`.")
         .param("spacing", &Box::Params::spacing, Unit::world, at_least(0), "Distance between neighbouring vertices; above 0.")

@@ -74,7 +74,7 @@ std::vector<SheetWish::Show> shows_of(const Several<Rows>& rows) {
 
 /// @param there  names of the grids of the input
 void require_grid(const char* input, const std::string& name, const std::vector<std::string>& there) {
-    if (std::find(there.begin(), there.end(), name) == there.end())
+    if (!find_name(there, name))
         throw Failure(fmt::format("'{}' has no grid '{}'{}", input, name, did_you_mean(name, there)));
 }
 

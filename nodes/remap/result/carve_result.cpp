@@ -9,9 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 
 namespace fluidcarve {
 namespace {
@@ -22,7 +25,9 @@ using openvdb::Vec3d;
 constexpr double same_share = 1e-4, same_voxels = 0.01;  ///< smaller changes of mass and place count as none
 constexpr double nothing_share = 1e-6;                   ///< share of the mass that counts as nothing left
 constexpr double much_mass = 1.0 / 3;                    ///< change of the mass from which on it is warned of
-constexpr double far_voxels = 10;                        ///< the same for the way that the start moved
+constexpr double unlike_even = 0.2;                      ///< if it differs by so much from that of even scaling to the same size
+constexpr double steady_voxels = 1.5;                    ///< an end of the content that moves by less over the sequence stands still
+constexpr double far_voxels = 5;                         ///< way that the source moved from which on it is warned of
 
 Json to_json(const Vec3d& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
 
@@ -67,12 +72,16 @@ struct OverFrames {
     double mass = 0;     ///< sum over the frames
     std::optional<double> highest;
     Vec3d moment{0};        ///< sum of mass times centre
+    double volume = 0;      ///< sum of the volumes of the frames' boxes
     double steps = 0;       ///< sum of the mass's absolute changes from frame to frame
     std::size_t pairs = 0;  ///< number of neighbouring frames
 
     /// @param before  of the frame before; null if there is none
     void add(const GridMeasure& now, const GridMeasure* before) {
-        if (!now.box.empty()) box.expand(now.box);
+        if (!now.box.empty()) {
+            box.expand(now.box);
+            volume += now.box.extents().product();
+        }
         mass += now.mass;
         if (now.highest) highest = std::max(highest.value_or(0), *now.highest);
         moment += now.mass * now.centre;
@@ -88,6 +97,22 @@ struct OverFrames {
     }
 };
 
+/// An end of a grid's content along an axis, over the frames, world units.
+struct End {
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  ///< before the carve
+    double moved = 0;                                                            ///< by the carve, at most
+    int frame = 0;                                                               ///< where it moved so far
+
+    void add(int number, double before, double after) {
+        lowest = std::min(lowest, before);
+        highest = std::max(highest, before);
+        if (std::abs(after - before) <= moved) return;
+        moved = std::abs(after - before);
+        frame = number;
+    }
+    double range() const { return highest - lowest; }
+};
+
 /// What a carve did to a grid.
 struct GridResult {
     std::size_t frames = 0;
@@ -95,14 +120,15 @@ struct GridResult {
     bool same = true;              ///< in all frames
     std::vector<int> lost;         ///< numbers of the frames where nothing is left
     std::size_t full = 0;          ///< number of frames where there was something
-    double moved = 0;              ///< how far the centre moved in the first frame with content, voxels; of a picture 0
-    std::optional<int> starts_at;  ///< number of that frame
+    std::array<End, 6> ends;       ///< of the content: lowest and highest along x, y and z
+    double voxel = 0;              ///< edge
+    bool picture = false;          ///< in any frame
     std::optional<std::pair<GridMeasure, GridMeasure>> last;
 
     /// @param neighbour  whether the frame before was added last
     void add(int frame, const Json& entry, bool neighbour) {
         const std::pair now(measure_in(entry.at("before")), measure_in(entry.at("after")));
-        const double voxel = number_in(entry.at("voxel"));
+        voxel = number_in(entry.at("voxel"));
         const bool follows = neighbour && last;
         before.add(now.first, follows ? &last->first : nullptr);
         after.add(now.second, follows ? &last->second : nullptr);
@@ -112,13 +138,28 @@ struct GridResult {
             ++full;
             const bool none = nothing_left(now.first.mass, now.second.mass);
             if (none) lost.push_back(frame);
-            if (!starts_at) {
-                starts_at = frame;
-                if (!none && !is_picture(now.first.box, voxel)) moved = (now.second.centre - now.first.centre).length() / voxel;
-            }
+            picture = picture || is_picture(now.first.box, voxel);
+            if (!none && !now.first.box.empty() && !now.second.box.empty())
+                for (int axis = 0; axis < 3; ++axis) {
+                    ends[2 * static_cast<std::size_t>(axis)].add(frame, now.first.box.min()[axis], now.second.box.min()[axis]);
+                    ends[2 * static_cast<std::size_t>(axis) + 1].add(frame, now.first.box.max()[axis], now.second.box.max()[axis]);
+                }
         }
         last = now;
     }
+    /// The end that stands still over the sequence while the other moves, and so shows where the source is, if the carve moved it far.
+    const End* moved_source() const {
+        if (picture || full < 2) return nullptr;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto &low = ends[2 * axis], &high = ends[2 * axis + 1];
+            const bool low_stands = low.range() < steady_voxels * voxel, high_stands = high.range() < steady_voxels * voxel;
+            const auto& source = low_stands ? low : high;
+            if (low_stands != high_stands && source.moved >= far_voxels * voxel) return &source;
+        }
+        return nullptr;
+    }
+    /// Change of the mass that even scaling to the same size would bring, as a share.
+    double even_change() const { return before.volume > 0 ? after.volume / before.volume - 1 : 0; }
     bool empty() const { return before.mass == 0; }
     bool gone() const { return nothing_left(before.mass, after.mass); }
     double change() const { return after.mass / before.mass - 1; }  ///< of the mass, as a share
@@ -160,12 +201,18 @@ std::vector<std::pair<std::size_t, const Json*>> in_time(const Json& frames, con
     return out;
 }
 
+/// Grids that are level sets in some frames and densities in others count as two: volumes and amounts have no sum.
 GridResults over_frames(const Json& frames, const std::vector<int>& sequence) {
     GridResults out;
     std::map<std::string, std::size_t> last_place;
-    for (const auto& [place, entry] : in_time(frames, sequence))
-        for (const auto& [name, grid] : entry->items()) {
-            auto found = std::find_if(out.begin(), out.end(), [&wanted = name](const auto& each) { return each.first == wanted; });
+    const auto entries = in_time(frames, sequence);
+    std::map<std::string, std::set<bool>> classes;
+    for (const auto& [place, entry] : entries)
+        for (const auto& [name, grid] : entry->items()) classes[name].insert(grid.contains("level_set"));
+    for (const auto& [place, entry] : entries)
+        for (const auto& [given, grid] : entry->items()) {
+            const auto name = classes[given].size() == 1 ? given : given + (grid.contains("level_set") ? " (level set)" : " (no level set)");
+            auto found = std::find_if(out.begin(), out.end(), [&](const auto& each) { return each.first == name; });
             if (found == out.end()) found = out.emplace(out.end(), name, GridResult());
             const auto last = last_place.find(name);
             found->second.add(sequence[place], grid, last != last_place.end() && last->second + 1 == place);
@@ -199,36 +246,39 @@ void warn_of_nothing_left(const GridResults& grids, const Context& context) {
 void warn_of_mass(const GridResults& grids, const Context& context) {
     std::vector<std::string> changes;
     for (const auto& [name, grid] : grids)
-        if (!grid.empty() && !grid.gone() && std::abs(grid.change()) >= much_mass) changes.push_back(fmt::format("{} {}", name, signed_percent(grid.change())));
+        if (!grid.empty() && !grid.gone() && std::abs(grid.change()) >= much_mass &&
+            std::abs((1 + grid.change()) / (1 + grid.even_change()) - 1) >= unlike_even)
+            changes.push_back(fmt::format("{} {}, even scaling {}", name, signed_percent(grid.change()), signed_percent(grid.even_change())));
     if (!changes.empty())
         context.warn(
-            fmt::format("the carve changed the mass by a third or more: {}; carve less (`count` of seams, `amount` of a warp), keep the carve off the content "
+            fmt::format("the carve changed the mass by far more or less than even scaling to the same size: {}; carve less (`count` of seams, `amount` of a warp), keep the carve off the content "
                         "(`protect` of the solver), or "
                         "keep the mass of densities (`conserve`)",
-                        fmt::join(changes, ", ")));
+                        fmt::join(changes, "; ")));
 }
 
-void warn_of_moved_start(const GridResults& grids, const Context& context) {
-    const auto farthest =
-        std::max_element(grids.begin(), grids.end(), [](const auto& one, const auto& other) { return one.second.moved < other.second.moved; });
-    if (farthest == grids.end() || farthest->second.moved < far_voxels) return;
-    const auto& [name, grid] = *farthest;
-    context.warn(
-        fmt::format("{} starts {:.1f} voxels from where it was, by its centre in frame {}; if its source must stay in place, set `anchor` of the solver", name,
-                    grid.moved, *grid.starts_at));
+void warn_of_moved_source(const GridResults& grids, const Context& context) {
+    for (const auto& [name, grid] : grids)
+        if (const auto* const end = grid.moved_source())
+            return context.warn(
+                fmt::format("the end of {} that stands still over the sequence, where its source is, moved by {:.1f} voxels in frame {}; if it must stay in "
+                            "place, set `anchor` of the solver",
+                            name, end->moved / grid.voxel, end->frame));
 }
 
 }  // namespace
 
 Json compared(const Volume& before, const Volume& after) {
     Json out = Json::object();
+    const auto names = before.unique_names();
     for (std::size_t n = 0; n < before.grids.size(); ++n) {
         const auto& given = *before.grids[n];
-        if (out.contains(given.getName()) || triplet_of(before, given)) continue;
+        if (triplet_of(before, given)) continue;
         const auto first = measured(given);
         if (!first) continue;
         const auto second = after.grids.at(n) == before.grids[n] ? first : measured(*after.grids[n]);
-        out[given.getName()] = {{"voxel", voxel_edge(given)}, {"before", to_json(*first)}, {"after", to_json(*second)}};
+        out[names[n]] = {{"voxel", voxel_edge(given)}, {"before", to_json(*first)}, {"after", to_json(*second)}};
+        if (given.getGridClass() == openvdb::GRID_LEVEL_SET) out[names[n]]["level_set"] = true;
     }
     return out;
 }
@@ -244,7 +294,7 @@ void tell_result(const Json& frames, Context& context) {
     warn_of_nothing_changed(grids, context);
     warn_of_nothing_left(grids, context);
     warn_of_mass(grids, context);
-    warn_of_moved_start(grids, context);
+    warn_of_moved_source(grids, context);
 }
 
 }  // namespace fluidcarve

@@ -18,7 +18,8 @@ inline constexpr const char* carved_grids = "grids";
 nlohmann::ordered_json compared(const Volume& before, const Volume& after);
 
 /// Says what a carve did, from the entries of all frames: the node's entry for `grids`, a line for each grid, and warnings if a carve
-/// changed nothing, left nothing, changed the mass by more than a third, or moved the place where the content starts by 10 voxels or more.
+/// changed nothing, left nothing, changed the mass by a third or more though even scaling to the same size would not, or moved the source by 5
+/// voxels or more: the end of the content that stands still over the sequence while the other moves.
 /// @param frames  entries of compared() by frame number, or a single one of any other name
 void tell_result(const nlohmann::ordered_json& frames, Context& context);
 

@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+
 using namespace fluidcarve;
 
 namespace {
@@ -70,6 +72,41 @@ TEST_CASE("grids with one value everywhere, or not in every file, are no content
     CHECK(other.main == "heat");
     CHECK_THROWS_WITH(contents_of({volume({constant})}), Catch::StartsWith("a.vdb holds nothing that can be carved"));
     CHECK(contents_of({volume({grid("Cd", "vec3s", "unknown", 1)})}).vectors);
+}
+
+TEST_CASE("a frame that lacks the grid that says what the files are is named, with the grid") {
+    auto first = volume({fog("density", 1)}), second = volume({fog("heat", 1)}), empty = volume({});
+    first["file"] = "a.0001.vdb";
+    second["file"] = "a.0003.vdb";
+    empty["file"] = "a.0004.vdb";
+    CHECK_THROWS_WITH(contents_of({first, second, first}), "a.0003.vdb has no grid 'density', which a.0001.vdb has; it has heat");
+    CHECK_THROWS_WITH(contents_of({first, empty}), "a.0004.vdb has no grid 'density', which a.0001.vdb has; it has none");
+    // Another grid that both have does not take its place.
+    CHECK_THROWS_WITH(contents_of({volume({fog("density", 1), fog("heat", 1)}), second}), "a.0003.vdb has no grid 'density', which a.vdb has; it has heat");
+}
+
+TEST_CASE("of several grids of one name the first is looked at, and those with content move alike") {
+    const auto found = contents_of({volume({fog("density[0]", 1), fog("density[1]", 0), fog("density[2]", 1), fog("heat", 1)})});
+    CHECK(found.main == "density[0]");
+    CHECK(found.same == std::vector<std::string>{"density[2]"});
+    CHECK(contents_of({volume({fog("density", 1), fog("heat", 1)})}).same.empty());
+}
+
+TEST_CASE("what stays in place is the end that stands still while the other moves, and upwards the end on which things stand") {
+    const auto sources = [](const std::vector<std::array<double, 6>>& boxes, const std::string& profile = "blender") {
+        std::vector<Json> files;
+        for (const auto& box : boxes) {
+            auto density = fog("density", 1);
+            density["world_box"] = {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+            files.push_back(volume({density}, profile));
+        }
+        return contents_of(files).source;
+    };
+    using Sources = std::array<std::string, 3>;
+    CHECK(sources({{0, 0, 0, 4, 4, 4}}) == Sources{"middle", "middle", "low"});
+    CHECK(sources({{0, 0, 0, 4, 4, 4}}, "houdini") == Sources{"middle", "low", "middle"});
+    CHECK(sources({{0, 0, 0, 4, 4, 4}, {0, -2, 0.5, 8, 4, 9}}) == Sources{"low", "high", "low"});
+    CHECK(sources({{0, 0, 2, 4, 4, 4}, {-2, 0, 0, 8, 4, 9}}) == Sources{"middle", "middle", "middle"});
 }
 
 TEST_CASE("images are looked at by their green, and meshes become volumes of a hundred voxels") {

@@ -15,6 +15,7 @@
 #include <openvdb/tools/Prune.h>
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 using namespace fluidcarve;
@@ -171,6 +172,24 @@ TEST_CASE("grid.pick keeps or drops grids by names and patterns, and names what 
           "the volume has no grid 'densty'; it has density, vel.x, vel.y, heat; did you mean 'density'?");
     CHECK(NodeBench(grid_pick(), "{}").faults() == "type: needs either 'keep' or 'drop'\n");
     CHECK(NodeBench(grid_pick(), "{keep: [a], drop: [b]}").faults() == "type: needs either 'keep' or 'drop'\n");
+}
+
+TEST_CASE("several grids of one name are found by their place, a name without a place is the first") {
+    Volume volume;
+    for (const auto* const name : {"density", "heat", "density", "", "a[1]"}) {
+        const auto grid = FloatGrid::create();
+        grid->setName(name);
+        volume.grids.push_back(grid);
+    }
+    CHECK(volume.unique_names() == std::vector<std::string>{"density[0]", "heat", "density[1]", "", "a[1]"});
+    const auto place = [&](const std::string& name) { return std::ranges::find(volume.grids, volume.find(name)) - volume.grids.begin(); };
+    CHECK(place("density") == 0);
+    CHECK(place("density[0]") == 0);
+    CHECK(place("density[1]") == 2);
+    CHECK(place("heat[0]") == 1);
+    CHECK(place("[0]") == 3);
+    CHECK(place("a[1]") == 4);
+    for (const auto* const none : {"density[2]", "density[]", "density[-1]", "density[1]]", "smoke", "[1]"}) CHECK(volume.find(none) == nullptr);
 }
 
 TEST_CASE("vdb.write stores the grids that it is told in half floats, or in whole ones") {

@@ -185,7 +185,7 @@ TEST_CASE("lattice.box goes with a container that moves") {
     CHECK_THAT(failure_of([&] {
                    fitted({grid_of(active, at(0)), grid_of(active, at(1e9))});
                }),
-               Catch::EndsWith("in frame 8, too far from where it is in other frames for one lattice"));
+               Catch::EndsWith("in frame 8, too far from the others for one lattice"));
 }
 
 TEST_CASE("lattice.box says what is wrong with its extent before a run") {

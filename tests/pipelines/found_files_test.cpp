@@ -1,0 +1,90 @@
+#include "nodes/io/vdb_file.h"
+#include "tests/support/program.h"
+#include "tests/support/sampled.h"
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace fluidcarve;
+using openvdb::Vec3d;
+
+namespace {
+
+/// A ball of smoke with ripples, in 40 x 30 x 30 voxels of 0.1 from a place on.
+FloatGrid::Ptr ball_of_smoke(const std::string& name, const Vec3d& from = Vec3d(0)) {
+    const auto out = FloatGrid::create();
+    out->setName(name);
+    out->setGridClass(openvdb::GRID_FOG_VOLUME);
+    out->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
+    out->transform().postTranslate(from);
+    for (int x = 0; x < 40; ++x)
+        for (int y = 0; y < 30; ++y)
+            for (int z = 0; z < 30; ++z) {
+                const Vec3d at((x - 19.5) / 9, (y - 14.5) / 7, (z - 14.5) / 7);
+                const double value = std::exp(-at.lengthSqr()) * (1 + 0.3 * std::sin(x) * std::cos(0.9 * y));
+                if (value > 0.05) out->tree().setValue({x, y, z}, static_cast<float>(value));
+            }
+    return out;
+}
+
+Volume volume_of(std::vector<openvdb::GridBase::ConstPtr> grids) {
+    Volume out;
+    out.grids = std::move(grids);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("grids of one name, and a grid without a name, are carved and shown, all of one name move alike, and it says so") {
+    const Scratch scratch;
+    write_vdb(scratch / "two.vdb", volume_of({ball_of_smoke("density"), ball_of_smoke("density", {9, 0, 0})}));
+    write_vdb(scratch / "none.vdb", volume_of({ball_of_smoke("")}));
+    const auto in = "cd " + scratch.path() + " && ";
+    const auto two = call_shell(in + FLUIDCARVE_PROGRAM " carve two.vdb -4 -o o.vdb --sheet s.png --progress none");
+    CHECK(two.code == 0);
+    CHECK_THAT(two.err, Catch::StartsWith("warning: sim (vdb.read): there are several grids 'density': energies see 'density[0]', and all are carved by the same "
+                                          "seams\ncarved: density[0] "));
+    CHECK_THAT(two.err, Catch::Contains("\ncarved: density[1] "));
+    const auto before = read_vdb(scratch / "two.vdb"), after = read_vdb(scratch / "o.vdb");
+    REQUIRE(after.grids.size() == 2);
+    for (std::size_t n = 0; n < 2; ++n) CHECK(after.grids[n]->evalActiveVoxelBoundingBox() != before.grids[n]->evalActiveVoxelBoundingBox());
+    for (const std::string name : {"two", "none"}) {
+        INFO(name);
+        const auto drafted = call_shell(in + FLUIDCARVE_PROGRAM " init " + name + ".vdb -o " + name + ".yaml && " FLUIDCARVE_PROGRAM " run " + name + ".yaml --progress none");
+        INFO(drafted.err);
+        CHECK(drafted.code == 0);
+    }
+}
+
+TEST_CASE("a frame without the grid is named, whether the grid has another name there or the file is empty") {
+    const Scratch scratch;
+    for (int frame = 1; frame <= 4; ++frame) {
+        const auto ball = ball_of_smoke(frame == 3 ? "heat" : "density");
+        write_vdb(scratch / fmt::format("a.{:04}.vdb", frame), volume_of({ball}));
+        write_vdb(scratch / fmt::format("e.{:04}.vdb", frame), frame == 2 ? Volume() : volume_of({ball_of_smoke("density")}));
+    }
+    const auto in = "cd " + scratch.path() + " && ";
+    const auto other = call_shell(in + FLUIDCARVE_PROGRAM " carve a.####.vdb -5 -o o.####.vdb");
+    CHECK(other.err == "a.0003.vdb has no grid 'density', which a.0001.vdb has; it has heat\n");
+    CHECK(other.code == 3);
+    const auto empty = call_shell(in + FLUIDCARVE_PROGRAM " carve e.####.vdb -5 -o o.####.vdb");
+    CHECK(empty.err == "e.0002.vdb has no grid 'density', which e.0001.vdb has; it has none\n");
+    CHECK(empty.code == 3);
+}
+
+TEST_CASE("a plume that is made shorter keeps its foot on the floor, and one that does not is warned of") {
+    const Scratch scratch;
+    const auto carve = [&](const std::string& more) {
+        return fluidcarve_program("carve tests/data/plume/plume.####.vdb -30% --axis z -o " + (scratch / "o.####.vdb") + " --progress none" + more);
+    };
+    const auto by_itself = carve("");
+    CHECK(by_itself.code == 0);
+    CHECK(by_itself.err.find("warning") == std::string::npos);
+    const auto low = [](const std::string& file) { return read_vdb_grid(file, "density")->evalActiveVoxelBoundingBox().min().z(); };
+    CHECK(low(scratch / "o.0051.vdb") == low(SOURCE_ROOT "/tests/data/plume/plume.0051.vdb"));
+    CHECK(carve(" --anchor low").err.find("warning") == std::string::npos);
+    CHECK_THAT(carve(" --anchor middle").err, Catch::StartsWith("warning: carved (remap.grids): the end of density that stands still over the sequence, where its "
+                                                                "source is, moved by "));
+}
