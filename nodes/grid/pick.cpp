@@ -1,6 +1,6 @@
 #include "nodes/grid/pick.h"
 
-#include "nodes/grid/names.h"
+#include "nodes/io/grid_names.h"
 
 namespace fluidcarve {
 namespace {

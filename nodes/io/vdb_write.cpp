@@ -1,6 +1,6 @@
 #include "nodes/io/vdb_write.h"
 
-#include "nodes/grid/names.h"
+#include "nodes/io/grid_names.h"
 #include "nodes/io/provenance_metadata.h"
 #include "nodes/io/vdb_file.h"
 

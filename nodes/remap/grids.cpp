@@ -85,9 +85,10 @@ NodeType remap_grids() {
                 "warp is "
                 "carved as a whole: leave `count` out.")
             .param("interpolation", &RemapGrids::Params::interpolation, "How values are read between voxels, if the lattice's vertices are not voxels.")
-            .param("renormalize", &RemapGrids::Params::renormalize,
-                   "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if the "
-                   "lattice's vertices are not the grid's voxels.")
+            .param(
+                "renormalize", &RemapGrids::Params::renormalize,
+                "Whether level sets (float or double, class level set) become distances again where they moved, with a new narrow band there. auto: if their "
+                "voxels are cubes, and their background is above 0.")
             .param("conserve", &RemapGrids::Params::conserve,
                    "mass: the grids named in `densities` become denser where space is compressed and thinner where it is stretched, so that their sum stays. A "
                    "seam's "

@@ -49,7 +49,7 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
         if (is_level_set(*grid) && finish.renormalize.value_or(true) && grid != source.grids[n]) {
             const auto places = places_of(*grid);
             if (can_renormalize(*grid)) {
-                if (finish.renormalize || !places.aligned()) grid = renormalized(grid, places, map);
+                grid = renormalized(grid, places, map);
             } else if (finish.renormalize) {
                 throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, or its background is not above 0", grid->getName()));
             }

@@ -11,7 +11,7 @@ namespace fluidcarve {
 
 /// What to do to carved grids besides copying and interpolating values (METHOD 5).
 struct Finish {
-    std::optional<bool> renormalize;     ///< whether level sets become distances again; nothing: if the lattice's vertices are not voxels
+    std::optional<bool> renormalize;     ///< whether level sets become distances again; nothing: where they can
     std::vector<std::string> densities;  ///< names of grids that keep their mass
     bool transform_vectors = false;      ///< turn all grids of float vectors with space, also those in three parts
 };

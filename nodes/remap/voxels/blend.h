@@ -18,7 +18,16 @@ Value inserted_value(const Value& low, const Value& high) {
     else return static_cast<void>(high), low;
 }
 
-/// A weighted sum of values; of values that can't be averaged, the one of the highest weight. Active if a value of the highest weight is.
+/// Whether a voxel between others is active though the nearest of them is not: active ones have a part in its value. OpenVDB's tools go by
+/// active voxels, and would lose it.
+template <class Value>
+bool shows(const Value& value, const Value& nearest, const Value& background) {
+    if constexpr (can_blend<Value>) return value != background && value != nearest;
+    else return static_cast<void>(value), static_cast<void>(nearest), static_cast<void>(background), false;
+}
+
+/// A weighted sum of values; of values that can't be averaged, the one of the highest weight. Active if a value of the highest weight is, or if
+/// any is and the sum is not the background.
 template <class Value>
 class Blend {
     using Element = typename openvdb::VecTraits<Value>::ElementType;
@@ -34,14 +43,15 @@ public:
             sum_ = value;
         }
         if (weight >= heaviest_) on_ = on || (weight == heaviest_ && on_);
+        any_ = any_ || (on && weight > 0);
         heaviest_ = std::max(heaviest_, weight);
     }
     Value value() const { return Value(sum_); }
-    bool on() const { return on_; }
+    bool on(const Value& background) const { return on_ || (can_blend<Value> && any_ && value() != background); }
 
 private:
     Sum sum_{};
-    bool on_ = false;
+    bool on_ = false, any_ = false;
     double heaviest_ = 0;
 };
 

@@ -166,7 +166,7 @@ private:
             auto& part = parts[static_cast<std::size_t>(z)];
             Reader<Part, Pick> read(*this, p, place, part, pick);
             gather<Part>(map_.steps().size(), place.at, 1.0, nothing, blend, read);
-            part = {blend.value(), blend.on()};
+            part = {blend.value(), blend.on(nothing)};
             if (fades_) faded |= 1u << z;
         }
         read_row(moved, pick, parts);
@@ -222,9 +222,9 @@ private:
             // Most of a box is empty.
             const bool empty = bands.faded == nothing && (!slow_ || bands.stretched == nothing);
             const auto value = !slow_ || empty ? bands.faded : bands.value();
-            return {value, blend.on() || (any && !empty && value != nothing)};
+            return {value, blend.on(nothing) || (any && !empty && value != nothing)};
         } else {
-            return {bands.faded, blend.on()};
+            return {bands.faded, blend.on(nothing)};
         }
     }
 
@@ -241,8 +241,8 @@ private:
                 if (cells_.held) {
                     for (std::size_t z = 0; z < 8; ++z) {
                         if ((lanes >> z & 1) == 0) continue;
-                        parts[z] = {window_.between(static_cast<std::size_t>(cells_.lowest[z]), cells_.t(z), pick),
-                                    window_.on(static_cast<std::size_t>(cells_.nearest[z]))};
+                        parts[z] = with_state(window_.between(static_cast<std::size_t>(cells_.lowest[z]), cells_.t(z), pick),
+                                              static_cast<std::size_t>(cells_.nearest[z]), pick);
                     }
                     return;
                 }
@@ -295,16 +295,24 @@ private:
         typename VoxelWindow<TreeT>::Cell cell;
         if (!window_.find(q, cell)) return read_far(q, pick);
         if constexpr (can_blend<Value>) {
-            if (interpolation_ == Interpolation::linear) return std::pair<Part, bool>(window_.between(cell.lowest, cell.t, pick), window_.on(cell.nearest));
-            if (cell.t != Vec3d(0)) return std::pair<Part, bool>(pick(sample(q, nearest_to(q))), window_.on(cell.nearest));
+            if (interpolation_ == Interpolation::linear) return with_state(window_.between(cell.lowest, cell.t, pick), cell.nearest, pick);
+            if (cell.t != Vec3d(0)) return with_state(pick(sample(q, nearest_to(q))), cell.nearest, pick);
         }
         return std::pair<Part, bool>(pick(window_.value(cell.nearest)), window_.on(cell.nearest));
     }
     /// The same outside the window.
     template <class Pick>
     auto read_far(const Vec3d& q, const Pick& pick) {
+        using Part = std::decay_t<decltype(pick(std::declval<Value>()))>;
         const auto nearest = nearest_to(q);
-        return std::pair<std::decay_t<decltype(pick(std::declval<Value>()))>, bool>(pick(sample(q, nearest)), values_.isValueOn(nearest));
+        const Part value = pick(sample(q, nearest));
+        return std::pair<Part, bool>(value, values_.isValueOn(nearest) || shows<Part>(value, pick(values_.getValue(nearest)), pick(grid_.background())));
+    }
+    /// A value between the voxels of the window, and whether it is active.
+    /// @param nearest  place of the nearest voxel
+    template <class Part, class Pick>
+    std::pair<Part, bool> with_state(const Part& value, std::size_t nearest, const Pick& pick) const {
+        return {value, window_.on(nearest) || shows<Part>(value, pick(window_.value(nearest)), pick(grid_.background()))};
     }
     static Coord nearest_to(const Vec3d& q) {
         const auto low = voxel_below(q);

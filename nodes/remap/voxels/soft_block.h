@@ -130,7 +130,7 @@ private:
             if constexpr (can_blend<Value>)
                 row[z].value = part == 0 ? voxels_.value(place(from)) : mix(voxels_.value(place(from)), voxels_.value(place(from + next)), part);
             else row[z].value = voxels_.value(place(nearer));
-            row[z].on = voxels_.on(place(nearer));
+            row[z].on = voxels_.on(place(nearer)) || shows<Value>(row[z].value, voxels_.value(place(nearer)), nothing_);
         }
     }
 
@@ -151,7 +151,8 @@ private:
                 const auto from = first + static_cast<std::ptrdiff_t>(z) + next * sources.shift[n + z];
                 const auto& value = voxels_.values()[place(from)][c];
                 row[z].value[c] = part == 0 ? value : mix(value, voxels_.values()[place(from + next)][c], part);
-                row[z].on = row[z].on || voxels_.on(place(part < 0.5f ? from : from + next));
+                const auto nearer = place(part < 0.5f ? from : from + next);
+                row[z].on = row[z].on || voxels_.on(nearer) || shows(row[z].value[c], voxels_.values()[nearer][c], nothing_[c]);
             }
         }
     }

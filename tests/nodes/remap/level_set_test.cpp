@@ -143,13 +143,13 @@ TEST_CASE("beyond the seams a carved ball is the ball's other half, to a hundred
     CHECK(count > 1000);
 }
 
-TEST_CASE("in an aligned box level sets are renormalised only where it is asked for") {
+TEST_CASE("in an aligned box level sets become distances, too, unless they are to be left alone") {
     const auto lattice = make_box(Vec3d(-30), {60, 60, 60}, 1.0, {0, 1, 2});
     const auto map = map_of(lattice, {wavy_seams(lattice, Axis::u, Seams::Kind::insert, 38, 6, 2)});
     const auto grid = ball(Vec3d(0), 20);
-    const auto by_default = carve_level_set(grid, lattice, map);
-    CHECK(by_default.got == by_default.carved);
-    const auto [carved, got] = carve_level_set(grid, lattice, map, true);
+    const auto left = carve_level_set(grid, lattice, map, false);
+    CHECK(left.got == left.carved);
+    const auto [carved, got] = carve_level_set(grid, lattice, map);
     const Mapping mapping(lattice, map.reach());
     const auto moved = [&](const Coord& at) {
         const auto place = mapping.locate(at.asVec3d());

@@ -1,4 +1,4 @@
-#include "nodes/grid/names.h"
+#include "nodes/io/grid_names.h"
 
 #include "graph/text/problem.h"
 #include "nodes/io/picked_grid.h"
