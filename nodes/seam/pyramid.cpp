@@ -93,8 +93,8 @@ Pyramid::Level Pyramid::coarse_to_fine(const EnergyVolume& energy, Window window
 Seams::Seam Pyramid::operator()(const EnergyVolume& energy, Window window, int number, const Tick& tick, SeamBounds* bounds) const {
     const auto alive = [&] { tick(0); };
     if (in_open_line(energy)) return lines_(energy, window, number, tick);
-    if (small(energy, window, normal_effort)) return exact_seam(energy, window, number, alive);
     const bool looks = energy.has_field() || energy.slabs();
+    if (small(energy, window, effort_for(looks, quality_))) return exact_seam(energy, window, number, alive);
     std::vector<std::uint16_t> best;
     bool bounded = false;
     tbb::parallel_invoke([&] { best = coarse_to_fine(energy, window, number, 0, looks, energy.attracts(), alive).seam; },
@@ -142,7 +142,7 @@ NodeType seam_pyramid() {
         .param("quality", &PyramidNode::Params::quality,
                "How often messages are passed to and fro at each resolution: once, several times, or many times. `best` also cuts narrow bands at all of them.")
         .param("starts", &PyramidNode::Params::starts, Unit::none, between(1, 4096), "Number of greedy searches that compete; the cheapest seam of all wins.")
-        .version(7);
+        .version(8);
 }
 
 }  // namespace fluidcarve
