@@ -92,6 +92,14 @@ public:
         return out;
     }
 
+    double highest(const std::string& name) const {
+        double out = 0;
+        for (const auto& file : files_)
+            if (const auto* const grid = part_of(file.at("grids"), name); grid && grid->contains("range"))
+                for (const auto& end : grid->at("range"))
+                    if (end.is_number()) out = std::max(out, std::abs(end.get<double>()));
+        return out;
+    }
     /// The box in each file that has content.
     std::vector<openvdb::BBoxd> boxes(const std::string& name) const {
         std::vector<openvdb::BBoxd> out;
@@ -221,6 +229,7 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
     }
     out.voxel = grids.voxel(out.main);
     out.box = grids.box(out.main);
+    if (!out.vectors) out.highest = grids.highest(out.main);
     if (out.matter != Matter::particles) out.same = grids.same(out.main);
     const bool y_up = out.profile == "houdini" || out.profile == "embergen";
     out.source = sources_of(grids.boxes(out.main), out.voxel, y_up ? 1 : 2);

@@ -24,6 +24,7 @@ struct Contents {
     std::string profile;              ///< name of the application's profile; empty: unknown
     openvdb::BBoxd box;               ///< around the content, in the files' world
     std::vector<std::string> floats;  ///< names of all float grids or channels that every file has
+    double highest = 1;               ///< largest size of a value of `main` in the files that were looked at
     std::vector<std::string> same;    ///< further grids of the name and type of `main`
     std::array<std::string, 3> source{"middle", "middle", "middle"};  ///< which end stays in place when x, y or z is carved (source_of)
 };

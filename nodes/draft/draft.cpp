@@ -277,8 +277,12 @@ private:
             both   ? "fire and its smoke"
             : fire ? "flame"
                    : "smoke"));
+        // A solver keeps 16 bits of what is looked at.
+        constexpr double faint = 0.01, strong = 1e4;
+        const bool remapped = !both && (contents_.highest < faint || contents_.highest > strong);
         if (both) node("seen", "energy.combine", {{"terms", fmt::format("[{}, {}]", field, flame)}});
-        solver({{"field", both ? "seen" : field}});
+        if (remapped) node("seen", "energy.remap", {{"energy", field}});
+        solver({{"field", both || remapped ? "seen" : field}});
         nodes_ += "\n";
         carve("carved", "remap.grids", "sim", {});
         node("out", "vdb.write", {{"source", "carved"}, {"path", "\"${out}\""}});

@@ -25,7 +25,7 @@ struct Vorticity {
 
 FloatGrid::Ptr vorticity_energy(const Ref<VectorGrid>& velocity, float gain) {
     const auto out = map_stencil<FloatGrid>(*collocated(velocity), 0.0f, [gain, jacobian = Jacobian(*velocity)](auto& v, const openvdb::Coord& at) {
-        return gain * curl_at(v, at, jacobian).length();
+        return static_cast<float>(gain * openvdb::Vec3d(curl_at(v, at, jacobian)).length());
     });
     out->setName("vorticity of " + velocity->getName());
     return out;

@@ -5,14 +5,33 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace fluidcarve {
 namespace {
+
+double largest_part(float value) { return std::abs(value); }
+double largest_part(const openvdb::Vec3s& value) { return std::max({std::abs(value[0]), std::abs(value[1]), std::abs(value[2])}); }
 
 template <class Grid>
 [[noreturn]] void refuse(const Grid& grid, const openvdb::Coord& beside) {
     std::optional<openvdb::Coord> lowest;
     for (auto value = grid.cbeginValueOn(); value; ++value)
         if (!openvdb::math::isFinite(*value) && (!lowest || value.getCoord() < *lowest)) lowest = value.getCoord();
+    if (!lowest) {
+        double most = 0;
+        bool all = true;
+        for (auto value = grid.cbeginValueAll(); value; ++value) {
+            const double size = largest_part(*value);
+            all = all && std::isfinite(size);
+            most = std::max(most, size);
+        }
+        if (all)
+            throw Failure(fmt::format("grid '{}' has values of up to {:.3g}, so large that what is computed from them at voxel [{}, {}, {}] has no number: make "
+                                      "them smaller with field.ax",
+                                      grid.getName(), most, beside.x(), beside.y(), beside.z()));
+    }
     const auto at = lowest.value_or(beside);
     throw Failure(fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}, {}, {}]; repair it where it comes from", grid.getName(),
                               lowest ? "at" : "next to", at.x(), at.y(), at.z()));

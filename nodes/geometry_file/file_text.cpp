@@ -10,7 +10,12 @@
 namespace fluidcarve {
 
 FileText::FileText(const InputFile& file, std::size_t most)
-    : path_(file.path()), text_(file.size() > most ? file.head(most) : file.whole()), size_(file.size()) {}
+    : path_(file.path()), text_(file.size() > most ? file.head(most) : file.whole()), size_(file.size()) {
+    using namespace std::literals;
+    for (const auto mark : {"\xff\xfe"sv, "\xfe\xff"sv})
+        if (text_.starts_with(mark)) fault_in_all("the text is in UTF-16: save it in UTF-8");
+    if (constexpr auto mark = "\xef\xbb\xbf"sv; text_.starts_with(mark)) next_ = mark.size();
+}
 
 bool FileText::next() {
     const auto found = text_.find('\n', next_);

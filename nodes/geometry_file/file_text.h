@@ -18,7 +18,7 @@ public:
     static constexpr auto all = static_cast<std::size_t>(-1);
 
     /// @param most  reads only so many bytes from the beginning
-    /// @throws Unreadable if the file can't be read
+    /// Skips a byte order mark of UTF-8. @throws Unreadable if the file can't be read; Failure (input) if it is in UTF-16
     explicit FileText(const InputFile& file, std::size_t most = all);
 
     const std::string& path() const { return path_; }

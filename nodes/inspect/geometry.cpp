@@ -100,6 +100,7 @@ std::string geometry_text(const Json& file) {
 
 FileInspector geometry_inspector() {
     return {{".obj", ".ply", ".off", ".stl", ".csv"},
+            {".csv"},
             "attributes",
             &look_at_geometry,
             [](const std::vector<Json>&) { return std::vector<std::string>(); },

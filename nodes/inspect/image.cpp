@@ -85,6 +85,6 @@ std::string image_text(const Json& file) {
 
 }  // namespace
 
-FileInspector image_inspector() { return {all_image_endings(), "channels", &look_at_image, &compare_images, &image_text}; }
+FileInspector image_inspector() { return {all_image_endings(), {}, "channels", &look_at_image, &compare_images, &image_text}; }
 
 }  // namespace fluidcarve

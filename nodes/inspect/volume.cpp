@@ -273,6 +273,6 @@ std::string text(const Json& file) {
 
 }  // namespace
 
-FileInspector vdb_inspector() { return {{".vdb"}, "grids", &look, &compare, &text}; }
+FileInspector vdb_inspector() { return {{".vdb"}, {}, "grids", &look, &compare, &text}; }
 
 }  // namespace fluidcarve

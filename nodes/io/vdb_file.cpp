@@ -228,7 +228,10 @@ private:
 
     void walk() {
         // readHeader checks both too, but logs to stdout, which is for results.
-        if (number<std::int64_t>() != openvdb::OPENVDB_MAGIC) refuse(fmt::format("{} is not a VDB file", path_));
+        if (const auto magic = number<std::int64_t>(); magic != openvdb::OPENVDB_MAGIC)
+            refuse(std::string_view(reinterpret_cast<const char*>(&magic), 4) == "Nano"
+                       ? fmt::format("{} is a NanoVDB file, which can't be read: convert it with nanovdb_convert, or write it as OpenVDB", path_)
+                       : fmt::format("{} is not a VDB file", path_));
         if (const auto version = number<std::uint32_t>(); version > openvdb::OPENVDB_FILE_VERSION)
             refuse(fmt::format("{} has file version {}; OpenVDB {} reads up to {}", path_, version, openvdb::getLibraryVersionString(),
                                static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));

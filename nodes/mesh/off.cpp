@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace fluidcarve {
 namespace {
@@ -38,9 +39,12 @@ Head read_head(FileText& file) {
     out.uv = has("ST");
     out.colour = has("C");
     out.normal = has("N");
-    if (rest != "OFF") file.fault(fmt::format("this is no OFF file of three-dimensional points: it begins with {}", quoted(keyword)));
+    // Files of ModelNet have their first count right behind the keyword.
+    auto glued = rest.starts_with("OFF") ? rest.substr(3) : std::string_view();
+    if (!rest.starts_with("OFF") || glued.find_first_not_of("0123456789") != std::string_view::npos)
+        file.fault(fmt::format("this is no OFF file of three-dimensional points: it begins with {}", quoted(keyword)));
     const auto count = [&] {
-        const auto word = word_of_line();
+        const auto word = glued.empty() ? word_of_line() : std::exchange(glued, {});
         if (word == "BINARY") file.fault("binary OFF can't be read; export it as text");
         const long number = file.whole(word);
         if (number < 0) file.fault(fmt::format("{} is no count", quoted(word)));

@@ -150,10 +150,16 @@ std::vector<Vec3d> read_ply(FileText& file) {
 std::vector<Vec3d> read_csv(FileText& file) {
     std::array<std::size_t, 3> columns{0, 1, 2};
     std::vector<Vec3d> out;
+    std::size_t cells = 0;
     for (bool first = true; file.next();) {
         const auto text = file.line().substr(0, file.line().find('#'));
         const auto words = words_of(text, ",; \t");
         if (words.empty()) continue;
+        if (text.find(',') != std::string_view::npos && text.find(';') != std::string_view::npos)
+            file.fault("this line has commas and semicolons: write decimals with a point");
+        if (first) cells = words.size();
+        if (words.size() != cells)
+            file.fault(fmt::format("this line has {} cells, the first one {}: write decimals with a point, and leave no cell empty", words.size(), cells));
         // A header is a first line that does not begin with a number.
         if (first && !is_number(words[0])) {
             for (std::size_t c = 0; c < 3; ++c) {

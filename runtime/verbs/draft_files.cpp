@@ -11,6 +11,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -40,14 +41,36 @@ std::vector<FileSequence> sequences_to_draft(const std::string& folder, const Re
     throw Failure(fmt::format("{} holds no volumes, images, particles or meshes", folder), Failure::Kind::input);
 }
 
+/// What a file of a known other format is, and what makes one to carve of it: " is a NanoVDB file: ...". Empty: of no known one.
+std::string foreign_format(const std::string& path) {
+    static const std::map<std::string, const char*> known{
+        {".nvdb", "a NanoVDB file: convert it with nanovdb_convert, or write it as OpenVDB"},
+        {".abc", "an Alembic file: export its meshes as .obj or .ply, its particles as .ply, a file per frame"},
+        {".bgeo", "a Houdini geometry: write volumes as .vdb, particles as .ply, meshes as .obj"},
+        {".sc", "a Houdini geometry: write volumes as .vdb, particles as .ply, meshes as .obj"},
+        {".usd", "a USD stage: carve the .vdb files that it refers to, or export its meshes as .obj"},
+        {".usda", "a USD stage: carve the .vdb files that it refers to, or export its meshes as .obj"},
+        {".usdc", "a USD stage: carve the .vdb files that it refers to, or export its meshes as .obj"},
+        {".f3d", "a Field3D file: convert it with Houdini or Maya to .vdb"},
+        {".uni", "a cache of Mantaflow: bake it as OpenVDB"},
+        {".mp4", "a film: write its frames as images, with `ffmpeg -i FILM frame.%04d.png`"},
+        {".mov", "a film: write its frames as images, with `ffmpeg -i FILM frame.%04d.png`"},
+    };
+    const auto found = known.find(ending_of(path));
+    return found == known.end() ? "" : fmt::format(" is {}", found->second);
+}
+
 FileSequence sequence_of(const std::string& argument, const Registry& registry) {
     std::error_code ignored;
     auto out = named_sequence(argument);
     if (out.frames.frames().empty()) throw Failure(fmt::format("{}: there is no file of any frame", argument), Failure::Kind::input);
     if (!out.per_frame() && !fs::exists(argument, ignored)) throw Failure(fmt::format("{}: there is no such file", argument), Failure::Kind::input);
     if (registry.inspector(argument)) return out;
+    if (const auto other = foreign_format(argument); !other.empty()) throw Failure(argument + other);
     std::vector<std::string> endings;
-    for (const auto& inspector : registry.inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
+    for (const auto& inspector : registry.inspectors())
+        for (const auto& ending : inspector.endings)
+            if (std::ranges::find(inspector.not_carved, ending) == inspector.not_carved.end()) endings.push_back(ending);
     throw Failure(fmt::format("{}: files to carve end in {}", argument, fmt::join(std::set(endings.begin(), endings.end()), ", ")));
 }
 

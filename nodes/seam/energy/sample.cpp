@@ -34,7 +34,7 @@ struct EnergyCode {
 struct FieldCode {
     static std::uint16_t encode(float value) { return encode_field(value); }
     static constexpr std::uint16_t invalid = invalid_field_code;
-    static constexpr auto what = "the field is {} at {}; a solver takes values from {:g} to {:g}; scale the field down";
+    static constexpr auto what = "the field is {} at {}; a solver takes values from {:g} to {:g}: put it through energy.remap, which maps it to 0 to 1";
     static float least() { return -highest_field; }
     static float most() { return highest_field; }
 };
