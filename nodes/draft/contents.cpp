@@ -1,6 +1,7 @@
 #include "nodes/draft/contents.h"
 
 #include "graph/text/problem.h"
+#include "nodes/image/image.h"
 #include "nodes/io/picked_grid.h"
 
 #include <fmt/format.h>
@@ -241,8 +242,9 @@ Contents contents_of_images(const std::vector<Facts>& files) {
     out.matter = Contents::Matter::image;
     for (const auto& channel : files.front().at("channels")) out.floats.push_back(channel.at("name"));
     if (out.floats.empty()) throw Failure(fmt::format("{} has no channels", files.front().at("file").get<std::string>()), Failure::Kind::input);
+    const auto colours = colours_of(out.floats);
     const auto green = std::ranges::find(out.floats, "G");
-    out.main = green == out.floats.end() ? out.floats.front() : *green;
+    out.main = !colours.empty() ? colours[1] : green == out.floats.end() ? out.floats.front() : *green;
     return out;
 }
 

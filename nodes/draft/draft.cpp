@@ -240,7 +240,8 @@ private:
             }
             auto grid = each.substr(0, sign);
             // Of several grids of one name the first.
-            if (std::ranges::find(contents_.floats, grid) == contents_.floats.end() && std::ranges::find(contents_.floats, grid + "[0]") != contents_.floats.end())
+            if (std::ranges::find(contents_.floats, grid) == contents_.floats.end() &&
+                std::ranges::find(contents_.floats, grid + "[0]") != contents_.floats.end())
                 grid += "[0]";
             if (std::ranges::find(contents_.floats, grid) == contents_.floats.end())
                 throw Failure(fmt::format("--protect: there is no float grid '{}' in every file of {}{}", grid, request_.input,
@@ -356,8 +357,8 @@ private:
         node("energy", "field.filter", {{"field", "sharp"}, {"width", "5"}});
         masks("energy");
         box("energy");
-        comment("Seams pay for the edges that they leave in the picture.");
-        solver({{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}});
+        comment("Seams pay for the edges that they leave in the picture. What is black is empty, and goes first.");
+        solver({{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0"}});
         carve("carved", "remap.grids", "sim", {{"soft", "1"}});
         node("out", "image.write", {{"source", "carved"}, {"path", "\"${out}\""}});
         others("sim", "carved", contents_.main, false);

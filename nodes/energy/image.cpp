@@ -37,14 +37,19 @@ FloatGrid::ConstPtr channel_of(const Volume& image, const std::string& name) {
 }
 
 std::vector<Term> terms_of(const Volume& image, const std::optional<std::vector<std::string>>& channels) {
-    if (!channels && image.find("R") && image.find("G") && image.find("B"))
-        return {{channel_of(image, "R"), 0.2126f}, {channel_of(image, "G"), 0.7152f}, {channel_of(image, "B"), 0.0722f}};
+    if (!channels) {
+        std::vector<std::string> names;
+        for (const auto& grid : image.grids) names.push_back(grid->getName());
+        if (const auto colours = colours_of(names); !colours.empty())
+            return {{channel_of(image, colours[0]), 0.2126f}, {channel_of(image, colours[1]), 0.7152f}, {channel_of(image, colours[2]), 0.0722f}};
+    }
     std::vector<Term> out;
     if (channels) {
         for (const auto& name : *channels) out.push_back({channel_of(image, name), 1});
     } else {
         for (const auto& grid : image.grids)
-            if (!is_opacity(grid->getName())) out.push_back({channel_of(image, grid->getName()), 1});
+            if (!grid->isType<openvdb::Int32Grid>() && !is_opacity(grid->getName()) && !is_depth(grid->getName()))
+                out.push_back({channel_of(image, grid->getName()), 1});
     }
     if (out.empty()) throw Failure(fmt::format("there is no channel to compute the energy from; there are {}: name some in `channels`", image.names()));
     for (auto& term : out) term.weight = 1 / static_cast<float>(out.size());
@@ -210,8 +215,8 @@ NodeType energy_image() {
                                 "The paper's energy for images (equation 6): high where the intensity changes, so that seams avoid edges and textures.")
         .input("source", &ImageEnergy::Ports::source, "The picture: a volume with a float grid per channel, or one grid.")
         .param("channels", &ImageEnergy::Params::channels,
-               "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B; without these channels, the mean of all channels except "
-               "opacity (A, alpha).")
+               "The intensity is the mean of these grids. Auto: 0.2126 R + 0.7152 G + 0.0722 B, if need be of a layer, such as ViewLayer.Combined; without "
+               "these channels, the mean of all but opacity (A, alpha), depth and identities.")
         .output("energy", &ImageEnergy::Ports::energy, "|dI/dx| + |dI/dy|, units of the channels per pixel, on the active voxels of `source`.")
         .output("intensity", &ImageEnergy::Ports::intensity, "The intensity, units of the channels: use it as a solver's `field`.")
         .version(2)

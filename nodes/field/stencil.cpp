@@ -23,14 +23,14 @@ template <class Grid>
         double most = 0;
         bool all = true;
         for (auto value = grid.cbeginValueAll(); value; ++value) {
-            const double size = largest_part(*value);
-            all = all && std::isfinite(size);
-            most = std::max(most, size);
+            all = all && openvdb::math::isFinite(*value);
+            most = std::max(most, largest_part(*value));
         }
         if (all)
-            throw Failure(fmt::format("grid '{}' has values of up to {:.3g}, so large that what is computed from them at voxel [{}, {}, {}] has no number: make "
-                                      "them smaller with field.ax",
-                                      grid.getName(), most, beside.x(), beside.y(), beside.z()));
+            throw Failure(
+                fmt::format("grid '{}' has values of up to {:.3g}, so large that what is computed from them at voxel [{}, {}, {}] has no number: make "
+                            "them smaller with field.ax",
+                            grid.getName(), most, beside.x(), beside.y(), beside.z()));
     }
     const auto at = lowest.value_or(beside);
     throw Failure(fmt::format("grid '{}' has a value that is not finite (NaN or infinite) {} voxel [{}, {}, {}]; repair it where it comes from", grid.getName(),

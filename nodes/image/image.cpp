@@ -76,6 +76,58 @@ bool is_opacity(const std::string& channel) {
     return name == "A" || name == "alpha" || name == "Alpha";
 }
 
+namespace {
+
+std::string lower(std::string_view text) {
+    std::string out(text);
+    std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return out;
+}
+
+/// Whether a part of a channel's name between points is one of some words, whatever its case.
+bool has_part(const std::string& channel, std::initializer_list<std::string_view> words) {
+    for (std::size_t begin = 0; begin <= channel.size();) {
+        const auto end = std::min(channel.find('.', begin), channel.size());
+        if (std::ranges::find(words, lower(std::string_view(channel).substr(begin, end - begin))) != words.end()) return true;
+        begin = end + 1;
+    }
+    return false;
+}
+
+}  // namespace
+
+bool is_identity(const Image::Channel& channel, const std::vector<Image::Attribute>& attributes) {
+    if (channel.depth == "uint" || channel.depth == "int") return true;
+    if (has_part(channel.name,
+                 {"indexob", "indexma", "id", "objectid", "object_id", "objid", "materialid", "material_id", "matid", "instanceid", "instance_id"}))
+        return true;
+    if (lower(channel.name).find("crypto") != std::string::npos) return true;
+    // A layer may have any name, which the file states.
+    return std::ranges::any_of(attributes, [&](const Image::Attribute& each) {
+        return each.name.starts_with("cryptomatte/") && each.name.ends_with("/name") && !each.value.empty() && channel.name.starts_with(each.value);
+    });
+}
+
+std::vector<std::string> colours_of(const std::vector<std::string>& channels) {
+    std::vector<std::string> best;
+    int best_rank = 0;
+    for (const auto& name : channels) {
+        const auto dot = name.rfind('.');
+        const auto layer = dot == std::string::npos ? std::string() : name.substr(0, dot + 1);
+        const auto last = name.substr(layer.size());
+        if (last != "R" && last != "r" && last != "red") continue;
+        const bool small = last == "r", word = last == "red";
+        std::vector<std::string> all{name, layer + (word ? "green" : small ? "g" : "G"), layer + (word ? "blue" : small ? "b" : "B")};
+        if (std::ranges::any_of(all, [&](const std::string& each) { return std::ranges::find(channels, each) == channels.end(); })) continue;
+        if (is_identity({name, "float"}, {})) continue;
+        const int rank = layer.empty() ? 3 : has_part(layer, {"combined", "beauty", "rgba", "rgb", "color", "colour", "c"}) ? 2 : 1;
+        if (rank > best_rank) best = all, best_rank = rank;
+    }
+    return best;
+}
+
+bool is_depth(const std::string& channel) { return has_part(channel, {"z", "zback", "depth", "dist", "distance"}); }
+
 bool depth_holds(const std::string& to, const std::string& from) {
     static const std::vector<std::pair<std::string, std::vector<std::string>>> holds{
         {"uint8", {"uint8"}},
@@ -84,7 +136,8 @@ bool depth_holds(const std::string& to, const std::string& from) {
         {"int16", {"int16"}},
         {"half", {"uint8", "int8", "half"}},
         {"float", {"uint8", "int8", "uint16", "int16", "half", "float"}},
-        {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "uint32", "int32", "double"}},
+        {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "uint", "int", "double"}},
+        {"uint", {"uint"}},
     };
     const auto found = std::find_if(holds.begin(), holds.end(), [&](const auto& each) { return each.first == to; });
     return found != holds.end() && std::find(found->second.begin(), found->second.end(), from) != found->second.end();

@@ -32,8 +32,9 @@ struct Image {
     std::vector<Channel> channels;
     int alpha = -1;  ///< index of the opacity channel, or -1
     std::vector<Attribute> attributes;
-    int more = 0;  ///< number of further pictures in the file, which are not read
-    /// Values of the data window: `[y][x][channel]`. Integers are divided by the largest value of their depth.
+    int more = 0;          ///< number of further pictures in the file, which are not read
+    bool smaller = false;  ///< whether the file holds smaller copies of the picture (mipmaps), which are not read
+    /// Values of the data window: `[y][x][channel]`. Integers are divided by the largest value of their depth; those of 32 bits are their bits.
     std::vector<float> pixels;
 };
 
@@ -84,6 +85,16 @@ void require_channels(const std::optional<std::vector<std::string>>& wanted, con
 
 /// Whether a channel is opacity by its name: A or alpha, also with a layer's name before it.
 bool is_opacity(const std::string& channel);
+
+/// Whether the values of a channel name things, and must never be averaged: whole numbers of 32 bits, layers of Cryptomatte with their
+/// coverages, and passes such as IndexOB and objectId.
+bool is_identity(const Image::Channel& channel, const std::vector<Image::Attribute>& attributes);
+
+/// The three channels of the picture that people look at: R, G and B, else those of a layer, such as ViewLayer.Combined. Empty: there are none.
+std::vector<std::string> colours_of(const std::vector<std::string>& channels);
+
+/// Whether a channel says how far away things are.
+bool is_depth(const std::string& channel);
 
 /// Whether depth `to` holds every number of depth `from` without loss.
 bool depth_holds(const std::string& to, const std::string& from);

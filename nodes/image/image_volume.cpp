@@ -11,9 +11,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <sstream>
+#include <type_traits>
 
 namespace fluidcarve {
 
@@ -23,7 +25,6 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Metadata;
 using openvdb::MetaMap;
-using Leaf = FloatGrid::TreeType::LeafNodeType;
 
 constexpr auto depth_key = "image_depth", format_key = "image_format", data_key = "image_data_window", display_key = "image_display_window",
                unassociated = "oiio:UnassociatedAlpha", orientation_key = "image:Orientation";
@@ -118,8 +119,17 @@ private:
     std::ptrdiff_t first_, along_x_, along_y_;
 };
 
+/// The value of a pixel in a grid: of identities the bits, which no remap averages.
+template <class Value>
+Value of_pixel(float pixel) {
+    return std::bit_cast<Value>(pixel);
+}
+
 /// A channel as a grid, with one leaf per 8 x 8 pixels.
-FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
+template <class GridT>
+openvdb::GridBase::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
+    using Value = typename GridT::ValueType;
+    using Leaf = typename GridT::TreeType::LeafNodeType;
     const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, 0), last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
     const int across = last.x() - first.x() + 1, rows = last.y() - first.y() + 1;
     const auto inside = upright.voxels(image.data);
@@ -129,20 +139,20 @@ FloatGrid::Ptr grid_of(const Image& image, std::size_t channel, const Upright& u
     tbb::parallel_for(0, rows, [&](int row) {
         for (int column = 0; column < across; ++column) {
             const Coord origin((first.x() + column) * 8, (first.y() + row) * 8, 0);
-            auto* const leaf = new Leaf(origin, 0.0f);
+            auto* const leaf = new Leaf(origin, Value(0));
             for (int x = std::max(origin.x(), box.min().x()); x <= std::min(origin.x() + 7, box.max().x()); ++x)
                 for (int y = std::max(origin.y(), box.min().y()); y <= std::min(origin.y() + 7, box.max().y()); ++y) {
                     const Coord at(x, y, 0);
-                    leaf->setValueOn(Leaf::coordToOffset(at), inside.isInside(at) ? image.pixels[places(x, y) * count + channel] : 0.0f);
+                    leaf->setValueOn(Leaf::coordToOffset(at), of_pixel<Value>(inside.isInside(at) ? image.pixels[places(x, y) * count + channel] : 0.0f));
                 }
             leaves[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column)] = leaf;
         }
     });
-    auto out = FloatGrid::create(0.0f);
+    auto out = GridT::create(Value(0));
     for (auto* const leaf : leaves) out->tree().addLeaf(leaf);
     const auto& [name, depth] = image.channels[channel];
     out->setName(name);
-    out->setSaveFloatAsHalf(depth == "half");
+    if constexpr (std::is_same_v<GridT, FloatGrid>) out->setSaveFloatAsHalf(depth == "half");
     out->insertMeta(depth_key, openvdb::StringMetadata(depth));
     return out;
 }
@@ -174,7 +184,10 @@ std::vector<Image::Attribute> attributes_for(const Volume& volume, const std::st
     return out;
 }
 
-using Channels = std::vector<FloatGrid::ConstPtr>;
+using Channels = std::vector<openvdb::GridBase::ConstPtr>;
+
+/// Whether a grid holds the bits of a channel that names things.
+bool is_identity(const openvdb::GridBase& grid) { return grid.isType<openvdb::Int32Grid>() && grid[depth_key] != nullptr; }
 
 std::string names_of(const Channels& channels) {
     std::string out;
@@ -186,7 +199,7 @@ std::string names_of(const Channels& channels) {
 void sort_colours(Channels& channels) {
     const auto has = [&](const char* name) { return std::any_of(channels.begin(), channels.end(), [&](const auto& each) { return each->getName() == name; }); };
     const bool colours = has("R") && has("G") && has("B");
-    const auto rank = [&](const FloatGrid::ConstPtr& channel) {
+    const auto rank = [&](const openvdb::GridBase::ConstPtr& channel) {
         const auto name = channel->getName();
         if (colours) return name == "R" ? 0 : name == "G" ? 1 : name == "B" ? 2 : is_opacity(name) ? 3 : 4;
         return channels.size() == 2 && is_opacity(name) ? 1 : 0;
@@ -199,10 +212,10 @@ void sort_colours(Channels& channels) {
 Channels channels_of(const Volume& volume, const ImageWish& wish) {
     Channels out;
     const auto take = [&](const openvdb::GridBase::ConstPtr& grid) {
-        if (!grid->isType<FloatGrid>())
+        if (!grid->isType<FloatGrid>() && !is_identity(*grid))
             throw Failure(fmt::format("grid '{}' is of type {}, but a channel of an image is a float grid; name those to write: `channels: [R, G, B]`",
                                       grid->getName(), grid->type()));
-        out.push_back(openvdb::gridConstPtrCast<FloatGrid>(grid));
+        out.push_back(grid);
     };
     if (wish.channels) {
         for (const auto& name : *wish.channels) {
@@ -254,17 +267,37 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
                                   format.name == "png" || format.name == "jpeg" ? ", or write EXR or TIFF" : ""));
     };
     if (format.name == "openexr") {
-        for (std::size_t n = 0; n < read.size(); ++n) read[n] = fitting({&read[n], 1}, fmt::format("channel '{}' is", channels[n]->getName()));
+        for (std::size_t n = 0; n < read.size(); ++n)
+            if (read[n] != "uint") read[n] = fitting({&read[n], 1}, fmt::format("channel '{}' is", channels[n]->getName()));
         return read;
     }
     return std::vector<std::string>(channels.size(), fitting(read, "the channels are"));
 }
 
-float most_of(const std::string& depth) { return depth == "half" ? 65504.0f : depth == "float" || depth == "double" ? INFINITY : 1.0f; }
+float most_of(const std::string& depth) {
+    const bool whole = depth.starts_with("uint8") || depth.starts_with("uint16") || depth.starts_with("int8") || depth.starts_with("int16");
+    return depth == "half" ? 65504.0f : whole ? 1.0f : INFINITY;
+}
 float least_of(const std::string& depth) {
     if (depth == "int8") return -128.0f / 127;
     if (depth == "int16") return -32768.0f / 32767;
     return depth.starts_with("uint") ? 0.0f : -most_of(depth);
+}
+
+/// Reads the pixels of a channel from its grid, in some rows of voxels.
+template <class GridT>
+void read_channel(const GridT& grid, const CoordBBox& voxels, const tbb::blocked_range<int>& rows, int z, const PixelPlaces& places, std::size_t count,
+                  float* out) {
+    using Value = typename GridT::ValueType;
+    const auto values = grid.getConstAccessor();
+    for (int y = rows.begin(); y < rows.end(); ++y)
+        for (int x = voxels.min().x(), end = x; x <= voxels.max().x(); x = end) {
+            end = std::min((x & ~7) + 8, voxels.max().x() + 1);
+            const auto* const leaf = values.probeConstLeaf({x, y, z});
+            const Value tile = leaf ? Value(0) : values.getValue({x, y, z});
+            for (int at = x; at < end; ++at)
+                out[places(at, y) * count] = std::bit_cast<float>(leaf ? leaf->getValue(GridT::TreeType::LeafNodeType::coordToOffset({at, y, z})) : tile);
+        }
 }
 
 /// Reads the pixels of the data window from the grids. @param z  index coordinate of the plane of pixels
@@ -275,14 +308,9 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
     const PixelPlaces places(out.data, upright);
     tbb::parallel_for(tbb::blocked_range<int>(voxels.min().y(), voxels.max().y() + 1, 8), [&](const tbb::blocked_range<int>& rows) {
         for (std::size_t c = 0; c < count; ++c) {
-            const auto values = channels[c]->getConstAccessor();
-            for (int y = rows.begin(); y < rows.end(); ++y)
-                for (int x = voxels.min().x(), end = x; x <= voxels.max().x(); x = end) {
-                    end = std::min((x & ~7) + 8, voxels.max().x() + 1);
-                    const auto* const leaf = values.probeConstLeaf({x, y, z});
-                    const float tile = leaf ? 0.0f : values.getValue({x, y, z});
-                    for (int at = x; at < end; ++at) out.pixels[places(at, y) * count + c] = leaf ? leaf->getValue(Leaf::coordToOffset({at, y, z})) : tile;
-                }
+            const auto read = [&](const auto& grid) { read_channel(grid, voxels, rows, z, places, count, out.pixels.data() + c); };
+            if (channels[c]->isType<FloatGrid>()) read(static_cast<const FloatGrid&>(*channels[c]));
+            else read(static_cast<const openvdb::Int32Grid&>(*channels[c]));
         }
     });
 }
@@ -330,13 +358,14 @@ void tell_cut(const Image& image, const std::function<void(const std::string&)>&
 }
 
 /// The smallest window that contains `least` and all pixels that are not 0.
-Image::Window around_content(const Image& image, const Image::Window& least) {
+/// @param least  nothing: no pixel need be in it
+std::optional<Image::Window> around_content(const Image& image, std::optional<Image::Window> least) {
     auto out = least;
     const auto count = image.channels.size();
     for (int y = image.data.y; y < image.data.y + image.data.height; ++y)
         for (int x = image.data.x; x < image.data.x + image.data.width; ++x) {
             const auto* const pixel = image.pixels.data() + place(image.data, {x, y, 1, 1}) * count;
-            if (std::any_of(pixel, pixel + count, [](float value) { return value != 0; })) out = united(out, {x, y, 1, 1});
+            if (std::any_of(pixel, pixel + count, [](float value) { return value != 0; })) out = out ? united(*out, {x, y, 1, 1}) : Image::Window{x, y, 1, 1};
         }
     return out;
 }
@@ -368,7 +397,10 @@ Volume volume_of(const Image& image) {
     const Upright upright(orientation_of(image), image.display);
     const auto box = upright.voxels(united(image.data, image.display));
     Volume out;
-    for (std::size_t c = 0; c < image.channels.size(); ++c) out.grids.push_back(grid_of(image, c, upright, box));
+    for (std::size_t c = 0; c < image.channels.size(); ++c) {
+        const bool named = is_identity(image.channels[c], image.attributes);
+        out.grids.push_back(named ? grid_of<openvdb::Int32Grid>(image, c, upright, box) : grid_of<FloatGrid>(image, c, upright, box));
+    }
     for (const auto& attribute : image.attributes)
         if (!is_provenance(attribute.name)) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
     out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
@@ -395,10 +427,12 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
     Image out;
     out.format = wish.format->name;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-        box.expand(active_box(*channels[c]));
+        const auto& grid = *channels[c];
+        box.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid)) : grid.evalActiveVoxelBoundingBox());
         out.channels.push_back({channels[c]->getName(), depths[c]});
         same_depth = same_depth && meta(*channels[c], depth_key, std::string()) == depths[c];
-        if (const auto name = channels[c]->getName(); is_opacity(name) && name.find('.') == std::string::npos) out.alpha = static_cast<int>(c);
+        if (const auto name = channels[c]->getName(); !is_identity(grid) && is_opacity(name) && name.find('.') == std::string::npos)
+            out.alpha = static_cast<int>(c);
     }
     if (box.empty()) throw Failure(fmt::format("no voxel of {} is active: there is no pixel to write", names_of(channels)));
     if (box.min().z() != box.max().z())
@@ -425,7 +459,7 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
         out.display = display;
         out.data = united(data, display);
         read_pixels(channels, read, box.min().z(), out);
-        if (out.data != data) reframe(out, around_content(out, data));
+        if (out.data != data) reframe(out, *around_content(out, data));
     } else {
         // The display window grows or shrinks with the box.
         const auto picture = read.voxels(display);
@@ -436,6 +470,9 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
         const Upright upright(orientation, out.display, now.min());
         out.data = upright.window(flat);
         read_pixels(channels, upright, box.min().z(), out);
+        // Where the window was smaller than the picture, there was nothing around it.
+        if (united(data, display) != data)
+            if (const auto content = around_content(out, std::nullopt)) reframe(out, *content);
     }
     if (out.format != "openexr") {
         if (united(out.data, out.display) != out.display)

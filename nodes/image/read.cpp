@@ -57,8 +57,10 @@ struct ImageRead {
                                       static_cast<double>(context.memory_budget()) / 0x1p30),
                           Failure::Kind::input);
         if (header.more > 0) context.warn(fmt::format("{} holds {} images; only the first is read", path, header.more + 1));
+        if (header.smaller) context.warn(fmt::format("{} holds smaller copies of its picture (mipmaps); only the largest is read", path));
         for (const auto& [name, depth] : header.channels)
-            if (!depth_holds("float", depth)) context.warn(fmt::format("{}: channel '{}' is {}; it is read as float, which keeps 24 bits", path, name, depth));
+            if (!depth_holds("float", depth) && depth != "uint" && depth != "int")
+                context.warn(fmt::format("{}: channel '{}' is {}; it is read as float, which keeps 24 bits", path, name, depth));
         const auto volume = std::make_shared<Volume>(volume_of(images().read(path, format.name)));
         for (const auto& [output, channel] : params.channels) io.channels[output] = Payload(openvdb::gridConstPtrCast<FloatGrid>(volume->find(channel)));
         io.volume = volume;

@@ -158,8 +158,7 @@ std::vector<Vec3d> read_csv(FileText& file) {
         if (text.find(',') != std::string_view::npos && text.find(';') != std::string_view::npos)
             file.fault("this line has commas and semicolons: write decimals with a point");
         if (first) cells = words.size();
-        if (words.size() != cells)
-            file.fault(fmt::format("this line has {} cells, the first one {}: write decimals with a point, and leave no cell empty", words.size(), cells));
+        if (words.size() > cells) file.fault(fmt::format("this line has {} cells, the first one {}: write decimals with a point", words.size(), cells));
         // A header is a first line that does not begin with a number.
         if (first && !is_number(words[0])) {
             for (std::size_t c = 0; c < 3; ++c) {

@@ -44,15 +44,17 @@ TEST_CASE("grids of one name, and a grid without a name, are carved and shown, a
     const auto in = "cd " + scratch.path() + " && ";
     const auto two = call_shell(in + FLUIDCARVE_PROGRAM " carve two.vdb -4 -o o.vdb --sheet s.png --progress none");
     CHECK(two.code == 0);
-    CHECK_THAT(two.err, Catch::StartsWith("warning: sim (vdb.read): there are several grids 'density': energies see 'density[0]', and all are carved by the same "
-                                          "seams\ncarved: density[0] "));
+    CHECK_THAT(two.err,
+               Catch::StartsWith("warning: sim (vdb.read): there are several grids 'density': energies see 'density[0]', and all are carved by the same "
+                                 "seams\ncarved: density[0] "));
     CHECK_THAT(two.err, Catch::Contains("\ncarved: density[1] "));
     const auto before = read_vdb(scratch / "two.vdb"), after = read_vdb(scratch / "o.vdb");
     REQUIRE(after.grids.size() == 2);
     for (std::size_t n = 0; n < 2; ++n) CHECK(after.grids[n]->evalActiveVoxelBoundingBox() != before.grids[n]->evalActiveVoxelBoundingBox());
     for (const std::string name : {"two", "none"}) {
         INFO(name);
-        const auto drafted = call_shell(in + FLUIDCARVE_PROGRAM " init " + name + ".vdb -o " + name + ".yaml && " FLUIDCARVE_PROGRAM " run " + name + ".yaml --progress none");
+        const auto drafted =
+            call_shell(in + FLUIDCARVE_PROGRAM " init " + name + ".vdb -o " + name + ".yaml && " FLUIDCARVE_PROGRAM " run " + name + ".yaml --progress none");
         INFO(drafted.err);
         CHECK(drafted.code == 0);
     }
@@ -74,6 +76,37 @@ TEST_CASE("a frame without the grid is named, whether the grid has another name 
     CHECK(empty.code == 3);
 }
 
+TEST_CASE("values of any size are carved: a solver sees them from 0 to 1") {
+    const Scratch scratch;
+    for (const double scale : {1e-6, 1e6, 1e30}) {
+        INFO(scale);
+        const auto ball = ball_of_smoke("density");
+        for (auto value = ball->beginValueOn(); value; ++value) value.setValue(static_cast<float>(*value * scale));
+        write_vdb(scratch / "a.vdb", volume_of({ball}));
+        const auto ran = fluidcarve_program("carve " + (scratch / "a.vdb") + " -5 --progress none -o " + (scratch / "o.vdb"));
+        INFO(ran.err);
+        CHECK(ran.code == 0);
+    }
+}
+
+TEST_CASE("a file of another format is called by its name, with what makes one to carve of it") {
+    const Scratch scratch;
+    const auto in = "cd " + scratch.path() + " && ";
+    const auto said = [&](const std::string& command) { return call_shell(in + FLUIDCARVE_PROGRAM " " + command).err; };
+    scratch.write("n.vdb", "NanoVDB0" + std::string(200, 0));
+    scratch.write("n.nvdb", "NanoVDB0" + std::string(200, 0));
+    scratch.write("n.xyz", "1 2 3");
+    scratch.write("u.obj", std::string("\xff\xfev\0 \0", 6));
+    scratch.write("c.csv", "1,2,3");
+    CHECK(said("carve n.vdb -5 -o o.vdb") == "n.vdb is a NanoVDB file, which can't be read: convert it with nanovdb_convert, or write it as OpenVDB\n");
+    CHECK(said("carve n.nvdb -5 -o o.vdb") == "n.nvdb is a NanoVDB file: convert it with nanovdb_convert, or write it as OpenVDB\n");
+    CHECK(said("carve n.xyz -5 -o o.vdb") == "n.xyz: files to carve end in .exr, .jpeg, .jpg, .obj, .off, .ply, .png, .stl, .tif, .tiff, .vdb\n");
+    CHECK(said("carve c.csv -5 -o o.vdb") == "c.csv is a curve: rig.curve takes it for a lattice, but it holds nothing to carve\n");
+    CHECK(said("inspect u.obj") == "failed: u.obj: the text is in UTF-16: save it in UTF-8\n");
+    scratch.write("m.off", "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    CHECK_THAT(call_shell(in + FLUIDCARVE_PROGRAM " inspect m.off").out, Catch::Contains("a mesh of 3 vertices and 1 faces"));
+}
+
 TEST_CASE("a plume that is made shorter keeps its foot on the floor, and one that does not is warned of") {
     const Scratch scratch;
     const auto carve = [&](const std::string& more) {
@@ -85,6 +118,7 @@ TEST_CASE("a plume that is made shorter keeps its foot on the floor, and one tha
     const auto low = [](const std::string& file) { return read_vdb_grid(file, "density")->evalActiveVoxelBoundingBox().min().z(); };
     CHECK(low(scratch / "o.0051.vdb") == low(SOURCE_ROOT "/tests/data/plume/plume.0051.vdb"));
     CHECK(carve(" --anchor low").err.find("warning") == std::string::npos);
-    CHECK_THAT(carve(" --anchor middle").err, Catch::StartsWith("warning: carved (remap.grids): the end of density that stands still over the sequence, where its "
-                                                                "source is, moved by "));
+    CHECK_THAT(carve(" --anchor middle").err,
+               Catch::StartsWith("warning: carved (remap.grids): the end of density that stands still over the sequence, where its "
+                                 "source is, moved by "));
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -79,13 +80,16 @@ bool with_depth(TypeDesc type, const Call& call) {
 
 template <class T>
 float to_float(T value) {
-    if constexpr (std::is_integral_v<T>) return static_cast<float>(static_cast<double>(value) / static_cast<double>(std::numeric_limits<T>::max()));
+    if constexpr (std::is_integral_v<T> && sizeof(T) == sizeof(float)) return std::bit_cast<float>(value);
+    else if constexpr (std::is_integral_v<T>) return static_cast<float>(static_cast<double>(value) / static_cast<double>(std::numeric_limits<T>::max()));
     else return static_cast<float>(value);
 }
 
 template <class T>
 T from_float(float value) {
-    if constexpr (std::is_integral_v<T>) {
+    if constexpr (std::is_integral_v<T> && sizeof(T) == sizeof(float)) {
+        return std::bit_cast<T>(value);
+    } else if constexpr (std::is_integral_v<T>) {
         constexpr auto least = static_cast<double>(std::numeric_limits<T>::min()), most = static_cast<double>(std::numeric_limits<T>::max());
         // To the nearest number by a conversion, since a call of std::round() takes longer than all else here. NaN becomes 0.
         const double scaled = static_cast<double>(value) * most, clamped = scaled > least ? std::min(scaled, most) : std::isnan(value) ? 0.0 : least;
@@ -158,6 +162,7 @@ public:
         for (int channel = 0; channel < spec_.nchannels; ++channel) out.channels.push_back({spec_.channel_name(channel), spec_.channelformat(channel).c_str()});
         out.alpha = spec_.alpha_channel;
         out.attributes = attributes_of(spec_);
+        out.smaller = file_->seek_subimage(0, 1);
         while (file_->seek_subimage(out.more + 1, 0) && out.more < most_pictures) ++out.more;
         // The search for a further picture ends with an error: clear it.
         file_->geterror();

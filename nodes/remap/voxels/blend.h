@@ -1,6 +1,8 @@
 #pragma once
 
 #include <openvdb/Types.h>
+#include <openvdb/math/Math.h>
+#include <openvdb/math/Vec3.h>
 #include <algorithm>
 
 #include <type_traits>
@@ -26,8 +28,8 @@ bool shows(const Value& value, const Value& nearest, const Value& background) {
     else return static_cast<void>(value), static_cast<void>(nearest), static_cast<void>(background), false;
 }
 
-/// A weighted sum of values; of values that can't be averaged, the one of the highest weight. Active if a value of the highest weight is, or if
-/// any is and the sum is not the background.
+/// A weighted sum of values; of values that can't be averaged or are not finite, the one of the highest weight. Active if a value of the highest weight is, or
+/// if any is and the sum is not the background.
 template <class Value>
 class Blend {
     using Element = typename openvdb::VecTraits<Value>::ElementType;
@@ -42,15 +44,24 @@ public:
         } else if (weight > heaviest_) {
             sum_ = value;
         }
+        if (weight > heaviest_) heavy_ = value;
         if (weight >= heaviest_) on_ = on || (weight == heaviest_ && on_);
         any_ = any_ || (on && weight > 0);
         heaviest_ = std::max(heaviest_, weight);
     }
-    Value value() const { return Value(sum_); }
+    Value value() const {
+        if constexpr (can_blend<Value>) {
+            const Value out(sum_);
+            return openvdb::math::isFinite(out) ? out : heavy_;
+        } else {
+            return sum_;
+        }
+    }
     bool on(const Value& background) const { return on_ || (can_blend<Value> && any_ && value() != background); }
 
 private:
     Sum sum_{};
+    Value heavy_{};  ///< the value of the highest weight
     bool on_ = false, any_ = false;
     double heaviest_ = 0;
 };

@@ -221,7 +221,8 @@ private:
         if constexpr (can_blend<Part>) {
             // Most of a box is empty.
             const bool empty = bands.faded == nothing && (!slow_ || bands.stretched == nothing);
-            const auto value = !slow_ || empty ? bands.faded : bands.value();
+            auto value = !slow_ || empty ? bands.faded : bands.value();
+            if (!openvdb::math::isFinite(value)) value = blend.value();
             return {value, blend.on(nothing) || (any && !empty && value != nothing)};
         } else {
             return {bands.faded, blend.on(nothing)};
@@ -305,13 +306,17 @@ private:
     auto read_far(const Vec3d& q, const Pick& pick) {
         using Part = std::decay_t<decltype(pick(std::declval<Value>()))>;
         const auto nearest = nearest_to(q);
-        const Part value = pick(sample(q, nearest));
+        Part value = pick(sample(q, nearest));
+        if constexpr (can_blend<Part>)
+            if (!openvdb::math::isFinite(value)) value = pick(values_.getValue(nearest));
         return std::pair<Part, bool>(value, values_.isValueOn(nearest) || shows<Part>(value, pick(values_.getValue(nearest)), pick(grid_.background())));
     }
     /// A value between the voxels of the window, and whether it is active.
     /// @param nearest  place of the nearest voxel
     template <class Part, class Pick>
-    std::pair<Part, bool> with_state(const Part& value, std::size_t nearest, const Pick& pick) const {
+    std::pair<Part, bool> with_state(Part value, std::size_t nearest, const Pick& pick) const {
+        if constexpr (can_blend<Part>)
+            if (!openvdb::math::isFinite(value)) value = pick(window_.value(nearest));
         return {value, window_.on(nearest) || shows<Part>(value, pick(window_.value(nearest)), pick(grid_.background()))};
     }
     static Coord nearest_to(const Vec3d& q) {

@@ -159,11 +159,12 @@ private:
 
     static std::size_t place(std::ptrdiff_t at) { return static_cast<std::size_t>(at); }
 
-    /// The value between two. @param part  of the way to the second, 0 to 1
+    /// The value between two; where one is not finite, the nearer one. @param part  of the way to the second, 0 to 1
     template <class T>
     static T mix(const T& from, const T& to, float part) {
         using Weight = typename openvdb::VecTraits<T>::ElementType;
-        return T(from + (to - from) * static_cast<Weight>(part));
+        const T out(from + (to - from) * static_cast<Weight>(part));
+        return openvdb::math::isFinite(out) ? out : part < 0.5f ? from : to;
     }
 
     StepLines lines_;

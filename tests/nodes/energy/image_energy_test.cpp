@@ -91,12 +91,12 @@ TEST_CASE("an image one pixel wide has no derivative across, and one pixel alone
 }
 
 TEST_CASE("intensity without R, G and B is the mean of all channels but opacity, or of those named") {
-    const auto image = random_image(5, 4, {"Y", "Z", "A", "matte.A"});
+    const auto image = random_image(5, 4, {"Y", "U", "A", "matte.A"});
     const auto volume = volume_of(image);
     CHECK(at(*intensity(volume), 2, 3) == Approx(0.5 * static_cast<double>(image.pixels[8] + image.pixels[9])));
     CHECK(at(*intensity(volume, std::vector<std::string>{"A"}), 2, 3) == image.pixels[10]);
-    CHECK(intensity(volume)->getName() == "intensity of Y, Z");
-    CHECK(failure_of([&] { intensity(volume, std::vector<std::string>{"Q"}); }) == "there is no channel 'Q'; there are Y, Z, A, matte.A");
+    CHECK(intensity(volume)->getName() == "intensity of Y, U");
+    CHECK(failure_of([&] { intensity(volume, std::vector<std::string>{"Q"}); }) == "there is no channel 'Q'; there are Y, U, A, matte.A");
     CHECK(failure_of([&] { intensity(volume_of(random_image(2, 2, {"A"}))); }) ==
           "there is no channel to compute the energy from; there are A: name some in `channels`");
     Volume vectors;

@@ -308,7 +308,8 @@ TEST_CASE("a filter refuses values that are not finite, on its voxels or near th
 
     const auto vast = sampled<FloatGrid>(cube, voxel, [](const Vec3d&) { return 3e38f; });
     CHECK(failure_of([&] { filtered_field(*vast, FilterMode::mean, 1, 1); }) ==
-          "grid 'sampled' has a value that is not finite (NaN or infinite) next to voxel [-9, -9, -9]; repair it where it comes from");
+          "grid 'sampled' has values of up to 3e+38, so large that what is computed from them at voxel [-9, -9, -9] has no number: make them smaller with "
+          "field.ax");
 }
 
 TEST_CASE("field.filter's parameters are checked, and handed on") {

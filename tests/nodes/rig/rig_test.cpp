@@ -156,6 +156,9 @@ TEST_CASE("a curve that can't be read names file and line") {
           ":7: the file ends after 1 of 2 lines of element 'vertex'");
     CHECK(fault_in(folder, "a.ply", "ply\nelement face 0\nend_header\n") == ": there is no element 'vertex' in it");
     CHECK(fault_in(folder, "a.csv", "x,y\n1,2\n") == ":1: the header has no column 'z'");
+    CHECK(fault_in(folder, "a.csv", "x,y,z\n1,5,2,0,3,1\n") == ":2: this line has 6 cells, the first one 3: write decimals with a point");
+    CHECK(fault_in(folder, "a.csv", "1,5;2,0;3,1\n") == ":1: this line has commas and semicolons: write decimals with a point");
+    CHECK(fault_in(folder, "a.csv", "\xff\xfex\0y\0") == ": the text is in UTF-16: save it in UTF-8");
     CHECK(fault_in(folder, "a.csv", "1,2,3\n1,2\n") == ":2: this point lacks a coordinate");
     CHECK(fault_in(folder, "a.csv", "1,2,3\n1,nan,2\n") == ":2: 'nan' is no number");
     CHECK(fault_in(folder, "a.csv", "# nothing\n") == ": there are no points in it");

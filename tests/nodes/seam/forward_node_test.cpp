@@ -72,7 +72,8 @@ TEST_CASE("a field that codes do not hold is told with its place") {
     Given given{noise_from(random, {6, 4, 3}), noise_from(random, {6, 4, 3}), {6, 4, 3}};
     given.field[1]->getAccessor().setValue(Coord(2, 3, 1), 1e6f);
     CHECK_THROWS_WITH(solve(seam_greedy(), "{count: -1, cost: forward}", given),
-                      "the field is 1000000 at (2, 3, 1), vertex (2, 3, 1); a solver takes values from -65504 to 65504; scale the field down");
+                      "the field is 1000000 at (2, 3, 1), vertex (2, 3, 1); a solver takes values from -65504 to 65504: put it through energy.remap, which "
+                      "maps it to 0 to 1");
 }
 
 TEST_CASE("with forward costs and rigidity solvers are swapped by their type, and each reports what its seam pays") {
