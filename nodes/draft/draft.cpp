@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -73,7 +75,12 @@ private:
             param(name, "path", value.empty() ? value : text_value(value), doc);
         };
         path("sim", request_.input, request_.frames.empty() ? "Input file." : "Input sequence.");
-        param("count", "count", request_.count, "Seams, or a share of the size: negative removes, positive inserts.");
+        const bool fraction = !request_.count.ends_with('%') && request_.count.find_first_of(".eE") != std::string::npos;
+        if (fraction && !warps())
+            throw Failure(fmt::format("seams are whole: take {:.0f} or {:.0f}; a warp carves by fractions, too (carve --warp)",
+                                      std::floor(std::atof(request_.count.c_str())), std::ceil(std::atof(request_.count.c_str()))));
+        param("count", fraction ? "float" : "count", request_.count,
+              warps() ? "Voxels, or a share of the size: negative makes it narrower." : "Seams, or a share of the size: negative removes, positive inserts.");
         path("out", request_.out, "What was carved.");
         path("seams", request_.seams, "The seams, to use again without solving.");
         path("sheet", request_.sheet, "Before, after and the seams in one picture.");
@@ -179,6 +186,8 @@ private:
         if (!protected_.empty()) fields.emplace_back("protect", "keep");
         fields.emplace_back("axis", request_.axis == 'y' ? "v" : "u");
         fields.emplace_back(warps() ? "amount" : "count", "\"${count}\"");
+        // Seams may run out beside what none may pass.
+        if (!protected_.empty() && !warps()) fields.emplace_back("best_effort", "true");
         if (contents_.matter != Matter::image) fields.emplace_back("anchor", contents_.source.at(static_cast<std::size_t>(request_.axis - 'x')));
         node("seams", !request_.solver.empty() ? request_.solver : warps() ? "warp.solve" : "seam.pyramid", with(std::move(fields), request_.solver_fields));
     }

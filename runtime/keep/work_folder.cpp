@@ -102,7 +102,7 @@ std::vector<fs::path> files_of_job(const fs::path& folder) {
     return out;
 }
 
-bool older(const fs::path& file, std::chrono::hours age) {
+bool older(const fs::path& file, std::chrono::seconds age) {
     std::error_code gone;
     const auto used = fs::last_write_time(file, gone);
     return !gone && fs::file_time_type::clock::now() - used > age;
@@ -184,7 +184,7 @@ std::vector<fs::path> WorkFolder::outdated() const {
     return out;
 }
 
-WorkFolder::Cleaned WorkFolder::clean() const {
+WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     const fs::path root = path_;
     std::vector<fs::path> ours;
     for (const auto& [file, used, size] : entries())
@@ -206,16 +206,28 @@ WorkFolder::Cleaned WorkFolder::clean() const {
 
     Cleaned out;
     std::error_code error, ignored;
+    std::size_t all = 0;
+    for (fs::recursive_directory_iterator each(root, ignored), end; each != end; each.increment(ignored))
+        all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
     for (const auto& file : ours) {
-        out.removed += fs::remove(file, error) ? 1 : 0;
-        if (error) throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
-        fs::remove(file.parent_path(), ignored);  // if it is empty
+        if (wish.older && !older(file, *wish.older)) {
+            ++out.kept;
+            continue;
+        }
+        const auto bytes = fs::file_size(file, ignored);
+        if (!wish.dry_run && !fs::remove(file, error)) {
+            if (error) throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+            continue;  // another process removed it
+        }
+        ++out.removed;
+        out.bytes += bytes == static_cast<std::uintmax_t>(-1) ? 0 : bytes;
+        if (!wish.dry_run) fs::remove(file.parent_path(), ignored);  // if it is empty
     }
+    out.left = all - std::min(all, ours.size());
+    if (wish.dry_run) return out;
     for (const auto* const part : parts)
         if (!fs::is_symlink(root / part, ignored)) fs::remove(root / part, ignored);
-    for (fs::recursive_directory_iterator each(root, ignored), end; each != end; each.increment(ignored))
-        if (!each->is_directory(ignored) && each->path() != root / mark_name) ++out.left;
-    if (out.left == 0) {
+    if (out.left == 0 && out.kept == 0) {
         fs::remove(root / mark_name, ignored);
         fs::remove(root, ignored);
     }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,13 +39,20 @@ public:
     /// Whether a file begins as a cached result or a pack does.
     static bool is_entry(const std::filesystem::path& file);
 
-    /// What `clean` did.
+    /// What `clean` is to remove.
+    struct Wish {
+        std::optional<std::chrono::seconds> older;  ///< only what was not used for so long; nothing: all
+        bool dry_run = false;                       ///< only counts
+    };
+    /// What `clean` did, or would do.
     struct Cleaned {
         std::size_t removed = 0;  ///< files
+        std::uint64_t bytes = 0;  ///< of these
+        std::size_t kept = 0;     ///< files that are too new
         std::size_t left = 0;     ///< files of others, which stay
     };
-    /// Removes all files that fluidcarve wrote, and folders that are then empty. @throws Failure if one can't be removed
-    Cleaned clean() const;
+    /// Removes files that fluidcarve wrote, and folders that are then empty. @throws Failure if one can't be removed
+    Cleaned clean(const Wish& wish) const;
 
 private:
     std::string path_;

@@ -89,10 +89,15 @@ std::string text_of_gathering(const Json& node, const std::string& state) {
     return state == "running" ? out : out + ", " + state;
 }
 
-std::string text_of(const Json& run) {
-    std::string out = fmt::format("{}: {}", run.value("pipeline", ""), run.value("state", ""));
+/// "shot.yaml: done, 12 s, process 4711 on render7".
+std::string head_of(const Json& run) {
     const double seconds = run.value("updated", 0.0) - run.value("started", 0.0);
-    out += fmt::format(", {:.0f} s, process {} on {}\n\n", seconds, run.value("pid", 0), run.value("host", ""));
+    return fmt::format("{}: {}, {:.0f} s, process {} on {}\n", run.value("pipeline", ""), run.value("state", ""), seconds, run.value("pid", 0),
+                       run.value("host", ""));
+}
+
+std::string text_of(const Json& run) {
+    auto out = head_of(run) + "\n";
     std::vector<std::vector<std::string>> rows{{"node", "type", "frames", "cached", "done", "gathering", "why it runs"}};
     constexpr int column = 5;  ///< of "gathering", which is left out if it is empty
     bool gathers = false;
@@ -205,9 +210,15 @@ std::vector<Json> recorded_runs(const std::string& folder) {
 std::string status_text(const std::string& folder) {
     const auto runs = recorded_runs(folder + "/runs");
     if (runs.empty()) return fmt::format("no runs are recorded in '{}'\n", folder);
-    std::string out;
-    for (const auto& run : runs) out += (out.empty() ? "" : "\n") + text_of(run);
-    return out;
+    // What is alive in full, or the last one; of all others a line.
+    std::string out, others;
+    const bool alive = std::ranges::any_of(runs, [](const Json& run) { return run["state"] == "running"; });
+    for (const auto& run : runs) {
+        const bool whole = alive ? run["state"] == "running" : &run == &runs.front();
+        if (whole) out += (out.empty() ? "" : "\n") + text_of(run);
+        else others += head_of(run);
+    }
+    return out + (others.empty() ? "" : "\nearlier:\n" + others);
 }
 
 }  // namespace fluidcarve

@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -22,18 +23,13 @@
 namespace fluidcarve {
 namespace {
 
-/// Whether a text is a number of seams, perhaps with a sign, or a percentage.
+/// Whether a text is a number, perhaps with a sign, or a percentage.
 bool is_count(std::string_view text) {
-    const bool percent = text.ends_with('%');
-    if (percent) text.remove_suffix(1);
+    if (text.ends_with('%')) text.remove_suffix(1);
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     double number = 0;
-    int whole = 0;
-    const auto read_as = [&](auto& value) {
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        return error == std::errc{} && end == text.data() + text.size();
-    };
-    return percent ? read_as(number) : read_as(whole);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size() && std::isfinite(number);
 }
 
 /// What is wrong with the arguments, beside what the pipeline's check finds; empty: nothing.
@@ -49,8 +45,11 @@ std::string wrong_output(const CarveArguments& arguments, const DraftFiles& file
     return {};
 }
 
-/// The node type of `--solver`; empty if it is not stated.
-std::string solver_type(const std::string& solver) { return solver.empty() ? "" : solver == "warp" ? "warp.solve" : "seam." + solver; }
+/// The node type that the arguments ask for; empty if they ask for none.
+std::string solver_type(const CarveArguments& arguments) {
+    if (arguments.warp || arguments.solver == "warp") return "warp.solve";
+    return arguments.solver.empty() ? "" : "seam." + arguments.solver;
+}
 
 DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files) {
     auto out = files.request({});
@@ -59,7 +58,7 @@ DraftRequest request_of(const CarveArguments& arguments, const DraftFiles& files
     out.sheet = arguments.sheet;
     out.count = arguments.count;
     out.axis = arguments.axis.front();
-    out.solver = solver_type(arguments.solver);
+    out.solver = solver_type(arguments);
     out.protect = arguments.protect;
     const auto put = [](DraftRequest::Fields& fields, const char* name, const std::string& value) {
         if (!value.empty()) fields.emplace_back(name, value);
@@ -81,7 +80,8 @@ std::vector<std::string> words_of(const CarveArguments& arguments, const DraftFi
         if (value != otherwise) out.insert(out.end(), {name, value});
     };
     add("--axis", arguments.axis, fallback.axis);
-    add("--solver", arguments.solver, {});
+    if (arguments.warp) out.emplace_back("--warp");
+    else add("--solver", arguments.solver, {});
     for (const auto& each : arguments.protect) add("--protect", each, {});
     add("--empty", arguments.empty, {});
     add("--spread", arguments.spread, {});
@@ -99,7 +99,7 @@ void CarveArguments::declare(CLI::App& verb) {
     verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder that holds one sequence: volumes, images, particles or meshes")
         ->required()
         ->type_name("FILES");
-    verb.add_option("count", count, "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a share of the size")
+    verb.add_option("count", count, "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a share of the size; with --warp also -12.5")
         ->required()
         ->type_name("COUNT");
     verb.add_option("-o,--out", out, "The carved files; with a frame token such as #### if there are several")->required()->type_name("FILES");
@@ -107,9 +107,9 @@ void CarveArguments::declare(CLI::App& verb) {
         ->check(CLI::IsMember({"x", "y", "z"}))
         ->capture_default_str();
     verb.add_option("--solver", solver,
-                    "What finds the seams, a type of the family `seam`, such as pyramid; or warp, which squeezes or draws out without seams, also by fractions "
-                    "(default: warp for level sets and particles, else pyramid)")
+                    "What finds the seams, a type of the family `seam`, such as pyramid (default: pyramid; for level sets and particles --warp)")
         ->type_name("SOLVER");
+    verb.add_flag("--warp", warp, "Squeeze or draw out without seams, also by fractions of a voxel");
     verb.add_option(
             "--protect", protect,
             "Where no seam may pass: GRID=VALUE, such as density=0.7, is where the grid has at least this value; or a closed mesh; of images, a picture "
@@ -138,7 +138,8 @@ int carve_files(CarveArguments& arguments, const Registry& registry) {
     };
     if (!is_count(arguments.count))
         return wrong(fmt::format("COUNT must be a number of seams such as -12 or 12, or a share such as -20%, not '{}'", arguments.count));
-    const auto solver = solver_type(arguments.solver);
+    if (arguments.warp && !arguments.solver.empty()) return wrong("--warp takes the place of a solver: leave --solver out");
+    const auto solver = solver_type(arguments);
     if (!solver.empty() && !registry.node(solver))
         return wrong(fmt::format("--solver: there is no node type '{}'{}", solver, did_you_mean(solver, registry.node_names())));
     auto source = std::make_shared<Source>();

@@ -17,6 +17,7 @@ namespace fluidcarve {
 struct CarveArguments {
     std::string files, count, out, seams, sheet;
     std::string axis = "x", solver;
+    bool warp = false;  ///< instead of a solver
     std::vector<std::string> protect;
     std::string empty, spread, rigidity, anchor, window, soft, conserve;  ///< empty: as the draft has it
     bool print_pipeline = false;

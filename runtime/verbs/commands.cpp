@@ -31,7 +31,11 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <filesystem>
+#include <map>
+#include <optional>
 
 namespace fluidcarve {
 namespace {
@@ -74,14 +78,33 @@ int plan(const PipelineArguments& arguments, RunArguments& run_arguments, bool j
     return request ? plan_pipeline(*pipeline, registry, *request, json) : exit_code::usage;
 }
 
-/// Removes all files of fluidcarve from a work folder, and the folder if it is then empty.
-int clean(const std::string& path) {
+/// An age such as 7d, 12h, 30m or 2w; nothing if a text is none.
+std::optional<std::chrono::seconds> age_of(std::string_view text) {
+    static const std::map<char, std::chrono::seconds> units{
+        {'m', std::chrono::minutes(1)}, {'h', std::chrono::hours(1)}, {'d', std::chrono::hours(24)}, {'w', std::chrono::hours(24 * 7)}};
+    const auto unit = text.empty() ? units.end() : units.find(text.back());
+    if (unit == units.end()) return std::nullopt;
+    text.remove_suffix(1);
+    int number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 100000) return std::nullopt;
+    return number * unit->second;
+}
+
+/// Removes files of fluidcarve from a work folder, and the folder if it is then empty.
+int clean(const std::string& path, const std::string& older, bool dry_run) {
     const WorkFolder folder(path);
+    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run};
+    if (!older.empty() && !wish.older) return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)), exit_code::usage;
     if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
     try {
-        const auto [removed, left] = folder.clean();
-        const auto others = left == 0 ? std::string() : fmt::format("; {} {} that fluidcarve did not write", left, left == 1 ? "file stays" : "files stay");
-        print(removed == 0 && left == 0 ? fmt::format("{}: nothing to clean\n", path) : fmt::format("{}: clean{}\n", path, others));
+        const auto cleaned = folder.clean(wish);
+        const auto stay = [](std::size_t count, const char* why) {
+            return count == 0 ? std::string() : fmt::format("; {} {} {}", count, count == 1 ? "file stays" : "files stay", why);
+        };
+        const auto rest = stay(cleaned.kept, "that were used since") + stay(cleaned.left, "that fluidcarve did not write");
+        const auto what = fmt::format("{}, {}", counted(cleaned.removed, "file"), size_text(cleaned.bytes));
+        print(fmt::format("{}: {}{}\n", path, cleaned.removed == 0 ? "nothing to clean" : dry_run ? "would remove " + what : "removed " + what, rest));
     } catch (const Failure& failure) {
         return complain(fmt::format("{}\n", failure.what())), exit_code::node_failed;
     }
@@ -165,7 +188,7 @@ void add_examples(CLI::App& app) {
          "  fluidcarve wedge shot.yaml --over count=-4,-8,-12\n"
          "  fluidcarve wedge shot.yaml --over count=-8,-16 --over seams.type=seam.greedy,seam.pyramid --out wedges/seams"},
         {"init", "  fluidcarve init smoke.####.vdb -o shot.yaml\n  fluidcarve init /shots/sh010      the one sequence in a folder"},
-        {"clean", "  fluidcarve clean --work /shared/sh010/work"},
+        {"clean", "  fluidcarve clean --work /shared/sh010/work\n  fluidcarve clean --older 7d --dry-run"},
         {"nodes",
          "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
         {"new-node", "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight"},
@@ -240,8 +263,12 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const status_verb = app.add_subcommand("status", "Show how far the runs and farm jobs in a work folder have come, and which were interrupted");
     status_verb->add_option("--work", status_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     status_verb->add_flag("--json", json, "Print as JSON");
-    auto* const clean_verb = app.add_subcommand("clean", "Remove all results from a work folder");
+    auto* const clean_verb = app.add_subcommand("clean", "Remove results from a work folder");
     clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
+    std::string older;
+    bool dry_run = false;
+    clean_verb->add_option("--older", older, "Remove only what was not used for so long: 7d, 12h, 30m, 2w")->type_name("AGE");
+    clean_verb->add_flag("--dry-run", dry_run, "Only say what would be removed");
     auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or those of a family, or describe one");
     nodes_verb->add_option("type", type, "The node type to describe, or the family to list")->type_name("TYPE");
     auto* const json_flag = nodes_verb->add_flag("--json", json, "Print as JSON");
@@ -313,7 +340,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
     if (*view_verb) return view_pipeline(pipeline, view, registry);
-    if (*clean_verb) return clean(clean_folder);
+    if (*clean_verb) return clean(clean_folder, older, dry_run);
     if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
     if (*carve_verb) return carve_files(carve_arguments, registry);
     if (*init_verb) return init_pipeline(init_arguments, registry);

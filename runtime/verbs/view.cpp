@@ -70,6 +70,15 @@ void leave_out_seams(Value& node) {
     std::erase_if(node.fields, [](const Value::Field& each) { return each.name == "seams" || each.name == "count"; });
 }
 
+/// Lets all solvers take as many seams as there are: a page of these shows more than an error.
+void take_what_is_there(Document& document, const Registry& registry) {
+    for (auto& node : document.nodes.fields) {
+        const auto* const type = registry.node(type_of(node));
+        const auto yes = scalar(node.value.mark, ParamTraits<bool>::text(true));
+        if (type && type->param("best_effort")) add(node.value, "best_effort", &yes);
+    }
+}
+
 /// Whether a run would have to find seams: a solver upstream of a node is not in the work folder with all that is wanted.
 bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunRequest& request) {
     Report report(pipeline);
@@ -107,6 +116,7 @@ std::string add_page(Document& document, std::string& name) {
                                                            : nullptr;
     const auto* before = sheet ? field(sheet, "before") : field(remap, "source");
     if (!before && built) before = field(built, "fit");
+    if (before && before->kind == Value::Kind::list && !before->items.empty()) before = &before->items.front();
     if (!before) before = field(solver, "field");
     if (!before)
         return fmt::format(
@@ -158,6 +168,7 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     std::string name;
     if (const auto fault = add_page(document, name); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
     if (!view.path.empty()) set_page_path(document, name, view.path);
+    if (view.solve) take_what_is_there(document, registry);
     view.run.request.wish.to = name;
     std::optional<RunRequest> request;
     const auto build = [&] {

@@ -95,7 +95,10 @@ TEST_CASE("a work folder tells of its runs, and is cleaned") {
     CHECK_THAT(status.out, Catch::StartsWith("pipelines/plume.yaml: done, "));
     CHECK_THAT(status.out, Catch::Contains("node    type             frames  cached  done  why it runs\n"));
     CHECK_THAT(status.out, Catch::Contains("edges   energy.gradient       6       0     6  never run\n"));
-    CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": clean\n");
+    CHECK_THAT(fluidcarve_program("clean --dry-run" + work).out, Catch::StartsWith((scratch / "work") + ": would remove "));
+    CHECK(fluidcarve_program("clean --older 7d" + work).out.find(": nothing to clean; ") != std::string::npos);
+    CHECK(fluidcarve_program("clean --older soon" + work).err == "--older: 'soon' is no age such as 7d, 12h, 30m or 2w\n");
+    CHECK_THAT(fluidcarve_program("clean" + work).out, Catch::StartsWith((scratch / "work") + ": removed "));
     CHECK_FALSE(std::filesystem::exists(scratch / "work"));
     CHECK(fluidcarve_program("clean" + work).out == (scratch / "work") + ": nothing to clean\n");
 }

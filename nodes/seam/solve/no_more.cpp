@@ -47,7 +47,8 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
 std::string why_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part, const CarvedSpace& space) {
     return fmt::format("{} possible in {}; ask for fewer, widen the window or protect less{}",
                        none.found == 0 ? "no seam is" : fmt::format("{} of {} seams {}", none.found, task.count, none.found == 1 ? "is" : "are"),
-                       where_no_more(none, task, part, space), none.found == 0 ? "" : "; `best_effort: true` takes as many as there are");
+                       where_no_more(none, task, part, space),
+                       none.found == 0 ? "" : "; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)");
 }
 
 }  // namespace fluidcarve

@@ -73,6 +73,30 @@ TEST_CASE("a work folder whose first run was killed while it made the mark is ma
     CHECK(std::distance(fs::directory_iterator(work), {}) == 1);
 }
 
+TEST_CASE("what was used lately stays if only older results are to go, and a dry run removes nothing") {
+    const Scratch scratch;
+    const auto work = scratch / "work";
+    WorkFolder(work).make();
+    keep(work, 4);
+    const auto entries = WorkFolder(work).entries();
+    REQUIRE(entries.size() == 4);
+    for (const std::size_t n : {0u, 1u, 2u}) fs::last_write_time(entries[n].path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
+    const auto before = texts_of(work);
+    WorkFolder::Wish wish{std::chrono::hours(24 * 7), true};
+    auto cleaned = WorkFolder(work).clean(wish);
+    CHECK(cleaned.removed == 3);
+    CHECK(cleaned.kept == 1);
+    CHECK(texts_of(work) == before);
+    wish.dry_run = false;
+    cleaned = WorkFolder(work).clean(wish);
+    CHECK(cleaned.removed == 3);
+    CHECK(cleaned.left == 0);
+    CHECK(WorkFolder(work).entries().size() == 1);
+    CHECK(WorkFolder(work).marked());
+    CHECK(WorkFolder(work).clean({}).removed == 1);
+    CHECK(!fs::exists(work));
+}
+
 TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
     std::mt19937 random(5);
     const std::string hex = "0123456789abcdef";
@@ -103,7 +127,9 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         Cache cache(registry, work);
         CHECK(cache.trim(0).files == 12);
         CHECK(cache.trim(0).files == 0);
-        const auto [removed, left] = WorkFolder(work).clean();
+        const auto [removed, bytes, kept, left] = WorkFolder(work).clean({});
+        CHECK(bytes > 0);
+        CHECK(kept == 0);
         CHECK(removed == 3);
         CHECK(left == others.size());
         auto now = texts_of(work);
@@ -130,12 +156,12 @@ TEST_CASE("a work folder without others' files is gone once it is clean") {
     const auto work = scratch / "work";
     WorkFolder(work).make();
     keep(work, 3);
-    CHECK(WorkFolder(work).clean().removed == 3);
+    CHECK(WorkFolder(work).clean({}).removed == 3);
     CHECK(!fs::exists(work));
     WorkFolder(work).make();
     keep(work, 3, true);
     CHECK(WorkFolder(work).entries().size() == 1);
-    CHECK(WorkFolder(work).clean().removed == 1);
+    CHECK(WorkFolder(work).clean({}).removed == 1);
     CHECK(!fs::exists(work));
 }
 
@@ -149,7 +175,7 @@ TEST_CASE("hashes of input files that nobody asked for in a month go, in packs a
     for (const auto& [path, text] : texts_of(work + "/files")) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(24 * 31));
     CHECK(WorkFolder(work).outdated().size() == 2);
     put(work + "/files/" + std::string(32, 'a') + ".pack", "of somebody else");
-    CHECK(WorkFolder(work).clean().removed == 2);
+    CHECK(WorkFolder(work).clean({}).removed == 2);
     CHECK(texts_of(work + "/files").size() == 1);
 }
 
