@@ -4,6 +4,7 @@
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
 #include "graph/types/file_fields.h"
+#include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
 
@@ -81,8 +82,12 @@ public:
         infer_rates();
         check_paths(out.frames);
         check_written(out.frames);
+        if (const auto note = staggered_note(document_.frames.text); !note.empty()) out.notes.push_back("frames: " + note);
+        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
+        out.notes.insert(out.notes.end(), notes_.begin(), notes_.end());
         check_confinement(out.frames);
         for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
+        note_old_files(out);
         return out;
     }
 
@@ -106,7 +111,10 @@ private:
                     if (const auto& path = spec.path(draft.node.params.get()); path.per_frame())
                         inputs.push_back({draft.node.name, path, draft.value->find(spec.name)->value.mark});
         }
-        return frames_of_inputs(inputs, document_.frames.mark, problems_).value_or(FrameSet({1}));
+        const auto out = frames_of_inputs(inputs, document_.frames.mark, problems_).value_or(FrameSet({1}));
+        for (const auto& input : inputs)
+            if (auto note = note_on_odd_frames(input.path); !note.empty()) notes_.push_back(std::move(note));
+        return out;
     }
 
     void read_node(const Value::Field& field) {
@@ -480,6 +488,7 @@ private:
     std::map<std::string, std::size_t> index_;  ///< name to index in `drafts_`
     std::set<std::string> known_;               ///< all node names in the file, also of nodes with an unknown type
     std::set<std::string> sequences_;           ///< nodes that read a file per frame, and nodes downstream of them
+    std::vector<std::string> notes_;            ///< Pipeline::notes
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "graph/frames_of_inputs.h"
 
 #include "graph/confinement.h"
+#include "graph/text/words.h"
 #include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
@@ -48,6 +49,48 @@ std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs,
         return add(problems, frames, fmt::format("frames: auto takes the frames that all inputs have, and there is none: {}", fmt::join(each, ", "))),
                std::nullopt;
     return FrameSet(std::move(*common));
+}
+
+std::string holes_in(const FrameSet& frames) {
+    constexpr std::size_t most_told = 1000;
+    const auto& there = frames.frames();
+    bool regular = there.size() > 2;
+    std::vector<int> missing;
+    for (std::size_t n = 1; n < there.size(); ++n) {
+        regular = regular && there[n] - there[n - 1] == there[1] - there[0];
+        for (int frame = there[n - 1] + 1; frame < there[n] && missing.size() < most_told; ++frame) missing.push_back(frame);
+    }
+    if (missing.empty() || regular) return {};
+    return fmt::format("frames: auto takes {}: of {} to {}, {} {} missing", counted(there.size(), "frame"), there.front(), there.back(),
+                       FrameSet(missing).text(), missing.size() == 1 ? "is" : "are");
+}
+
+std::string note_on_odd_frames(const PathPattern& input) {
+    if (!Confinement::of_program().refusal(input.at(1)).empty()) return {};
+    const auto odd = odd_frames_there(input);
+    if (odd.empty()) return {};
+    return fmt::format("{} {} of {}, and left out: a frame is a whole number with as many digits as the token says", fmt::join(odd, ", "),
+                       odd.size() == 1 ? "is no frame" : "are no frames", input.text());
+}
+
+void note_old_files(Pipeline& pipeline) {
+    const auto& frames = pipeline.frames;
+    const auto look_at = [&](const PathPattern& output) {
+        if (!output.per_frame() || !Confinement::of_program().refusal(output.at(frames.frames().front())).empty()) return;
+        auto others = frames_there(output).value_or(FrameSet()).frames();
+        std::erase_if(others, [&](int frame) { return frames.contains(frame); });
+        if (others.empty()) return;
+        const bool one = others.size() == 1;
+        pipeline.notes.push_back(fmt::format("{} has {} {} from before: this sequence does not have {}, and the {}", output.text(),
+                                             one ? "a file of frame" : "files of frames", FrameSet(others).text(), one ? "it" : "them",
+                                             one ? "file stays" : "files stay"));
+    };
+    for (const auto& node : pipeline.nodes)
+        for (const auto& spec : node.type->params) try {
+                if (spec.shape.kind == Shape::Kind::output_path) look_at(spec.path(node.params.get()));
+            } catch (const Failure&) {
+                // A folder that can't be read is told when something is written to it.
+            }
 }
 
 }  // namespace fluidcarve

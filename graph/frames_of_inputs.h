@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graph/pipeline.h"
 #include "graph/text/problem.h"
 #include "graph/types/frames.h"
 
@@ -20,5 +21,14 @@ struct FramedInput {
 /// @param frames  the place of `auto`
 /// @return nothing if a problem was added, or an input leads out of --confine, which is a problem of its own
 std::optional<FrameSet> frames_of_inputs(const std::vector<FramedInput>& inputs, const Mark& frames, Problems& problems);
+
+/// Which frames are missing between others, in words; empty if none is, or if all are equally far apart, as on twos.
+std::string holes_in(const FrameSet& frames);
+
+/// Names files that look like frames of an input and are left out; empty: there are none.
+std::string note_on_odd_frames(const PathPattern& input);
+
+/// Adds to a pipeline's notes the files of outputs that its sequence does not write, as those of an earlier run.
+void note_old_files(Pipeline& pipeline);
 
 }  // namespace fluidcarve

@@ -53,6 +53,8 @@ struct Pipeline {
     std::string name;                ///< the file, as given
     std::vector<std::string> files;  ///< the file and the files that it extends
     FrameSet frames;                 ///< the sequence
+    std::string holes;               ///< of `frames: auto`: which frames are missing between the others, in words; empty: none
+    std::vector<std::string> notes;  ///< what a user may not expect of the sequence or of files that are there, a sentence each
     std::vector<Node> nodes;
     PluginFiles plugins;     ///< plugin file of each node type that is not built in
     bool provenance = true;  ///< whether written files state what made them

@@ -23,8 +23,9 @@ struct Gradient {
 }  // namespace
 
 FloatGrid::Ptr gradient_energy(const FloatGrid& field, float gain) {
-    const auto out = map_stencil<FloatGrid>(
-        field, 0.0f, [gain, jacobian = Jacobian(field)](auto& s, const openvdb::Coord& at) { return static_cast<float>(gain * openvdb::Vec3d(gradient_at(s, at, jacobian)).length()); });
+    const auto out = map_stencil<FloatGrid>(field, 0.0f, [gain, jacobian = Jacobian(field)](auto& s, const openvdb::Coord& at) {
+        return static_cast<float>(gain * jacobian.steepness(differences_at(s, at)));
+    });
     out->setName("gradient of " + field.getName());
     return out;
 }

@@ -9,12 +9,12 @@ namespace fluidcarve {
 // Operators for map_stencil. tools::gradient and tools::curl are not used: they treat staggered grids as collocated, and evaluate
 // an active tile only at its corner.
 
-/// The gradient of a field, per world unit.
+/// Differences of the neighbours on both sides along each index axis.
 template <class Accessor>
-openvdb::Vec3s gradient_at(Accessor& field, const openvdb::Coord& at, const Jacobian& jacobian) {
-    return jacobian.gradient({field.getValue(at.offsetBy(1, 0, 0)) - field.getValue(at.offsetBy(-1, 0, 0)),
-                              field.getValue(at.offsetBy(0, 1, 0)) - field.getValue(at.offsetBy(0, -1, 0)),
-                              field.getValue(at.offsetBy(0, 0, 1)) - field.getValue(at.offsetBy(0, 0, -1))});
+openvdb::Vec3s differences_at(Accessor& field, const openvdb::Coord& at) {
+    return {field.getValue(at.offsetBy(1, 0, 0)) - field.getValue(at.offsetBy(-1, 0, 0)),
+            field.getValue(at.offsetBy(0, 1, 0)) - field.getValue(at.offsetBy(0, -1, 0)),
+            field.getValue(at.offsetBy(0, 0, 1)) - field.getValue(at.offsetBy(0, 0, -1))};
 }
 
 /// The curl of a collocated vector field, per world unit.

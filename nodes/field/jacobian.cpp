@@ -15,6 +15,7 @@ Jacobian::Jacobian(const openvdb::GridBase& grid) {
         throw Failure(fmt::format("grid '{}' has voxels of varying shape ({}); derivatives need voxels of one shape, as grid.resample makes them",
                                   grid.getName(), transform.mapType()));
     const auto by_voxel = transform.baseMap()->getAffineMap()->getMat4().getMat3();
+    cubes_ = are_cubes(transform);
     plain_ = cubes_along_axes(transform);
     edge_ = plain_ ? transform.voxelSize().x() : std::cbrt(std::abs(by_voxel.det()));
     half_ = static_cast<float>(1 / (2 * edge_));

@@ -14,6 +14,11 @@ public:
     /// @param differences  of the neighbours on both sides along each index axis: over two voxels
     /// @return the gradient, per world unit
     openvdb::Vec3s gradient(const openvdb::Vec3s& differences) const { return plain_ ? half_ * differences : openvdb::Vec3s(0.5 * (by_world_ * differences)); }
+    /// Length of the gradient, per world unit. Of cubes it does not depend on how they are turned, to the last bit.
+    double steepness(const openvdb::Vec3s& differences) const {
+        const openvdb::Vec3d exact(differences);
+        return cubes_ ? half_ * exact.length() : 0.5 * (by_world_ * exact).length();
+    }
     /// @param x, y, z  differences of a vector field over two voxels along each index axis
     /// @return the curl, per world unit
     openvdb::Vec3s curl(const openvdb::Vec3s& x, const openvdb::Vec3s& y, const openvdb::Vec3s& z) const {
@@ -46,8 +51,9 @@ private:
 
     openvdb::Mat3d by_world_;  ///< voxels per world unit: (n, i) is how far index axis i goes for a step along world axis n
     double edge_ = 0;
+    bool cubes_ = false;
     bool plain_ = false;  ///< cubes along the world's axes
-    float half_ = 0;      ///< of plain voxels: 1 / (2 edge)
+    float half_ = 0;      ///< of cubes: 1 / (2 edge)
 };
 
 }  // namespace fluidcarve

@@ -28,12 +28,28 @@ void put(const std::string& text) {
 /// Time between two lines of a style.
 std::chrono::milliseconds pause_of(ProgressStyle style) {
     if (style == ProgressStyle::bar) return std::chrono::milliseconds(100);
-    return std::chrono::milliseconds(style == ProgressStyle::plain ? 30000 : 1000);
+    return std::chrono::milliseconds(style == ProgressStyle::plain ? 10000 : 1000);
 }
 
 }  // namespace
 
+Progress::Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say)
+    : style_(style), passes_(passes), say_(std::move(say)) {
+    if (style_ != ProgressStyle::plain) return;
+    ticker_ = std::jthread([this](const std::stop_token& stop) {
+        std::unique_lock lock(mutex_);
+        while (!stop.stop_requested()) {
+            ended_.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
+            if (!stop.stop_requested()) show(false);
+        }
+    });
+}
+
 Progress::~Progress() {
+    if (ticker_.joinable()) {
+        ticker_.request_stop();
+        ticker_.join();
+    }
     if (style_ != ProgressStyle::none && style_ != ProgressStyle::plain) show(true);
     if (drawn_) put("\n");
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,7 +18,7 @@ enum class ProgressStyle {
     none,
     bar,     ///< one line on a terminal, redrawn
     json,    ///< one line of JSON per second
-    plain,   ///< a line for each frame that is done with a pass, for logs
+    plain,   ///< a line for each frame that is done with a pass, and every ten seconds, for logs
     openjd,  ///< one line with the percentage and one with the status per second, on stdout, as Open Job Description wants them
 };
 
@@ -36,8 +38,7 @@ public:
         std::optional<double> expected_s;  ///< of one run
     };
     /// @param say  tells the user a line of text; null: `say` tells nothing
-    Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say = nullptr)
-        : style_(style), passes_(passes), say_(std::move(say)) {}
+    Progress(ProgressStyle style, std::size_t passes, std::function<void(const std::string& line)> say = nullptr);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -83,6 +84,8 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point shown_ = style_ == ProgressStyle::plain ? start_ : std::chrono::steady_clock::time_point();
     bool drawn_ = false;
+    std::condition_variable_any ended_;
+    std::jthread ticker_;  ///< of a plain style: shows that the run is alive
 };
 
 }  // namespace fluidcarve

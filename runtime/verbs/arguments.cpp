@@ -1,6 +1,7 @@
 #include "runtime/verbs/arguments.h"
 
 #include "graph/confinement.h"
+#include "graph/types/frame_files.h"
 #include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/status.h"
@@ -111,6 +112,9 @@ void RunArguments::declare(CLI::App& verb) {
         ->type_name("NODE")
         ->excludes(to)
         ->excludes(from);
+    verb.add_option("--missing", missing, "Whether `frames: auto` fails where numbers are missing between frames, or says nothing of it (default: a warning)")
+        ->check(CLI::IsMember({"error", "skip"}))
+        ->type_name("error|skip");
     declare_limits(verb);
     verb.add_option("--report", request.report_path, "Write a report of the run")->type_name("FILE.json");
     verb.add_option("--html", request.html_path, "Write a report of the run as a page: pictures, times, seams, the origin of each value")
@@ -184,10 +188,16 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
         std::string fault;
         request.deliver = FrameSet::parse(frames, fault);
         if (!request.deliver) return wrong("-f: " + fault);
+        if (const auto note = staggered_note(frames); !note.empty() && !request.quiet) complain("warning: -f: " + note + "\n");
         std::vector<int> outside;
         for (const auto frame : request.deliver->frames())
             if (!pipeline.frames.contains(frame)) outside.push_back(frame);
         if (!outside.empty()) return wrong(fmt::format("-f: {} is not in the sequence {}", FrameSet(outside).text(), pipeline.frames.text()));
+    }
+    if (missing == "error" && !pipeline.holes.empty()) return wrong(pipeline.holes);
+    if (!request.quiet) {
+        if (missing.empty() && !pipeline.holes.empty()) complain("warning: " + pipeline.holes + "\n");
+        for (const auto& note : pipeline.notes) complain("warning: " + note + "\n");
     }
     request.options.cache = !no_cache;
     if (const auto refusal = WorkFolder(request.options.work_folder).refusal(); !refusal.empty())
@@ -225,7 +235,8 @@ std::optional<RunRequest> RunArguments::read(const Pipeline& pipeline) {
                        : progress == "plain"                                   ? ProgressStyle::plain
                        : progress == "openjd"                                  ? ProgressStyle::openjd
                        : progress == "bar" || (progress == "auto" && terminal) ? ProgressStyle::bar
-                                                                               : ProgressStyle::json;
+                       : progress == "json"                                    ? ProgressStyle::json
+                                                                               : ProgressStyle::plain;
     return request;
 }
 

@@ -47,6 +47,7 @@ struct PipelineArguments {
 struct RunArguments {
     std::string frames;
     std::string only;
+    std::string missing;  ///< of `--missing`; empty: a warning
     bool no_cache = false;
     std::string cache_size;
     int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));

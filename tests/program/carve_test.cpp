@@ -44,6 +44,47 @@ TEST_CASE("carve narrows a sequence with gaps in one line, and its files say how
     CHECK_THAT(made, Catch::Contains("frames: \"51,53,54\""));
 }
 
+TEST_CASE("a hole in the numbers is told, files that are no frames too, and files of earlier runs among the outputs") {
+    const Scratch scratch;
+    const auto input = plume_in(scratch, {51, 53, 54});
+    fs::copy_file(scratch / "plume.0051.vdb", scratch / "plume.0052.5.vdb");
+    fs::copy_file(scratch / "plume.0051.vdb", scratch / "plume.-0001.vdb");
+    fs::create_directories(scratch / "out");
+    fs::copy_file(scratch / "plume.0051.vdb", scratch / "out/c.0060.vdb");
+    const auto out = scratch / "out/c.####.vdb", carve = "carve " + input + " -4 --progress none -o " + out;
+    const std::string hole = "frames: auto takes 3 frames: of 51 to 54, 52 is missing\n";
+    const auto others = "warning: plume.-0001.vdb, plume.0052.5.vdb are no frames of " + input +
+                        ", and left out: a frame is a whole number with as many digits as the token says\nwarning: " + out +
+                        " has a file of frame 60 from before: this sequence does not have it, and the file stays\n";
+    const auto told = fluidcarve_program(carve);
+    CHECK(told.code == 0);
+    CHECK_THAT(told.err, Catch::StartsWith("warning: " + hole + others + "carved: "));
+    CHECK_THAT(fluidcarve_program(carve + " --missing skip").err, Catch::StartsWith(others + "carved: "));
+    const auto refused = fluidcarve_program(carve + " --missing error");
+    CHECK(refused.err == hole);
+    CHECK(refused.code == 2);
+    // On twos there is no hole.
+    const auto on_twos = fluidcarve_program("carve " + plume_in(scratch, {52, 56}) + " -4 -q -o " + out + " --print-pipeline");
+    CHECK(on_twos.code == 0);
+    CHECK_THAT(fluidcarve_program(carve + " -f 51-54:3").err, Catch::StartsWith("warning: -f: 51-54:3 names all of the frames, as on a farm, where a colon only "
+                                                                               "changes their order; every n-th frame is 51-54x3\n"));
+}
+
+TEST_CASE("a warp carves by fractions, seams say what to take in their place, and beside what is protected as many as there are") {
+    const Scratch scratch;
+    const auto carve = "carve tests/data/plume/plume.0051.vdb --progress none -o " + (scratch / "c.vdb");
+    CHECK(fluidcarve_program(carve + " -4.5").err == "seams are whole: take -5 or -4; a warp carves by fractions, too (carve --warp)\n");
+    const auto warped = fluidcarve_program(carve + " -4.5 --warp --report " + (scratch / "r.json"));
+    INFO(warped.err);
+    REQUIRE(warped.code == 0);
+    const auto [before, after] = widths(scratch / "r.json", "carved", "density");
+    CHECK(before - after == Approx(4.5 / 22).margin(1.0 / 22));
+    CHECK(fluidcarve_program(carve + " -4 --warp --solver greedy").err == "--warp takes the place of a solver: leave --solver out\n");
+    const auto guarded = fluidcarve_program(carve + " -30 --protect density=0.1");
+    CHECK(guarded.code == 0);
+    CHECK_THAT(guarded.err, Catch::Matches("warning: seams \\(seam.pyramid\\): finds \\d+ of 30 seams, as many as there is room for in [^]*"));
+}
+
 TEST_CASE("the pipeline that carve prints makes the same files") {
     const Scratch scratch;
     const auto carve = "carve " + plume + " -10% --protect density=0.7 --axis y --soft 2 -f 51 -o " + (scratch / "a.####.vdb");

@@ -133,7 +133,7 @@ TEST_CASE("a search that goes on from such a set ends as one in one go") {
     CHECK(again.listener.entry["asked"] == 6);
     CHECK(failure_of([&] { run("{count: -5}", guarded(3, 7), after(some)); }) ==
           "3 of 5 seams are possible in window [0, 7]: " + way_closes +
-              "; ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are");
+              "; ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)");
     // Where there is room after all, nothing of the shortfall is left.
     const auto more = run("{count: -5}", {{"protect", {mask_grid({})}}}, after(some));
     CHECK(more.seams->seams.size() == 5);

@@ -251,15 +251,15 @@ TEST_CASE("seams that run out say how many are possible, and where and when ther
     };
     const std::string told =
         "3 of 5 seams are possible in window [0, 7]: in frame 6 column (0 to 7, 1, 2), from (0, 1, 2) to (7, 1, 2), has no unprotected vertex left; "
-        "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are";
+        "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)";
     for (const auto& type : {seam_greedy(), seam_pyramid(), seam_graph_cut()}) CHECK(failure(type, "{count: -5}", {box({8, 3, 4})}, masks) == told);
     CHECK(solve(seam_pyramid(), "{count: -3}", {flat}, {box({8, 3, 4})}, masks, 3).seams->seams.size() == 3);
     CHECK(failure(seam_greedy(), "{count: 4}", {box({8, 3, 4})}, masks) ==
           "3 of 4 seams are possible in window [0, 7]: in frame 6 column (0 to 6, 1, 2), from (0, 1, 2) to (6, 1, 2), has no unprotected vertex left; "
-          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are");
+          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)");
     CHECK(failure(seam_greedy(), "{count: -2, static: true, window: [2, 5]}", {box({8, 3, 4})}, masks) ==
           "1 of 2 seams is possible in window [2, 5]: over all frames column (2 to 5, 1, 2), from (2, 1, 2) to (5, 1, 2), has no unprotected vertex left; "
-          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are");
+          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)");
     CHECK(failure(seam_greedy(), "{count: 1, window: [0, 2], pair_window: [4, 6]}", {box({8, 3, 4})}, masks) ==
           "no seam is possible in pair_window [4, 6]: in frame 6 column (4 to 6, 1, 2), from (4, 1, 2) to (6, 1, 2), has no unprotected vertex left; "
           "ask for fewer, widen the window or protect less");
@@ -287,7 +287,7 @@ TEST_CASE("seams that run out say how many are possible, and where and when ther
     before.seams = {{std::vector<std::uint16_t>(36, 0)}, {std::vector<std::uint16_t>(36, 0)}};
     CHECK(failure(seam_greedy(), "{count: -5}", {box({8, 3, 4})}, masks, {std::make_shared<Seams>(before)}) ==
           "1 of 5 seams is possible in window [0, 5]: in frame 6 column (0 to 5, 1, 2), from (2, 1, 2) to (7, 1, 2), has no unprotected vertex left; "
-          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are");
+          "ask for fewer, widen the window or protect less; `best_effort: true` takes as many as there are (--set NODE.best_effort=true)");
 }
 
 TEST_CASE("a ball that is attracted vanishes from a plume, and a protected one stays whole") {
