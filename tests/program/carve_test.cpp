@@ -66,8 +66,9 @@ TEST_CASE("a hole in the numbers is told, files that are no frames too, and file
     // On twos there is no hole.
     const auto on_twos = fluidcarve_program("carve " + plume_in(scratch, {52, 56}) + " -4 -q -o " + out + " --print-pipeline");
     CHECK(on_twos.code == 0);
-    CHECK_THAT(fluidcarve_program(carve + " -f 51-54:3").err, Catch::StartsWith("warning: -f: 51-54:3 names all of the frames, as on a farm, where a colon only "
-                                                                               "changes their order; every n-th frame is 51-54x3\n"));
+    CHECK_THAT(fluidcarve_program(carve + " -f 51-54:3").err,
+               Catch::StartsWith("warning: -f: 51-54:3 names all of the frames, as on a farm, where a colon only "
+                                 "changes their order; every n-th frame is 51-54x3\n"));
 }
 
 TEST_CASE("a warp carves by fractions, seams say what to take in their place, and beside what is protected as many as there are") {

@@ -117,12 +117,12 @@ struct End {
 struct GridResult {
     std::size_t frames = 0;
     OverFrames before, after;
-    bool same = true;              ///< in all frames
-    std::vector<int> lost;         ///< numbers of the frames where nothing is left
-    std::size_t full = 0;          ///< number of frames where there was something
-    std::array<End, 6> ends;       ///< of the content: lowest and highest along x, y and z
-    double voxel = 0;              ///< edge
-    bool picture = false;          ///< in any frame
+    bool same = true;         ///< in all frames
+    std::vector<int> lost;    ///< numbers of the frames where nothing is left
+    std::size_t full = 0;     ///< number of frames where there was something
+    std::array<End, 6> ends;  ///< of the content: lowest and highest along x, y and z
+    double voxel = 0;         ///< edge
+    bool picture = false;     ///< in any frame
     std::optional<std::pair<GridMeasure, GridMeasure>> last;
 
     /// @param neighbour  whether the frame before was added last
@@ -251,7 +251,8 @@ void warn_of_mass(const GridResults& grids, const Context& context) {
             changes.push_back(fmt::format("{} {}, even scaling {}", name, signed_percent(grid.change()), signed_percent(grid.even_change())));
     if (!changes.empty())
         context.warn(
-            fmt::format("the carve changed the mass by far more or less than even scaling to the same size: {}; carve less (`count` of seams, `amount` of a warp), keep the carve off the content "
+            fmt::format("the carve changed the mass by far more or less than even scaling to the same size: {}; carve less (`count` of seams, `amount` of a "
+                        "warp), keep the carve off the content "
                         "(`protect` of the solver), or "
                         "keep the mass of densities (`conserve`)",
                         fmt::join(changes, "; ")));
