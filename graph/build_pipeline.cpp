@@ -1,6 +1,7 @@
 #include "graph/build_pipeline.h"
 
 #include "graph/confinement.h"
+#include "graph/field_names.h"
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
 #include "graph/types/file_fields.h"
@@ -138,15 +139,7 @@ private:
         draft.references.resize(node_type->inputs.size());
         draft.node.inputs.resize(node_type->inputs.size());
         draft.node.input_names.resize(node_type->inputs.size());
-        for (const auto& each : value.fields) {
-            if (find_field(common_fields, each.name)) continue;
-            if (!node_type->input(each.name) && !node_type->param(each.name)) {
-                const auto fields = node_type->field_names();
-                add(problems_, each.mark, fmt::format("{} has no parameter '{}'{}", node_type->name, each.name, did_you_mean(each.name, fields)));
-            } else if (each.value.kind == Value::Kind::null) {
-                add(problems_, each.mark, fmt::format("{} field '{}' has no value", node_type->name, each.name));
-            }
-        }
+        check_field_names(value, type->value.mark, *node_type, document_.sources, problems_);
         read_params(draft);
         read_cache(draft);
         for (std::size_t n = 0; n < node_type->inputs.size(); ++n) read_references(draft, n);

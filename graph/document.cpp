@@ -180,7 +180,8 @@ private:
 /// Holds the values of params and environment variables, and replaces `${name}` by them.
 class Names {
 public:
-    Names(Problems& problems, TextRoom& room) : problems_(problems), room_(room) {}
+    /// @param open  whether params may have no value
+    Names(Problems& problems, TextRoom& room, bool open) : problems_(problems), room_(room), open_(open) {}
 
     void declare_environment(const Value& list) {
         if (list.kind == Value::Kind::null) return;
@@ -246,8 +247,10 @@ private:
         if (const auto* fallback = param.find("default")) value = &fallback->value;
         if (environment_.contains(name) && std::getenv(name.c_str())) value = &(from_environment = environment_value(name));
         if (const auto set = settings.find(name); set != settings.end()) value = &set->second;
-        if (!value || value->kind == Value::Kind::null)
-            return add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
+        if (!value || value->kind == Value::Kind::null) {
+            if (!open_) add(problems_, mark, fmt::format("param '{0}' has no value; give it a default or --set {0}=...", name));
+            return;
+        }
 
         Value replaced = *value;
         // A default may use environment variables but not other params, so the order of params does not matter.
@@ -329,6 +332,7 @@ private:
 
     Problems& problems_;
     TextRoom& room_;
+    const bool open_;
     std::map<std::string, Mark> environment_;
     std::map<std::string, Value> values_;
     std::map<std::string, Value> from_environment_;
@@ -402,7 +406,9 @@ std::map<std::string, Value> apply(const std::vector<std::string>& texts, Value&
 }
 
 /// The document of a file, or of a text, that was read.
-Document document_of(const std::string& name, const std::vector<std::string>& settings, Reader& reader, const Value& root, TextRoom& room, Problems& problems) {
+/// @param open  whether params may have no value
+Document document_of(const std::string& name, const std::vector<std::string>& settings, Reader& reader, const Value& root, TextRoom& room, Problems& problems,
+                     bool open) {
     const auto part = [&](const char* name, Value::Kind kind) {
         const auto* const field = root.find(name);
         if (field && (kind == Value::Kind::null || field->value.kind == kind)) return field->value;
@@ -425,7 +431,7 @@ Document document_of(const std::string& name, const std::vector<std::string>& se
         add(problems, frames->mark, "'frames' has no value; name frames such as 1001-1084, or leave the field out for a single one");
 
     const auto params = part("params", Value::Kind::map);
-    Names known(problems, room);
+    Names known(problems, room, open);
     known.declare_environment(part("env", Value::Kind::null));
     out.params = known.declare_params(params, apply(settings, out.nodes, out.frames, params, problems));
     known.replace(out.frames);
@@ -439,18 +445,18 @@ Document document_of(const std::string& name, const std::vector<std::string>& se
 
 }  // namespace
 
-Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems) {
+Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems, bool open) {
     TextRoom room;
     Reader reader(problems, room);
     const Value root = reader.load(path, {});
-    return document_of(path, settings, reader, root, room, problems);
+    return document_of(path, settings, reader, root, room, problems, open);
 }
 
 Document read_document(const std::shared_ptr<const Source>& text, const std::vector<std::string>& settings, Problems& problems) {
     TextRoom room;
     Reader reader(problems, room);
     const Value root = reader.load(text, {});
-    return document_of(text->name, settings, reader, root, room, problems);
+    return document_of(text->name, settings, reader, root, room, problems, false);
 }
 
 }  // namespace fluidcarve

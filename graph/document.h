@@ -33,7 +33,8 @@ struct Document {
 /// Reads a pipeline file. Later layers win: declaration defaults < extended file < file < environment < `settings`.
 /// @param settings  the command line's `--set` texts: `node.field=value`, `param=value`, or `frames=value`
 /// @param problems  receives all faults of the text
-Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems);
+/// @param open      whether params may have no value, as those of a template that shots extend: what they would fill is not checked
+Document read_document(const std::string& path, const std::vector<std::string>& settings, Problems& problems, bool open = false);
 /// The same of a text that is no file. Its name is that of the document.
 Document read_document(const std::shared_ptr<const Source>& text, const std::vector<std::string>& settings, Problems& problems);
 

@@ -43,8 +43,10 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey, const 
     if (present.empty() && !frames.empty()) {
         const auto needed = std::find_if(frames.begin(), frames.end(), [&](int frame) { return survey.needs(frame); });
         const auto first = needed == frames.end() ? frames.front() : *needed;
-        return survey.missing(first, frames.size() == 1 || !path.per_frame() ? fmt::format("{} does not exist", path.at(first))
-                                                                             : fmt::format("{} does not exist, nor does any other frame", path.at(first)));
+        // A relative path was looked for beside its pipeline, then in the current folder.
+        const auto file = path.at(first), here = PathPattern(path.text()).at(first);
+        return survey.missing(first, fmt::format("{} does not exist{}{}", file, here == file ? "" : fmt::format(", nor does {} in the current folder", here),
+                                                 frames.size() == 1 || !path.per_frame() ? "" : ", nor does any other frame"));
     }
     const auto look_at = [&](int frame, int file) {
         if (!survey.needs(frame)) return;

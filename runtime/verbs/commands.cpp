@@ -53,9 +53,10 @@ int run(const PipelineArguments& arguments, RunArguments& run_arguments, Registr
     return run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
 }
 
-int check(const PipelineArguments& arguments, bool json, bool verbose, Registry& registry) {
+/// @param open  whether the pipeline is a template, whose params may have no value
+int check(const PipelineArguments& arguments, bool json, bool verbose, bool open, Registry& registry) {
     Problems problems;
-    const auto document = read_document(arguments.path, arguments.settings, problems);
+    const auto document = read_document(arguments.path, arguments.settings, problems, open);
     const auto pipeline = arguments.build(document, registry, problems);
     if (!problems.empty()) return json ? print(to_json(problems)) : complain(to_text(problems)), exit_code::usage;
     const auto values = [&] {
@@ -246,6 +247,8 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     pipeline.declare(*check_verb);
     check_verb->add_flag("--json", json, "Print problems as JSON; with --verbose, print the values if there are no problems");
     check_verb->add_flag("-v,--verbose", verbose, "Show each value of the pipeline and its source, and where the files lie");
+    bool open = false;
+    check_verb->add_flag("--template", open, "Let params have no value, as those of a template that shots extend");
     auto* const plan_verb =
         app.add_subcommand("plan", "Show what a run will do, node by node, why, and in which time by earlier runs; takes the options of `run`");
     pipeline.declare(*plan_verb);
@@ -335,7 +338,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
         return complain(fmt::format("{}\n", failure.what())), exit_code::usage;
     }
     if (*run_verb) return run(pipeline, run_arguments, registry);
-    if (*check_verb) return check(pipeline, json, verbose, registry);
+    if (*check_verb) return check(pipeline, json, verbose, open, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;

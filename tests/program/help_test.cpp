@@ -144,3 +144,28 @@ TEST_CASE("colours are for terminals that want them") {
     CHECK_THAT(in_terminal("NO_COLOR=1"), !Catch::Contains("\033[1;31m"));
     CHECK_THAT(fluidcarve_program(run).err, Catch::StartsWith("failed: sim"));
 }
+
+TEST_CASE("a template is checked without its values, another type says which fields to drop, and a missing file where it was looked for") {
+    const Scratch scratch;
+    scratch.write("base.yaml", R"(fluidcarve: 1
+params:
+  sim: {type: path, doc: The input.}
+nodes:
+  sim: {type: vdb.read, path: "${sim}", grids: {density: float}}
+  edges: {type: energy.gradient, field: sim.density}
+  box: {type: lattice.box, fit: sim.density}
+  seams: {type: seam.pyramid, energy: edges, lattice: box, count: -4, quality: best}
+)");
+    const auto in = [&](const std::string& command) { return call_shell("cd " + scratch.path() + " && " FLUIDCARVE_PROGRAM " " + command); };
+    CHECK_THAT(in("check base.yaml").err, Catch::StartsWith("base.yaml:3:3: param 'sim' has no value; give it a default or --set sim=...\n"));
+    CHECK(in("check base.yaml --template").out == "base.yaml: good; 4 nodes, 1 frame\n");
+    scratch.write("shot.yaml", "extends: base.yaml\nparams:\n  sim: {type: path, default: in.vdb}\nnodes:\n  seams: {type: seam.greedy}\n");
+    CHECK_THAT(in("check shot.yaml").err,
+               Catch::StartsWith("shot.yaml:5:17: seam.greedy has no 'quality' (base.yaml:8), which the extended file states for another "
+                                 "type: drop it here with `quality: null`\n"));
+    scratch.write("shot.yaml", "extends: base.yaml\nparams:\n  sim: {type: path, default: in.vdb}\nnodes:\n  seams: {type: seam.greedy, quality: null}\n");
+    CHECK(in("check shot.yaml").code == 0);
+    std::filesystem::create_directories(scratch / "elsewhere");
+    CHECK_THAT(call_shell("cd " + (scratch / "elsewhere") + " && " FLUIDCARVE_PROGRAM " run ../shot.yaml").err,
+               Catch::Contains("../in.vdb does not exist, nor does in.vdb in the current folder\n"));
+}
