@@ -64,6 +64,13 @@ typename GridT::Ptr moved_to(const GridT& grid, const openvdb::math::Transform& 
     return out;
 }
 
+/// The grid with its values at the voxels' centres.
+template <class GridT>
+std::shared_ptr<const GridT> at_centres(const std::shared_ptr<const GridT>& grid) {
+    if constexpr (std::is_same_v<GridT, VectorGrid>) return collocated(grid);
+    else return grid;
+}
+
 /// OpenVDB samples no masks, but states of other grids.
 void sample_mask(const MaskGrid& mask, MaskGrid& out) {
     openvdb::BoolGrid from(std::make_shared<openvdb::BoolTree>(mask.tree(), false, true, openvdb::TopologyCopy())), to;
@@ -81,8 +88,7 @@ Volume resampled(const Volume& volume, const openvdb::math::Transform& transform
         using Element = typename openvdb::VecTraits<Value>::ElementType;
         if (given->transform() == transform || given->tree().empty()) return given;
         require_fits(*given, transform, sizeof(Value), budget);
-        auto grid = given;
-        if constexpr (std::is_same_v<GridT, VectorGrid>) grid = collocated(given);
+        const auto grid = at_centres(given);
         const auto out = moved_to(*grid, transform);
         if (grid != given) out->setGridClass(openvdb::GRID_UNKNOWN);
         if constexpr (std::is_same_v<GridT, MaskGrid>) sample_mask(*grid, *out);

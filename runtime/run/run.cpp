@@ -44,6 +44,14 @@ void try_outputs(const Pipeline& pipeline, const std::vector<Share>& shares, int
     }
 }
 
+/// Whether all that was to do is done, so that there is nothing left to interrupt.
+bool all_done(const Report& report, const std::vector<Share>& to_do) {
+    const auto done = report.done();
+    for (std::size_t n = 0; n < to_do.size(); ++n)
+        if (done[n] < to_do[n].frames) return false;
+    return true;
+}
+
 int exit_of(const Report& report, bool cancelled, bool stopped) {
     const auto faults = report.faults();
     if (cancelled) return exit_code::interrupted;
@@ -257,7 +265,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     }
 
     const auto delivered = prepared.delivered_frames();
-    bool stopped = true, idle = false;
+    bool stopped = true, idle = false, whole = false;
     std::vector<std::string> written;
     if (report.faults().empty()) {
         auto [schedule, to_do, absent] = wait_for_prerequisites(pipeline, prepared, request, cancelled);
@@ -282,7 +290,8 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             written = written_paths(pipeline, to_do);
             stopped =
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
-            status.end(exit_of(report, cancelled(), stopped));
+            whole = all_done(report, to_do);
+            status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.frames(), to_do, report);
             const auto left = prepared.cache().trim(request.options.cache_size).left;
@@ -292,7 +301,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
                                  size_text(request.options.cache_size), fault));
         }
     }
-    int code = exit_of(report, cancelled(), stopped);
+    int code = exit_of(report, cancelled() && !whole, stopped);
     if (code != exit_code::done && !record.empty()) StatusFile::record_failure(record, pipeline.name, delivered, report, code);
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);

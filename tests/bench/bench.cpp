@@ -254,13 +254,14 @@ void bench_points() {
 
 int main(int argc, char** argv) {
     openvdb::initialize();
-    bool large = false, keep = false;
+    bool large = false, keep = false, usage = false;
     std::string vortex = SOURCE_ROOT "/tests/data/vortex";
     std::vector<std::string> wanted;
     for (int n = 1; n < argc; ++n)
         if (std::strcmp(argv[n], "--large") == 0) large = true;
         else if (std::strcmp(argv[n], "--keep") == 0) keep = true;
         else if (std::strcmp(argv[n], "--only") == 0 && n + 1 < argc) wanted.emplace_back(argv[++n]);
+        else if (argv[n][0] == '-') usage = true;
         else vortex = argv[n];
     const std::string plume = SOURCE_ROOT "/tests/data/plume/plume.0056.vdb";
     const std::vector<std::pair<std::string, std::function<void()>>> parts{
@@ -294,6 +295,14 @@ int main(int argc, char** argv) {
         {"warp", [&] { bench_warp(large); }},
         {"page", bench_page},
     };
+    const auto unknown = std::ranges::find_if(
+        wanted, [&](const std::string& name) { return std::ranges::none_of(parts, [&](const auto& part) { return part.first == name; }); });
+    if (usage || unknown != wanted.end()) {
+        fmt::print("bench [--large] [--keep] [--only PART]... [FOLDER OF A VORTEX]\nparts:");
+        for (const auto& part : parts) fmt::print(" {}", part.first);
+        fmt::print("\n");
+        return unknown != wanted.end() ? 2 : 0;
+    }
     fmt::print("{:<80} {:>8}\n", "", "ratio");
     for (const auto& [name, run] : parts)
         if (wanted.empty() || std::ranges::find(wanted, name) != wanted.end()) run();
