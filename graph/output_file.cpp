@@ -48,8 +48,11 @@ const std::string& realm() {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 /// The name of a temporary file: `.STEM.REALM.PROCESS.SERIAL.part[.EXTENSION]`.
+/// The stem may be cut, so that the name is no longer than a file's may be.
 std::string aside_name(const fs::path& target, unsigned serial) {
-    return fmt::format(".{}.{}.{}.{}.part{}", target.stem().string(), realm(), getpid(), serial, target.extension().string());
+    constexpr std::size_t most = 255;  // bytes
+    const auto rest = fmt::format(".{}.{}.{}.part{}", realm(), getpid(), serial, target.extension().string());
+    return "." + target.stem().string().substr(0, most - 1 - std::min(rest.size(), most - 1)) + rest;
 }
 
 /// The process that a temporary file is named after.
@@ -212,6 +215,8 @@ OutputFile::~OutputFile() {
 
 void OutputFile::commit() {
     require_allowed(path_);
+    // A file that takes the place of another keeps who may read it.
+    if (struct stat old{}; stat(path_.c_str(), &old) == 0 && S_ISREG(old.st_mode)) chmod(aside_.c_str(), old.st_mode & 07777);
     if (synced) flush(aside_, path_);
     {
         const std::lock_guard lock(unfinished_mutex);

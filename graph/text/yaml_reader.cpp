@@ -41,6 +41,11 @@ public:
         value.kind = Value::Kind::scalar;
         value.mark = place(mark);
         value.text = text;
+        // Written as an escape: what reads a path up to a NUL would take another file than what checked it.
+        const auto control = std::ranges::find_if(text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t' && c != '\r') || c == 0x7f; });
+        if (control != text.end())
+            fail(value.mark, fmt::format("the text holds the control character 0x{:02x}, which no name, path or program may: leave it out",
+                                         static_cast<unsigned char>(*control)));
         finish(std::move(value), anchor);
     }
 

@@ -1,6 +1,7 @@
 #include "runtime/verbs/arguments.h"
 
 #include "graph/confinement.h"
+#include "graph/text/one_line.h"
 #include "graph/types/frame_files.h"
 #include "graph/views/provenance.h"
 #include "runtime/keep/work_folder.h"
@@ -17,8 +18,15 @@
 
 namespace fluidcarve {
 
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
-void complain(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+namespace {
+void put(const std::string& text, std::FILE* to) {
+    const auto shown = printable(text);
+    std::fwrite(shown.data(), 1, shown.size(), to);
+}
+}  // namespace
+
+void print(const std::string& text) { put(text, stdout); }
+void complain(const std::string& text) { put(text, stderr); }
 
 std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2; }
 

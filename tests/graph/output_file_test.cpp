@@ -35,6 +35,20 @@ TEST_CASE("what a killed run of the same process number left aside does not stop
     CHECK(Scratch::read(scratch / "o.txt") == "new");
 }
 
+TEST_CASE("a long name is written, and a file that takes the place of another keeps who may read it") {
+    const Scratch scratch;
+    const auto name = std::string(240, 'x') + ".txt";
+    OutputFile::write(scratch / name, "new");
+    CHECK(Scratch::read(scratch / name) == "new");
+    OutputFile::write(scratch / "mine.txt", "old");
+    REQUIRE(chmod((scratch / "mine.txt").c_str(), 0600) == 0);
+    OutputFile::write(scratch / "mine.txt", "new");
+    struct stat file {};
+    REQUIRE(stat((scratch / "mine.txt").c_str(), &file) == 0);
+    CHECK((file.st_mode & 0777) == 0600);
+    CHECK(Scratch::read(scratch / "mine.txt") == "new");
+}
+
 TEST_CASE("a temporary file is known by its name, whatever is to become of it") {
     const Scratch scratch;
     for (const std::string name : {"o.txt", "two.dots.vdb", "bare", ".hidden", "some.part", "some.partial", "some.part.vdb"}) {

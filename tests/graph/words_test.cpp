@@ -1,4 +1,5 @@
 #include "graph/text/words.h"
+#include "graph/text/one_line.h"
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +12,13 @@ TEST_CASE("times, sizes and counts in words") {
     CHECK(size_text(7890000000) == "7.89 GB");
     CHECK(counted(0, "seam") == "0 seams");
     CHECK(counted(1, "seam") == "1 seam");
+}
+
+TEST_CASE("foreign text moves no cursor and changes no colour, on one line or on several") {
+    CHECK(one_line("a\nb\x1b[31m") == "a b [31m");
+    CHECK(printable("two\n\tlines") == "two\n\tlines");
+    CHECK(printable("a\x1b[31m\rb\x7f") == "a\\x1b[31m\\x0db\\x7f");
+    CHECK(printable("\xc2\x9bm \xc3\xa4") == "\\x9bm \xc3\xa4");
 }
 
 TEST_CASE("alternatives in words") {

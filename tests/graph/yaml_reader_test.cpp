@@ -30,6 +30,14 @@ TEST_CASE("values come with their places") {
     CHECK(list.items[1].find("c")->value.mark.column == 9);
 }
 
+TEST_CASE("a control character in a text is refused at its place, whatever escape makes it") {
+    CHECK(read("a: 1\nb: {path: \"in.vdb\\0.obj\"}\n").text ==
+          "f.yaml:2:11: the text holds the control character 0x00, which no name, path or program may: leave it out\nb: {path: \"in.vdb\\0.obj\"}\n          "
+          "^\n");
+    CHECK_THAT(read("\"a\\e[31m\": 1\n").text, Catch::StartsWith("f.yaml:1:1: the text holds the control character 0x1b"));
+    CHECK(read("a: \"two\\n\\tlines\"\n").text == "");
+}
+
 TEST_CASE("an empty value stands at its own key, not at the next") {
     const auto out = read("a:\nb: 1\n").value;
     CHECK(out.find("a")->value.kind == Value::Kind::null);

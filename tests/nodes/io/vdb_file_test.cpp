@@ -265,7 +265,14 @@ TEST_CASE("what is wrong with a file is said in words") {
     changed = whole;
     changed[8] = '\xff';
     scratch.write("newer.vdb", changed);
-    is("newer.vdb", " has file version 255; OpenVDB 10.0.1 reads up to 224");
+    is("newer.vdb", " has file version 255, and 225 is the newest that can be read: write it with an older OpenVDB");
+    // What OpenVDB 13 writes.
+    changed = Scratch::read(TEST_DATA "/plume/plume.0051.vdb");
+    REQUIRE(changed[8] == '\xe0');
+    changed[8] = '\xe1';
+    scratch.write("of13.vdb", changed);
+    CHECK(read_vdb_header(scratch / "of13.vdb").version == 225);
+    CHECK(read_vdb(scratch / "of13.vdb").grids.size() == read_vdb(TEST_DATA "/plume/plume.0051.vdb").grids.size());
     std::ofstream stream(scratch / "stream.vdb", std::ios::binary);
     openvdb::io::Stream(stream).write(openvdb::GridCPtrVec{FloatGrid::create()});
     stream.close();
