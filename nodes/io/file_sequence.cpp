@@ -18,6 +18,12 @@ bool there(const InputPath& path, int frame) {
     return std::filesystem::exists(path.at(frame), ignored);
 }
 
+bool same_place(const std::string& a, const std::string& b) {
+    std::error_code ignored;
+    const auto place = [&](const std::string& path) { return std::filesystem::absolute(path, ignored).lexically_normal(); };
+    return place(a) == place(b);
+}
+
 /// The frame whose file a frame uses: its own, else the nearest before, else the nearest after.
 int held(const InputPath& path, const std::vector<int>& frames, int frame) {
     const auto at = std::lower_bound(frames.begin(), frames.end(), frame);
@@ -45,8 +51,9 @@ void survey_files(const InputPath& path, Missing missing, Survey& survey, const 
         const auto first = needed == frames.end() ? frames.front() : *needed;
         // A relative path was looked for beside its pipeline, then in the current folder.
         const auto file = path.at(first), here = PathPattern(path.text()).at(first);
-        return survey.missing(first, fmt::format("{} does not exist{}{}", file, here == file ? "" : fmt::format(", nor does {} in the current folder", here),
-                                                 frames.size() == 1 || !path.per_frame() ? "" : ", nor does any other frame"));
+        return survey.missing(first,
+                              fmt::format("{} does not exist{}{}", file, same_place(file, here) ? "" : fmt::format(", nor does {} in the current folder", here),
+                                          frames.size() == 1 || !path.per_frame() ? "" : ", nor does any other frame"));
     }
     const auto look_at = [&](int frame, int file) {
         if (!survey.needs(frame)) return;

@@ -211,8 +211,7 @@ TEST_CASE("a file of any size is refused by its limit, and not read to its end")
 
 TEST_CASE("what a user wrote can't command a terminal or break a message's lines") {
     CHECK(problems_of("fluidcarve: 1\n\"node\\nx\": 1\nnodes:\n  a: {type: x}\n") ==
-          "p.yaml:2:1: a pipeline has no field 'node x'; known: fluidcarve, plugins, params, env, extends, provenance, frames, "
-          "nodes\n\"node\\nx\": 1\n^\n");
+          "p.yaml:2:1: a pipeline has no field 'node x'; did you mean 'nodes'?\n\"node\\nx\": 1\n^\n");
     CHECK_THAT(problems_of("fluidcarve: 1\n\"no\\e[31mde\\nx\": 1\nnodes:\n  a: {type: x}\n"),
                Catch::StartsWith("p.yaml:2:1: the text holds the control character 0x1b, which no name, path or program may: leave it out\n"));
 }

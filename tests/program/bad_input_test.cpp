@@ -169,8 +169,10 @@ TEST_CASE("a run that has nothing to do says so, and where the files are") {
 TEST_CASE("where every frame is missing there is nothing to skip or hold") {
     const Bench bench;
     for (const std::string missing : {"error", "skip", "hold"}) {
-        require(bench.run("--set sim.missing=" + missing), 3, "failed: sim (vdb.read), frame 1: in.0001.vdb does not exist, nor does any other frame\n");
-        require(bench.run("-f 3-4 --set sim.missing=" + missing), 3, "failed: sim (vdb.read), frame 3: in.0003.vdb does not exist, nor does any other frame\n");
+        require(bench.run("--set sim.missing=" + missing), 3,
+                "failed: sim (vdb.read), frame 1: in.0001.vdb does not exist, nor does in.0001.vdb in the current folder, nor does any other frame\n");
+        require(bench.run("-f 3-4 --set sim.missing=" + missing), 3,
+                "failed: sim (vdb.read), frame 3: in.0003.vdb does not exist, nor does in.0003.vdb in the current folder, nor does any other frame\n");
     }
     bench.put({1, 2, 3});
     bench.write("path: in.####.vdb, missing: skip", "  other: {type: vdb.read, path: b.####.vdb, missing: skip}\n");

@@ -63,7 +63,7 @@ TEST_CASE("files of points that can't be read end a run before its first frame, 
         CHECK(called.err.find(reason) != std::string::npos);
         CHECK_FALSE(std::filesystem::exists(bench.scratch / "out/o.0043.ply"));
     };
-    refused(vdb, "in.0043.vdb does not exist, nor does any other frame");
+    refused(vdb, "in.0043.vdb does not exist, nor does in.0043.vdb in the current folder, nor does any other frame");
     refused(ply, "in.0044.ply does not exist");
     ply.scratch.write("in.0044.ply", header);
     refused(ply, "in.0044.ply is cut off: it states 2 vertices of 6 or more bytes, but has 0 bytes after its header");
