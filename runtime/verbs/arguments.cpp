@@ -26,7 +26,10 @@ void put(const std::string& text, std::FILE* to) {
 }  // namespace
 
 void print(const std::string& text) { put(text, stdout); }
-void complain(const std::string& text) { put(text, stderr); }
+void complain(const std::string& text) {
+    if (told_as_events()) return tell_event(text, "failure");
+    put(text, stderr);
+}
 
 std::uint64_t half_of_memory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2; }
 

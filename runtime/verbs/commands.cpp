@@ -14,6 +14,7 @@
 #include "runtime/run/interrupt.h"
 #include "runtime/run/run.h"
 #include "runtime/tell/outcome.h"
+#include "runtime/tell/terminal.h"
 #include "runtime/verbs/arguments.h"
 #include "runtime/verbs/carve.h"
 #include "runtime/verbs/diff.h"
@@ -332,6 +333,8 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error, std::cout, std::cerr) == 0 ? exit_code::done : exit_code::usage;
     }
+    for (const auto* const each : {&run_arguments, &carve_arguments.run})
+        if (each->progress == "json") tell_as_events();
     try {
         Confinement::confine_program(pipeline.folders);
     } catch (const Failure& failure) {

@@ -1,8 +1,10 @@
 #include "tests/support/program.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -168,4 +170,29 @@ nodes:
     std::filesystem::create_directories(scratch / "elsewhere");
     CHECK_THAT(call_shell("cd " + (scratch / "elsewhere") + " && " FLUIDCARVE_PROGRAM " run ../shot.yaml").err,
                Catch::Contains("../in.vdb does not exist, nor does in.vdb in the current folder\n"));
+}
+
+TEST_CASE("for programs all that a run tells is an event: progress, warnings, results, failures, also where nothing runs") {
+    const Scratch scratch;
+    const auto events_of = [](const std::string& text) {
+        std::vector<std::pair<std::string, std::string>> out;
+        std::istringstream lines(text);
+        for (std::string line; std::getline(lines, line);) {
+            const auto event = nlohmann::json::parse(line);
+            if (event["event"] != "progress") out.emplace_back(event["event"], event["text"]);
+        }
+        return out;
+    };
+    const auto carve = "carve tests/data/plume/plume.0051.vdb --progress json -o " + (scratch / "o.vdb");
+    const auto done = events_of(fluidcarve_program(carve + " -4").err);
+    REQUIRE(done.size() == 4);
+    CHECK(done.front().first == "result");
+    CHECK_THAT(done.front().second, Catch::StartsWith("carved: density "));
+    CHECK(done.back().first == "done");
+    CHECK_THAT(done.back().second, Catch::StartsWith("1 frame in "));
+    const auto wrong = fluidcarve_program(carve + " -4.5");
+    CHECK(wrong.code == 2);
+    CHECK(events_of(wrong.err).front().first == "failure");
+    const auto warned = events_of(fluidcarve_program(carve + " -30 --protect density=0.05").err);
+    CHECK(warned.front().first == "warning");
 }
