@@ -216,7 +216,7 @@ OutputFile::~OutputFile() {
 void OutputFile::commit() {
     require_allowed(path_);
     // A file that takes the place of another keeps who may read it.
-    if (struct stat old{}; stat(path_.c_str(), &old) == 0 && S_ISREG(old.st_mode)) chmod(aside_.c_str(), old.st_mode & 07777);
+    if (struct stat old{}; stat(path_.c_str(), &old) == 0 && S_ISREG(old.st_mode)) chmod(aside_.c_str(), old.st_mode & 0777);
     if (synced) flush(aside_, path_);
     {
         const std::lock_guard lock(unfinished_mutex);

@@ -27,11 +27,13 @@ std::string either(const std::vector<std::string>& all) {
     return fmt::format("{} or {}", fmt::join(all.begin(), all.end() - 1, ", "), all.back());
 }
 
-std::string ending_of(std::string_view path) {
-    auto out = std::filesystem::path(path).extension().string();
+std::string in_small_letters(std::string_view text) {
+    std::string out(text);
     for (auto& letter : out)
         if (letter >= 'A' && letter <= 'Z') letter += 'a' - 'A';
     return out;
 }
+
+std::string ending_of(std::string_view path) { return in_small_letters(std::filesystem::path(path).extension().string()); }
 
 }  // namespace fluidcarve

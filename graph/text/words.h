@@ -18,6 +18,8 @@ std::string size_text(std::uint64_t bytes);
 std::string counted(std::size_t count, std::string_view what);
 /// "a", "a or b", "a, b or c". @param all  one or more
 std::string either(const std::vector<std::string>& all);
+/// A text in small letters; only A to Z change.
+std::string in_small_letters(std::string_view text);
 /// The ending of a file's name in small letters: ".obj"; empty: it has none.
 std::string ending_of(std::string_view path);
 

@@ -1,6 +1,7 @@
 #include "nodes/draft/contents.h"
 
 #include "graph/text/problem.h"
+#include "graph/text/words.h"
 #include "nodes/image/image.h"
 #include "nodes/io/picked_grid.h"
 
@@ -22,11 +23,6 @@ using Facts = nlohmann::ordered_json;
 
 /// Voxels along the longest edge of a mesh, when it becomes a volume.
 constexpr double voxels_of_mesh = 96;
-
-std::string lower(std::string text) {
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
 
 /// The part of a list, such as a grid, of a name; null: none.
 const Facts* part_of(const Facts& list, const std::string& name) {
@@ -63,7 +59,8 @@ public:
     }
     /// Whether a frame lacks a grid of a name that tells what it is.
     bool lacks(std::string_view word) const {
-        return std::ranges::any_of(lacked_, [&](const auto& each) { return lower(each.first->at("name")) == word; });
+        return std::ranges::any_of(
+            lacked_, [&](const std::pair<const Facts*, const Facts*>& each) { return in_small_letters(each.first->at("name").get<std::string>()) == word; });
     }
 
     /// Names of a type that every file has, content or not.
@@ -144,7 +141,7 @@ std::string named(const std::vector<std::string>& names, Words words) {
     for (const bool whole : {true, false})
         for (const auto word : words)
             for (const auto& name : names)
-                if (whole ? lower(name) == word : lower(name).starts_with(word)) return name;
+                if (whole ? in_small_letters(name) == word : in_small_letters(name).starts_with(word)) return name;
     return {};
 }
 

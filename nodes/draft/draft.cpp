@@ -189,7 +189,7 @@ private:
         // Seams may run out beside what none may pass.
         if (!protected_.empty() && !warps()) fields.emplace_back("best_effort", "true");
         if (contents_.matter != Matter::image) fields.emplace_back("anchor", contents_.source.at(static_cast<std::size_t>(request_.axis - 'x')));
-        node("seams", !request_.solver.empty() ? request_.solver : warps() ? "warp.solve" : "seam.pyramid", with(std::move(fields), request_.solver_fields));
+        node("seams", warps() ? "warp.solve" : request_.solver.empty() ? "seam.pyramid" : request_.solver, with(std::move(fields), request_.solver_fields));
     }
 
     void carve(const std::string& name, const char* type, const std::string& source, Fields fields) {

@@ -1,9 +1,9 @@
 #include "nodes/energy/image.h"
 
 #include "nodes/field/extent.h"
-#include "nodes/field/jacobian.h"
 #include "nodes/field/same_transform.h"
 #include "nodes/field/stencil.h"
+#include "nodes/field/voxel_axes.h"
 #include "nodes/image/image.h"
 #include "nodes/io/file_sequence.h"
 
@@ -149,7 +149,8 @@ private:
 /// image_energy() of the intensity that the terms make, which is never stored as a whole.
 FloatGrid::Ptr energy_of(const std::vector<Term>& terms) {
     const auto out = blank(terms);
-    const auto per_world = static_cast<float>(1 / Jacobian(*out).edge());
+    const VoxelAxes axes(out->transform());
+    const auto per_x = static_cast<float>(1 / axes.step(0).length()), per_y = static_cast<float>(1 / axes.step(1).length());
     std::mutex mutex;
     std::optional<openvdb::Coord> lowest;  ///< where something is not finite
     const openvdb::tree::LeafManager<openvdb::FloatTree> leaves(out->tree());
@@ -166,8 +167,8 @@ FloatGrid::Ptr energy_of(const std::vector<Term>& terms) {
                     const float rise = (high ? ahead.values[z] : here) - (low ? behind.values[z] : here);
                     return std::abs(rise) * (low && high ? 0.5f : 1.0f);
                 };
-                const float energy = per_world * (slope(around.row(at.x() - 1, at.y()), around.row(at.x() + 1, at.y())) +
-                                                  slope(around.row(at.x(), at.y() - 1), around.row(at.x(), at.y() + 1)));
+                const float energy = per_x * slope(around.row(at.x() - 1, at.y()), around.row(at.x() + 1, at.y())) +
+                                     per_y * slope(around.row(at.x(), at.y() - 1), around.row(at.x(), at.y() + 1));
                 voxel.setValue(energy);
                 if (std::isfinite(energy) && std::isfinite(here)) continue;
                 const std::lock_guard lock(mutex);

@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "nodes/field/collocate.h"
+#include "nodes/field/voxels_of.h"
 #include "nodes/grid/each_grid.h"
 #include "nodes/io/stored_form.h"
 
@@ -26,14 +27,10 @@ struct Resample {
         Ref<Volume> volume;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        const bool like = check.connections("like") > 0;
-        if (!like && !params.voxel_size) check.fault("type", "needs 'voxel_size', or a grid 'like' whose voxels it takes");
-        if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
-    }
+    static void check(const Params& params, NodeCheck& check) { check_voxels(params.voxel_size, check); }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
+        const auto transform = voxels_of(io.like, params.voxel_size);
         io.volume = std::make_shared<Volume>(resampled(*io.source, *transform, context.memory_budget()));
     }
 };

@@ -78,17 +78,11 @@ bool is_opacity(const std::string& channel) {
 
 namespace {
 
-std::string lower(std::string_view text) {
-    std::string out(text);
-    std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return out;
-}
-
 /// Whether a part of a channel's name between points is one of some words, whatever its case.
 bool has_part(const std::string& channel, std::initializer_list<std::string_view> words) {
     for (std::size_t begin = 0; begin <= channel.size();) {
         const auto end = std::min(channel.find('.', begin), channel.size());
-        if (std::ranges::find(words, lower(std::string_view(channel).substr(begin, end - begin))) != words.end()) return true;
+        if (std::ranges::find(words, in_small_letters(std::string_view(channel).substr(begin, end - begin))) != words.end()) return true;
         begin = end + 1;
     }
     return false;
@@ -101,7 +95,7 @@ bool is_identity(const Image::Channel& channel, const std::vector<Image::Attribu
     if (has_part(channel.name,
                  {"indexob", "indexma", "id", "objectid", "object_id", "objid", "materialid", "material_id", "matid", "instanceid", "instance_id"}))
         return true;
-    if (lower(channel.name).find("crypto") != std::string::npos) return true;
+    if (in_small_letters(channel.name).find("crypto") != std::string::npos) return true;
     // A layer may have any name, which the file states.
     return std::ranges::any_of(attributes, [&](const Image::Attribute& each) {
         return each.name.starts_with("cryptomatte/") && each.name.ends_with("/name") && !each.value.empty() && channel.name.starts_with(each.value);
@@ -136,8 +130,7 @@ bool depth_holds(const std::string& to, const std::string& from) {
         {"int16", {"int16"}},
         {"half", {"uint8", "int8", "half"}},
         {"float", {"uint8", "int8", "uint16", "int16", "half", "float"}},
-        {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "uint", "int", "double"}},
-        {"uint", {"uint"}},
+        {"double", {"uint8", "int8", "uint16", "int16", "half", "float", "double"}},
     };
     const auto found = std::find_if(holds.begin(), holds.end(), [&](const auto& each) { return each.first == to; });
     return found != holds.end() && std::find(found->second.begin(), found->second.end(), from) != found->second.end();

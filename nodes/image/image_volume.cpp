@@ -250,12 +250,18 @@ void require_layout(const Channels& channels, const ImageFormat& format) {
 
 std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wish) {
     const auto& format = *wish.format;
-    if (wish.depth) return std::vector<std::string>(channels.size(), *wish.depth);
     std::vector<std::string> read;
     for (const auto& channel : channels) {
         const auto fallback = channel->saveFloatAsHalf() ? "half" : format.depths.back() == "double" ? "float" : format.depths.back();
         read.push_back(meta(*channel, depth_key, fallback));
+        // Bits of 32 are no number that another depth could hold.
+        const bool bits = read.back() == "uint" || read.back() == "int";
+        if (bits && (format.name != "openexr" || read.back() == "int"))
+            throw Failure(fmt::format("channel '{}' holds whole numbers of 32 bits, which {} can't keep; name the channels to write, or write EXR",
+                                      channel->getName(), read.back() == "int" ? "no format" : format.shown));
+        if (wish.depth && !bits) read.back() = *wish.depth;
     }
+    if (wish.depth) return read;
     const auto holds_all = [](const std::string& depth, std::span<const std::string> all) {
         return std::all_of(all.begin(), all.end(), [&](const auto& each) { return depth_holds(depth, each); });
     };

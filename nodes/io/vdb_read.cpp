@@ -263,7 +263,7 @@ struct VdbRead {
     static void survey(const Params& params, Survey& survey) {
         Steadiness steadiness;
         std::map<std::string, HeaderRegion> regions;
-        std::map<std::string, std::string> several;  // the first grid that is taken, of those of one name
+        std::map<std::string, std::pair<std::size_t, std::string>> several;  // the first grid that is taken, of those of one name: its place and name
         survey_files(params.path, params.missing, survey, [&](int frame, int file) {
             Contents contents(params.path.at(file), params.profile);
             std::set<std::size_t> places;
@@ -271,8 +271,9 @@ struct VdbRead {
                 if (!survey.wants(output)) continue;
                 const auto of_output = contents.places(output, choice);
                 if (const auto& grid = contents.header().grids[of_output.front()]; contents.count(grid.name) > 1) {
-                    auto& first = several.try_emplace(grid.name, grid.unique_name).first->second;
-                    first = std::min(first, grid.unique_name);
+                    const std::pair named(of_output.front(), grid.unique_name);
+                    auto& first = several.try_emplace(grid.name, named).first->second;
+                    first = std::min(first, named);
                 }
                 places.insert(of_output.begin(), of_output.end());
                 for (const auto place : of_output) regions[output].add(contents.header().grids[place], placement_of(params));
@@ -292,7 +293,7 @@ struct VdbRead {
             survey.expect(frame, memory_of(contents, places, named));
         });
         for (const auto& [name, first] : several)
-            survey.warn(fmt::format("there are several grids '{}': energies see '{}', and all are carved by the same seams", name, first));
+            survey.warn(fmt::format("there are several grids '{}': energies see '{}', and all are carved by the same seams", name, first.second));
         for (const auto& [output, of] : regions)
             if (const auto region = of.region()) survey.lies(output, *region);
     }

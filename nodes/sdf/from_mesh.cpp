@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/field/stencil.h"
+#include "nodes/field/voxels_of.h"
 #include "nodes/mesh/made_once.h"
 #include "nodes/mesh/topology.h"
 #include "nodes/mesh/triangles.h"
@@ -121,14 +122,10 @@ struct SdfFromMesh {
         Ref<FloatGrid> surface;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        const bool like = check.connections("like") > 0;
-        if (!like && !params.voxel_size) check.fault("type", "needs 'voxel_size', or a grid 'like' whose voxels it takes");
-        if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
-    }
+    static void check(const Params& params, NodeCheck& check) { check_voxels(params.voxel_size, check); }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
+        const auto transform = voxels_of(io.like, params.voxel_size);
         if (io.like) require_cubes(*io.like->grid);
         io.surface = made_(io.mesh, *transform, [&] { return mesh_distance(*io.mesh, *transform, params.band, params.thickness); });
         if (io.surface->getGridClass() != openvdb::GRID_LEVEL_SET)

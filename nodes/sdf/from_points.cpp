@@ -1,6 +1,7 @@
 #include "nodes/sdf/from_points.h"
 
 #include "nodes/field/stencil.h"
+#include "nodes/field/voxels_of.h"
 #include "nodes/sdf/balls.h"
 
 #include <fmt/format.h>
@@ -39,15 +40,11 @@ struct FromPoints {
         Ref<FloatGrid> surface;
     };
 
-    static void check(const Params& params, NodeCheck& check) {
-        const bool like = check.connections("like") > 0;
-        if (!like && !params.voxel_size) check.fault("type", "needs 'like', a grid whose voxels to use, or 'voxel_size'");
-        if (like && params.voxel_size) check.fault("voxel_size", "'like' already states the voxels; leave 'like' or 'voxel_size' out");
-    }
+    static void check(const Params& params, NodeCheck& check) { check_voxels(params.voxel_size, check); }
 
     static void run(const Params& params, Ports& io, Context&) {
         if (io.like) require_cubes(*io.like->grid);
-        const auto transform = io.like ? io.like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*params.voxel_size);
+        const auto transform = voxels_of(io.like, params.voxel_size);
         io.surface = sdf_of_points(*io.points, *transform, {params.radius, params.smoothing, params.half_width});
     }
 };

@@ -46,4 +46,14 @@ std::string ParamTraits<VertexRange>::text(const VertexRange& range) {
     return fmt::format("[{}{}, {}{}]", range.first, unit, range.last, unit);
 }
 
+std::optional<Window> vertices_of(const Auto<VertexRange>& range) { return range ? range->vertices() : std::nullopt; }
+
+std::optional<std::string> pair_fault(const Window& window, const VertexRange& window_stated, const Window& pair, const VertexRange& pair_stated, bool share) {
+    const int shared = share ? 1 : 0;
+    if (pair.first > window.last - shared) return std::nullopt;
+    return fmt::format("pair_window {} {} window {}; it must begin {}", ParamTraits<VertexRange>::text(pair_stated),
+                       pair.last < window.first + shared ? "lies below" : "overlaps", ParamTraits<VertexRange>::text(window_stated),
+                       share ? fmt::format("at vertex {} or above", window.last) : fmt::format("above vertex {}", window.last));
+}
+
 }  // namespace fluidcarve

@@ -20,6 +20,13 @@ struct VertexRange {
     std::optional<Window> vertices() const;
 };
 
+/// The window of a range that states no share; nothing for one that does, or is not stated.
+std::optional<Window> vertices_of(const Auto<VertexRange>& range);
+
+/// What is wrong with the places of a window and of its pair, for a message.
+/// @param share  whether they may share a vertex
+std::optional<std::string> pair_fault(const Window& window, const VertexRange& window_stated, const Window& pair, const VertexRange& pair_stated, bool share);
+
 template <>
 struct ParamTraits<VertexRange> {
     static Shape shape();

@@ -33,13 +33,6 @@ std::optional<std::string> one_vertex(const std::string& name, const Window& win
     return fmt::format("{} [{}, {}] has one vertex; a warp needs at least two", name, window.first, window.last);
 }
 
-/// What is wrong with the places of both windows, for a message; they may share a vertex.
-std::optional<std::string> pair_fault(const Window& window, const Window& pair) {
-    if (pair.first >= window.last) return std::nullopt;
-    return fmt::format("pair_window [{}, {}] {} window [{}, {}]; it must begin at vertex {} or above", pair.first, pair.last,
-                       pair.last <= window.first ? "lies below" : "overlaps", window.first, window.last, window.last);
-}
-
 }  // namespace
 
 void check_params(const WarpParams& params, NodeCheck& check) {
@@ -47,14 +40,13 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("anchor", fmt::format("parameter 'anchor' must be low, middle, high or a vertex from 0 on, not {}", params.anchor.vertex));
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "with a 'pair_window' neither end of the lattice moves: leave 'anchor' out");
     // Shares are vertices only once the lattice is known.
-    const auto vertices = [](const Auto<VertexRange>& range) { return range ? range->vertices() : std::nullopt; };
-    const auto window = vertices(params.window), pair_window = vertices(params.pair_window);
+    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
     for (const auto& [name, of] : {std::pair("window", window), std::pair("pair_window", pair_window)})
         if (of)
             if (const auto fault = one_vertex(name, *of)) check.fault(name, *fault);
     if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
     if (window && pair_window)
-        if (const auto fault = pair_fault(*window, *pair_window)) check.fault("pair_window", *fault);
+        if (const auto fault = pair_fault(*window, *params.window, *pair_window, *params.pair_window, true)) check.fault("pair_window", *fault);
     const bool from_file = !params.amount_file.text().empty();
     if (!params.amount && !from_file)
         check.fault("amount",
@@ -104,7 +96,8 @@ void require_fits(const WarpParams& params, const WarpAmount& amount, const std:
         if (const auto fault = one_vertex(name, window)) throw Failure(*fault);
     }
     if (params.window && params.pair_window)
-        if (const auto fault = pair_fault(params.window->of(size), params.pair_window->of(size))) throw Failure(*fault);
+        if (const auto fault = pair_fault(params.window->of(size), *params.window, params.pair_window->of(size), *params.pair_window, true))
+            throw Failure(*fault);
     if (params.anchor.vertex > size - 1) throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices));
     if (size < 2) throw Failure(fmt::format("a warp needs two vertices along {}{}, but there is one", to_text(params.axis), space));
     const bool ring = closed && amount.varies_along(WarpAmount::Along::w);

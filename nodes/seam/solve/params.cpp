@@ -17,12 +17,6 @@ constexpr std::size_t most_vertices_solved = 12'000'000;
 
 }  // namespace
 
-std::optional<std::string> pair_fault(const Window& window, const Window& pair, const VertexRange& window_stated, const VertexRange& pair_stated) {
-    if (pair.first > window.last) return std::nullopt;
-    return fmt::format("pair_window {} {} window {}; it must begin above vertex {}", ParamTraits<VertexRange>::text(pair_stated),
-                       pair.last < window.first ? "lies below" : "overlaps", ParamTraits<VertexRange>::text(window_stated), window.last);
-}
-
 Shape ParamTraits<Anchor>::shape() { return {Shape::Kind::any_of, {}, {{Shape::Kind::choice, {"low", "middle", "high"}, {}}, {Shape::Kind::integer, {}, {}}}}; }
 
 std::optional<Anchor> ParamTraits<Anchor>::parse(const Value& value, ValueReader& reader) {
@@ -40,10 +34,9 @@ void check_params(const SolverParams& params, NodeCheck& check) {
     if (params.pair_window && check.stated("anchor")) check.fault("anchor", "pairs of seams move neither end of the lattice: leave 'anchor' out");
     if (params.pair_window && !params.window) check.fault("pair_window", "parameter 'pair_window' needs a 'window' beside it, below it on the axis");
     // Shares are vertices only once the lattice is known.
-    const auto vertices = [](const Auto<VertexRange>& range) { return range ? range->vertices() : std::nullopt; };
-    const auto window = vertices(params.window), pair_window = vertices(params.pair_window);
+    const auto window = vertices_of(params.window), pair_window = vertices_of(params.pair_window);
     if (window && pair_window)
-        if (const auto fault = pair_fault(*window, *pair_window, *params.window, *params.pair_window)) check.fault("pair_window", *fault);
+        if (const auto fault = pair_fault(*window, *params.window, *pair_window, *params.pair_window, false)) check.fault("pair_window", *fault);
     if (params.pair_static && !params.pair_window) check.fault("pair_static", "parameter 'pair_static' needs a 'pair_window'");
     const bool field = check.connections("field") > 0, forward = params.cost.value_or(field ? Cost::forward : Cost::backward) == Cost::forward;
     if (forward && !field) check.fault("cost", "cost 'forward' needs a `field`, in which it counts the edges that seams leave behind");

@@ -71,9 +71,6 @@ struct SolverParams {
 /// @return 1 or 2
 int finest_for(const SolverParams& params, const Lattice& lattice);
 
-/// What is wrong with the places of both windows, for a message; nothing if the pair window lies above the other.
-std::optional<std::string> pair_fault(const Window& window, const Window& pair, const VertexRange& window_stated, const VertexRange& pair_stated);
-
 /// Finds parameters that do not go together, and such that want an input or are at odds with one.
 void check_params(const SolverParams& params, NodeCheck& check);
 

@@ -61,7 +61,7 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
         throw Failure(fmt::format("anchor {} lies beyond the lattice, which has {}", params.anchor.vertex, vertices_along(params.axis, size, space)));
     if (params.pair_window) {
         out.pairs = part(true, opposite(out.seams.kind), params.pair_window, params.pair_static);
-        if (const auto fault = pair_fault(out.seams.window, out.pairs->window, *params.window, *params.pair_window)) throw Failure(*fault);
+        if (const auto fault = pair_fault(out.seams.window, *params.window, out.pairs->window, *params.pair_window, false)) throw Failure(*fault);
     }
     return out;
 }

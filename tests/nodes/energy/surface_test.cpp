@@ -200,7 +200,7 @@ TEST_CASE("particles and grids of Blender's liquids make a surface in one place,
     tbb::task_arena one(1);
     one.execute([&] { CHECK(bytes(node.run(inputs).at("surface").as<FloatGrid>()->tree()) == bytes(surface->tree())); });
 
-    CHECK(NodeBench(sdf_from_points()).faults() == "type: needs 'like', a grid whose voxels to use, or 'voxel_size'\n");
+    CHECK(NodeBench(sdf_from_points()).faults() == "type: needs 'voxel_size', or a grid 'like' whose voxels it takes\n");
     CHECK(NodeBench(sdf_from_points(), "{voxel_size: 1}", {{"like", 1}}).faults() ==
           "voxel_size: 'like' already states the voxels; leave 'like' or 'voxel_size' out\n");
     NodeBench alone(sdf_from_points(), "{voxel_size: 0.1}");

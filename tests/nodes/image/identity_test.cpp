@@ -141,3 +141,18 @@ TEST_CASE("a window smaller than the picture is not filled up by a carve") {
     CHECK(after.data.height == 6);
     CHECK(after.data.width < 20);
 }
+
+TEST_CASE("whole numbers of 32 bits keep their depth, whatever depth is stated, and other formats refuse them") {
+    const Scratch scratch;
+    const auto before = rendered();
+    image_module().write(scratch / "a.exr", before, 95);
+    const auto volume = Payload(read_picture(scratch / "a.exr"));
+    NodeBench(image_write(), "{path: " + (scratch / "b.exr") + ", depth: half}").run({{"source", {volume}}});
+    const auto after = image_module().read(scratch / "b.exr", "openexr");
+    CHECK(values_of(after, "number") == values_of(before, "number"));
+    CHECK(std::ranges::find(after.channels, "R", &Image::Channel::name)->depth == "half");
+    CHECK_THAT(test::failure_of([&] {
+                   NodeBench(image_write(), "{path: " + (scratch / "b.tif") + "}").run({{"source", {volume}}});
+               }),
+               Catch::EndsWith("channel 'number' holds whole numbers of 32 bits, which TIFF can't keep; name the channels to write, or write EXR"));
+}
