@@ -366,8 +366,10 @@ private:
         node("energy", "field.filter", {{"field", "sharp"}, {"width", "5"}});
         masks("energy");
         box("energy");
-        comment("Seams pay for the edges that they leave in the picture. What is black is empty, and goes first.");
-        solver({{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0"}});
+        comment(
+            "Seams pay for the edges that they leave in the picture, and little for what is black: a black background goes first, a black object mostly "
+            "stays.");
+        solver({{"field", "edges.intensity"}, {"field_weight", "5"}, {"spread", "1"}, {"empty", "0.2"}});
         carve("carved", "remap.grids", "sim", {{"soft", "1"}});
         node("out", "image.write", {{"source", "carved"}, {"path", "\"${out}\""}});
         others("sim", "carved", contents_.main, false);

@@ -1,3 +1,5 @@
+#include "graph/types/module.h"
+#include "nodes/image/image.h"
 #include "nodes/io/vdb_file.h"
 #include "tests/support/program.h"
 #include "tests/support/sampled.h"
@@ -5,6 +7,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace fluidcarve;
@@ -105,6 +108,27 @@ TEST_CASE("a file of another format is called by its name, with what makes one t
     CHECK(said("inspect u.obj") == "failed: u.obj: the text is in UTF-16: save it in UTF-8\n");
     scratch.write("m.off", "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     CHECK_THAT(call_shell(in + FLUIDCARVE_PROGRAM " inspect m.off").out, Catch::Contains("a mesh of 3 vertices and 1 faces"));
+}
+
+TEST_CASE("a picture of an object before black gets narrower by its background") {
+    Image image;
+    image.format = "openexr";
+    image.data = image.display = {0, 0, 400, 200};
+    image.channels = {{"R", "float"}, {"G", "float"}, {"B", "float"}};
+    for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 400; ++x) {
+            const double distance = std::hypot(x - 200, y - 100) / 90, light = distance < 1 ? 0.2 + 0.6 * std::sqrt(1 - distance * distance) : 0;
+            for (const double colour : {1.0, 0.9, 0.8}) image.pixels.push_back(static_cast<float>(colour * light * (x < 200 ? 0.5 : 1)));
+        }
+    const Scratch scratch;
+    const auto& images = load_module<ImageModule>("images");
+    images.write(scratch / "a.exr", image, 95);
+    REQUIRE(fluidcarve_program("carve " + (scratch / "a.exr") + " -10% --progress none -o " + (scratch / "b.exr")).code == 0);
+    const auto after = images.read(scratch / "b.exr", "openexr");
+    CHECK(after.data.width == 360);
+    const auto lit = [](const Image& of) { return std::ranges::count_if(of.pixels, [](float value) { return value > 0; }); };
+    // Even scaling takes a tenth.
+    CHECK(static_cast<double>(lit(after)) > 0.95 * static_cast<double>(lit(image)));
 }
 
 TEST_CASE("a plume that is made shorter keeps its foot on the floor, and one that does not is warned of") {
