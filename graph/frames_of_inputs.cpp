@@ -87,6 +87,7 @@ void note_old_files(Pipeline& pipeline) {
     };
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) try {
+                if (!node.params) continue;  // a node with faults
                 if (spec.shape.kind == Shape::Kind::output_path) look_at(spec.path(node.params.get()));
             } catch (const Failure&) {
                 // A folder that can't be read is told when something is written to it.

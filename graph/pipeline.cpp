@@ -12,6 +12,8 @@ const std::string& taken_by(const Pipeline& pipeline, const Link& link) {
 
 Problems warnings_of(const Pipeline& pipeline) {
     Problems out;
+    if (!pipeline.holes.empty()) add(out, {}, "warning: " + pipeline.holes);
+    for (const auto& note : pipeline.notes) add(out, {}, "warning: " + note);
     for (const auto& node : pipeline.nodes)
         for (const auto& warning : node.warnings) add(out, warning.at, fmt::format("warning: {} {}", node.type->name, warning.message));
     return out;

@@ -72,7 +72,7 @@ struct Pipeline {
 /// What a link takes, as in the file: "density" of `sim.density`; a node's first output by its name.
 const std::string& taken_by(const Pipeline& pipeline, const Link& link);
 
-/// All warnings of the nodes' checks, in words that begin with "warning:".
+/// All that `check` warns of: of the sequence, of files that are there, and of nodes; in words that begin with "warning:".
 Problems warnings_of(const Pipeline& pipeline);
 
 }  // namespace fluidcarve

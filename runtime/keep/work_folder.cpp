@@ -204,6 +204,8 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     for (const auto* const part : parts)
         for (const auto& file : temporary_files(root / part)) ours.push_back(file);
 
+    std::ranges::sort(ours);
+    ours.erase(std::ranges::unique(ours).begin(), ours.end());
     Cleaned out;
     std::error_code error, ignored;
     std::size_t all = 0;

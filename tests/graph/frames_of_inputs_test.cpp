@@ -45,6 +45,12 @@ TEST_CASE("frames: auto says which input has no files, and which frames inputs d
                Catch::StartsWith("p.yaml:4:30: frames: auto looks into one folder, and f.##/a has a frame token in its folder; name the frames"));
 }
 
+TEST_CASE("files from before do not matter to a pipeline whose writer has faults") {
+    const Scratch scratch;
+    CHECK_THAT(frames_or_problems(scratch, "fluidcarve: 1\nnodes:\n  n: {type: toy.count, path: a.##}\n  s: {type: toy.save, value: n, path: '${gone}'}\n"),
+               Catch::Contains("gone"));
+}
+
 TEST_CASE("numbers that outgrow their token, and those below zero, are frames like others") {
     const Scratch scratch;
     for (const std::string name : {"a.998.vdb", "a.999.vdb", "a.1000.vdb", "a.1001.vdb", "b.9999.vdb", "b.10000.vdb", "b.10001.vdb", "c.-002.vdb", "c.-001.vdb",

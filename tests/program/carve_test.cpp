@@ -60,6 +60,8 @@ TEST_CASE("a hole in the numbers is told, files that are no frames too, and file
     CHECK(told.code == 0);
     CHECK_THAT(told.err, Catch::StartsWith("warning: " + hole + others + "carved: "));
     CHECK_THAT(fluidcarve_program(carve + " --missing skip").err, Catch::StartsWith(others + "carved: "));
+    scratch.write("p.yaml", fluidcarve_program(carve + " --print-pipeline").out);
+    CHECK(fluidcarve_program("check " + (scratch / "p.yaml")).err == "warning: " + hole + others);
     const auto refused = fluidcarve_program(carve + " --missing error");
     CHECK(refused.err == hole);
     CHECK(refused.code == 2);

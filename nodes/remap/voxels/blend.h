@@ -24,8 +24,7 @@ Value inserted_value(const Value& low, const Value& high) {
 /// active voxels, and would lose it.
 template <class Value>
 bool shows(const Value& value, const Value& nearest, const Value& background) {
-    if constexpr (can_blend<Value>) return value != background && value != nearest;
-    else return static_cast<void>(value), static_cast<void>(nearest), static_cast<void>(background), false;
+    return can_blend<Value> && value != background && value != nearest;
 }
 
 /// A weighted sum of values; of values that can't be averaged or are not finite, the one of the highest weight. Active if a value of the highest weight is, or
