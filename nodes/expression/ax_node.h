@@ -27,6 +27,9 @@ struct AxParams {
 /// @param output  name of the grid that the program writes, without @
 void check_ax(const AxParams& params, const std::string& output, NodeCheck& check);
 
+/// Whether a program may read the moment (`@Frame`, `@Time`, `$F`). False is certain.
+bool may_read_moment(const AxParams& params);
+
 /// A node's program. The first frame compiles it for all frames.
 class AxProgram {
 public:

@@ -20,6 +20,10 @@ struct Expression {
     std::string output;                                           ///< name of the grid that it writes as `@name`, a number
 };
 
+/// The moment: `@Frame` is the frame's number, `@Time` is (frame - 1) / `$fps` in seconds. A program may read them as numbers where no input
+/// has the name. `$F` is `@Frame` where no constant has the name.
+inline constexpr auto frame_input = "Frame", time_input = "Time", frame_constant = "F", rate_constant = "fps";
+
 /// A fault of a program.
 struct ExpressionFault {
     std::string field;  ///< "code", "inputs" or "params"
@@ -31,13 +35,13 @@ struct ExpressionFault {
 
 /// A program ready to run, from many threads at once.
 struct CompiledExpression {
-    /// The first place where an input is read.
+    /// The first place where an input or a moment is read.
     struct Read {
         std::string input;
         bool vector = false;  ///< read as a vector, `v@name`
         int line = 0, column = 0;
     };
-    std::vector<Read> reads;  ///< one per input
+    std::vector<Read> reads;  ///< one per name
     bool asks_where = false;  ///< whether the program uses the voxel's position
     virtual ~CompiledExpression() = default;
 };

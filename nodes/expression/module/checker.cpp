@@ -111,9 +111,9 @@ void ExpressionChecker::warn_of_unread() {
         faults_.push_back({field, 0, 0, fmt::format("has '{}', which the program never reads", name), true});
     };
     for (const auto& input : expression_.inputs)
-        if (std::none_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == input; })) warn("inputs", input);
+        if (!reads(input)) warn("inputs", input);
     for (const auto& [name, value] : expression_.constants)
-        if (!constants_read_.contains(name)) warn("params", name);
+        if (!constants_read_.contains(name) && !(name == rate_constant && reads(time_input))) warn("params", name);
 }
 
 ExpressionChecker::Known ExpressionChecker::known(Type type) { return {type, is_fraction(type)}; }
@@ -205,26 +205,43 @@ ExpressionChecker::Known ExpressionChecker::attribute(const ast::Attribute& node
         return known(tokens::FLOAT);
     }
     const auto& inputs = expression_.inputs;
-    if (std::find(inputs.begin(), inputs.end(), node.name()) == inputs.end()) {
+    const bool input = std::find(inputs.begin(), inputs.end(), node.name()) != inputs.end();
+    const bool moment = !input && (node.name() == frame_input || node.name() == time_input);
+    if (moment && type != tokens::FLOAT) {
+        name_fault(node, "@" + node.name(), fmt::format("'{0}' is a number: write @{0}", node.name()));
+        return known(type);
+    }
+    if (!input && !moment) {
         name_fault(node, "@" + node.name(), fmt::format("'@{}' is no input{}", node.name(), did_you_mean(node.name(), inputs)));
         return {type, true};
     }
     if (type != tokens::FLOAT && type != tokens::VEC3F)
         name_fault(node, "@" + node.name(),
                    fmt::format("an input can't be read as '{}'; write @{} (numbers, masks) or v@{} (vectors)", written, node.name(), node.name()));
-    const bool vector = type == tokens::VEC3F;
-    const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == node.name(); });
+    note_read(node, node.name(), type == tokens::VEC3F);
+    return known(type);
+}
+
+void ExpressionChecker::note_read(const Node& node, const std::string& name, bool vector) {
+    const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == name; });
     if (found == reads_.end()) {
         const auto [line, column] = source_.place(node);
-        reads_.push_back({node.name(), vector, line, column});
+        reads_.push_back({name, vector, line, column});
     } else if (found->vector != vector) {
-        name_fault(node, "@" + node.name(), fmt::format("'{}' is read as @{} and as v@{}; it can't be both", node.name(), node.name(), node.name()));
+        name_fault(node, "@" + name, fmt::format("'{0}' is read as @{0} and as v@{0}; it can't be both", name));
     }
-    return known(type);
+}
+
+bool ExpressionChecker::reads(const std::string& name) const {
+    return std::any_of(reads_.begin(), reads_.end(), [&](const auto& read) { return read.input == name; });
 }
 
 ExpressionChecker::Known ExpressionChecker::external(const ast::ExternalVariable& node) {
     const auto found = expression_.constants.find(node.name());
+    if (found == expression_.constants.end() && node.name() == frame_constant && node.type() == tokens::FLOAT) {
+        note_read(node, frame_input, false);
+        return known(tokens::FLOAT);
+    }
     if (found == expression_.constants.end()) {
         std::vector<std::string> names;
         for (const auto& [name, value] : expression_.constants) names.push_back(name);

@@ -40,6 +40,8 @@ private:
     void fault(const Node& node, const std::string& message);
     /// Reports a fault of a name, unless one of that name is reported. @param name  with its sign: "@d", "$gain", "speed", "length()"
     void name_fault(const Node& node, const std::string& name, const std::string& message);
+    void note_read(const Node& node, const std::string& name, bool vector);
+    bool reads(const std::string& name) const;
     /// Reports an output that is never written, and an input of its name.
     void check_names();
 

@@ -67,8 +67,11 @@ private:
                 if (const auto& name = static_cast<const ast::Attribute&>(from).name(); name != expression_.output)
                     return put(from, to, new ast::Local(input_variable(name)));
                 break;
-            case ast::Node::ExternalVariableNode:
-                return put(from, to, new ast::Local(constant_variable(static_cast<const ast::ExternalVariable&>(from).name())));
+            case ast::Node::ExternalVariableNode: {
+                const auto& name = static_cast<const ast::ExternalVariable&>(from).name();
+                const bool moment = name == frame_constant && !expression_.constants.contains(name);
+                return put(from, to, new ast::Local(moment ? input_variable(frame_input) : constant_variable(name)));
+            }
             case ast::Node::CastNode: return convert(from, to, *static_cast<const ast::Cast&>(from).expression(), static_cast<const ast::Cast&>(from).type());
             case ast::Node::FunctionCallNode:
                 if (static_cast<const ast::FunctionCall&>(from).name() == "pow" && from.children() == 2) {

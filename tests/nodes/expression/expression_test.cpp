@@ -1,5 +1,6 @@
 #include "nodes/expression/energy_ax.h"
 #include "nodes/expression/evaluate.h"
+#include "nodes/expression/field_ax.h"
 #include "nodes/expression/script.h"
 
 #include "graph/text/yaml_reader.h"
@@ -301,6 +302,42 @@ TEST_CASE("a mistake is told once, however often it is made, and what follows fr
           "1:1 'while' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break");
     // These are two mistakes.
     CHECK(faults_of("@energy = sqr(@d) + sped;") == "1:11 there is no function 'sqr'; did you mean 'sqrt'?\n1:21 there is no variable 'sped'");
+}
+
+TEST_CASE("a program reads the frame and its time, unless an input or a constant has the name") {
+    const auto d = numbers(0, {{{0, 0, 0}, 3}});
+    // The value at frame 25, with or without a grid 'Frame' that holds 7.
+    const auto at_25 = [&](const std::string& yaml, bool named = false) {
+        auto type = field_ax();
+        const auto params = type.make_params();
+        Problems problems;
+        for (const auto& field : read_yaml(std::make_shared<Source>(Source{"p.yaml", yaml, ""}), problems).fields) {
+            ValueReader reader(problems, field.name, type.param(field.name)->range);
+            REQUIRE(type.param(field.name)->parse(params.get(), field.value, reader));
+        }
+        CHECK(type.animates(params.get()));
+        const auto behaviour = type.bind(params);
+        const auto ports = behaviour.make_ports();
+        std::vector<Payload> grids{Payload(any(d))};
+        if (named) grids.emplace_back(any(numbers(7, {})));
+        type.input("inputs")->set(ports.get(), grids, named ? std::vector<std::string>{"d", "Frame"} : std::vector<std::string>{"d"});
+        Context::Host host;
+        const std::vector<int> frames{24, 25};
+        auto context = Context(host, frames).at(1);
+        behaviour.run(ports.get(), context);
+        const auto out = type.outputs.front().get(ports.get()).as<FloatGrid>();
+        CHECK(out->activeVoxelCount() == 1);
+        return out->tree().getValue({0, 0, 0});
+    };
+    CHECK(at_25("code: '@out = @d + @Frame;'") == 28);
+    CHECK(at_25("code: '@out = $F * @d;'") == 75);
+    CHECK(at_25("code: '@out = @Time;'") == 1);
+    CHECK(at_25("{code: '@out = @Time;', params: {fps: 48}}") == 0.5f);
+    CHECK(at_25("{code: '@out = $F + @Frame;', params: {F: 2}}", true) == 9);
+    CHECK(faults_of("@energy = v@Time.x;") == "1:11 'Time' is a number: write @Time");
+    CHECK(faults_of("@Frame = 1; @energy = 1;") == "1:1 '@Frame' can't be written to; write to @energy");
+    CHECK(test::NodeBench(field_ax(), "{code: '@out = @Time;', params: {fps: 0}}", {{"inputs", 1}}).faults() ==
+          "params: 'fps' must be a number above 0, for the program reads @Time\n");
 }
 
 TEST_CASE("energy.ax has an energy of its own where no input is active") {
