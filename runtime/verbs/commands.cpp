@@ -210,7 +210,8 @@ void add_examples(CLI::App& app) {
         {"man", "  fluidcarve man | man -l -"},
         {"completion",
          "  source <(fluidcarve completion bash)      in ~/.bashrc\n"
-         "  source <(fluidcarve completion zsh)       in ~/.zshrc, after compinit"}};
+         "  source <(fluidcarve completion zsh)       in ~/.zshrc, after compinit\n"
+         "  fluidcarve completion fish | source       in ~/.config/fish/config.fish"}};
     for (auto* const verb : app.get_subcommands([](CLI::App*) { return true; }))
         if (const auto found = examples.find(verb->get_name()); found != examples.end()) verb->footer(std::string("Examples:\n") + found->second);
 }
@@ -324,7 +325,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     std::string shell;
     auto* const man_verb = app.add_subcommand("man", "Print the manual page");
     auto* const completion_verb = app.add_subcommand("completion", "Print a script that completes commands in a shell");
-    completion_verb->add_option("shell", shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh"}))->type_name("SHELL");
+    completion_verb->add_option("shell", shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}))->type_name("SHELL");
     add_examples(app);
 
     if (const auto fault = wrong_verb(app, argc, argv); !fault.empty()) return complain(fault), exit_code::usage;

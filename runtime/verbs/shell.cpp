@@ -70,6 +70,82 @@ std::vector<std::string> flags_of(const CLI::App& app) {
     return out;
 }
 
+/// What completes a word, as shell code that bash and zsh share: it sets `chosen` to the words that may stand here, and leaves it empty for
+/// files. It reads `word`, `before` (the word before), `verb`, and `at` (the word's index).
+std::string chosen_words(const CLI::App& app) {
+    std::vector<std::string> names;
+    std::string flags, values;
+    for (const auto* const verb : verbs(app)) {
+        names.push_back(verb->get_name());
+        flags += fmt::format("        {}) chosen=\"{}\" ;;\n", verb->get_name(), joined(flags_of(*verb)));
+        for (const auto* const option : options(*verb))
+            if (const auto all = choices(*option); !all.empty())
+                values += fmt::format("        {}:{}) chosen=\"{}\" ;;\n", verb->get_name(),
+                                      option->get_lnames().empty() ? verb->get_name() : "--" + option->get_lnames().front(), joined(all));
+    }
+    return fmt::format(R"(    if [ "$at" -eq 1 ]; then
+        chosen="{} --help --version"
+    elif [[ "$word" == -* ]]; then
+        case "$verb" in
+{}        esac
+    else
+        case "$verb:$before" in
+        nodes:nodes) chosen=$(fluidcarve nodes | awk 'NF{{print $1}}') ;;
+{}        esac
+    fi
+)",
+                       joined(names), flags, values);
+}
+
+std::string bash_completion(const CLI::App& app) {
+    return fmt::format(R"(_fluidcarve() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} verb=${{COMP_WORDS[1]}} at=$COMP_CWORD chosen=""
+{}    if [ -n "$chosen" ]; then COMPREPLY=($(compgen -W "$chosen" -- "$word")); else COMPREPLY=($(compgen -f -- "$word")); fi
+}}
+complete -o filenames -F _fluidcarve fluidcarve
+)",
+                       chosen_words(app));
+}
+
+/// Works as a file in `fpath`, where the first completion runs it, and as a script that is sourced.
+std::string zsh_completion(const CLI::App& app) {
+    return fmt::format(R"(#compdef fluidcarve
+_fluidcarve() {{
+    local word=${{words[CURRENT]}} before=${{words[CURRENT-1]}} verb=${{words[2]}} at=$((CURRENT - 1)) chosen=""
+{}    if [ -n "$chosen" ]; then compadd -- ${{=chosen}}; else _files; fi
+}}
+if [ "${{funcstack[1]}}" = _fluidcarve ]; then _fluidcarve "$@"; else compdef _fluidcarve fluidcarve; fi
+)",
+                       chosen_words(app));
+}
+
+/// A text as a word of fish.
+std::string fish_word(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    return out + "'";
+}
+
+std::string fish_completion(const CLI::App& app) {
+    std::string out = "complete -c fluidcarve -n __fish_use_subcommand -f -l help\ncomplete -c fluidcarve -n __fish_use_subcommand -f -l version\n";
+    for (const auto* const verb : verbs(app)) {
+        out += fmt::format("complete -c fluidcarve -n __fish_use_subcommand -f -a {} -d {}\n", verb->get_name(), fish_word(verb->get_description()));
+        for (const auto* const option : options(*verb)) {
+            const auto all = choices(*option);
+            const bool positional = option->get_lnames().empty() && option->get_snames().empty();
+            if (positional && all.empty()) continue;
+            out += fmt::format("complete -c fluidcarve -n '__fish_seen_subcommand_from {}'", verb->get_name());
+            for (const auto& name : option->get_snames()) out += " -s " + name;
+            for (const auto& name : option->get_lnames()) out += " -l " + name;
+            // -x: one of these; -r: a value, which may be a file; -f: no value.
+            if (!all.empty()) out += fmt::format(" {} -a {}", positional ? "-f" : "-x", fish_word(joined(all)));
+            else if (option->get_expected_max() != 0) out += " -r";
+            out += fmt::format(" -d {}\n", fish_word(option->get_description()));
+        }
+    }
+    return out + "complete -c fluidcarve -n '__fish_seen_subcommand_from nodes' -f -a '(fluidcarve nodes | string match -r \"[^ ]+\")'\n";
+}
+
 }  // namespace
 
 std::string man_page(const CLI::App& app, const std::string& version) {
@@ -93,36 +169,8 @@ std::string man_page(const CLI::App& app, const std::string& version) {
 }
 
 std::string completion(const CLI::App& app, const std::string& shell) {
-    std::vector<std::string> names;
-    std::string flags, values;
-    for (const auto* const verb : verbs(app)) {
-        names.push_back(verb->get_name());
-        flags += fmt::format("        {}) words=\"{}\" ;;\n", verb->get_name(), joined(flags_of(*verb)));
-        for (const auto* const option : options(*verb))
-            if (const auto all = choices(*option); !all.empty() && !option->get_lnames().empty())
-                values += fmt::format("        {}:--{}) words=\"{}\" ;;\n", verb->get_name(), option->get_lnames().front(), joined(all));
-    }
-    const auto head = shell == "zsh" ? "#compdef fluidcarve\nautoload -U +X bashcompinit && bashcompinit\n" : "";
-    return fmt::format(R"({}_fluidcarve() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} verb=${{COMP_WORDS[1]}} words=""
-    if [ "$COMP_CWORD" -eq 1 ]; then
-        COMPREPLY=($(compgen -W "{} --help --version" -- "$word"))
-        return
-    fi
-    case "$verb:$before" in
-{}    esac
-    if [ -z "$words" ] && [ "$verb" = nodes ] && [[ "$word" != -* ]]; then
-        words=$(fluidcarve nodes | awk 'NF{{print $1}}')
-    fi
-    if [ -z "$words" ] && [[ "$word" == -* ]]; then
-        case "$verb" in
-{}        esac
-    fi
-    if [ -n "$words" ]; then COMPREPLY=($(compgen -W "$words" -- "$word")); else COMPREPLY=($(compgen -f -- "$word")); fi
-}}
-complete -o filenames -F _fluidcarve fluidcarve
-)",
-                       head, joined(names), values, flags);
+    if (shell == "fish") return fish_completion(app);
+    return shell == "zsh" ? zsh_completion(app) : bash_completion(app);
 }
 
 }  // namespace fluidcarve

@@ -63,6 +63,14 @@ TEST_CASE("what new-node writes builds against an installed fluidcarve, passes i
     const auto prefix = (root / "prefix").string();
     must("cmake --install " BUILD_FOLDER " --prefix " + prefix);
     const auto program = prefix + "/bin/fluidcarve ";
+    for (const auto* const file : {"man/man1/fluidcarve.1", "bash-completion/completions/fluidcarve", "zsh/site-functions/_fluidcarve",
+                                   "fish/vendor_completions.d/fluidcarve.fish", "fluidcarve/pipelines/plume.yaml", "fluidcarve/pipelines/schema.json",
+                                   "doc/fluidcarve/README.md", "doc/fluidcarve/pipelines/README.md", "doc/fluidcarve/nodes/METHOD.md"}) {
+        INFO(file);
+        CHECK(fs::file_size(root / "prefix/share" / file) > 1000);
+    }
+    const auto shipped = call_shell(program + "check " + prefix + "/share/fluidcarve/pipelines/plume.yaml --set sim=" TEST_DATA "/plume/plume.####.vdb");
+    CHECK(shipped.code == 0);
 
     for (const std::string kind : {"energy", "solver"}) {
         const auto name = kind == "energy" ? "sparkle" : "straight";
