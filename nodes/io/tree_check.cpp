@@ -42,6 +42,7 @@ public:
     const TreeSize& size() const { return size_; }
     /// Value masks of all leaves, in the order in which their buffers are read.
     const std::vector<std::span<const char>>& leaves() const { return leaves_; }
+    std::uint64_t left() const { return in_.left(); }  ///< bytes
     void require_end(std::string_view fault) const { in_.require(in_.left() == 0, fault); }
     /// The buffers are not behind the topology, but here.
     void go_on(std::span<const char> bytes) { in_ = TreeBytes(bytes); }
@@ -174,6 +175,13 @@ TreeFormat tree_format(const std::string& type, bool half, std::uint32_t file_ve
 }
 
 TreeSize size_of_tree(const TreeFormat& format, std::span<const char> topology) { return TreeCheck(format, topology).size(); }
+
+TreeLength length_of_tree(const TreeFormat& format, std::span<const char> bytes) {
+    TreeCheck check(format, bytes);
+    const auto behind_topology = check.left();
+    check.buffers();
+    return {static_cast<std::int64_t>(bytes.size() - behind_topology), static_cast<std::int64_t>(behind_topology - check.left())};
+}
 
 TreeSize check_tree(const TreeFormat& format, std::span<const char> topology, std::span<const char> buffers) {
     TreeCheck check(format, topology);

@@ -37,6 +37,14 @@ inline constexpr std::uint32_t oldest_file_version = openvdb::OPENVDB_FILE_VERSI
 /// Counts what a tree's topology holds. @throws std::runtime_error as check_tree()
 TreeSize size_of_tree(const TreeFormat& format, std::span<const char> topology);
 
+/// Bytes of the parts of a tree in a file.
+struct TreeLength {
+    std::int64_t topology = 0, buffers = 0;
+};
+
+/// Finds where a tree ends. @param bytes  the tree, and whatever follows it @throws std::runtime_error as check_tree()
+TreeLength length_of_tree(const TreeFormat& format, std::span<const char> bytes);
+
 /// Checks all lengths, counts and offsets in the bytes of a tree before OpenVDB reads them, since OpenVDB trusts them: a wrong length makes
 /// it write beyond its buffers. It follows OpenVDB's readers byte by byte. Compressed data is checked by its header; blosc and zlib
 /// check the rest themselves.

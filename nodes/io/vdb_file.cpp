@@ -1,7 +1,6 @@
 #include "nodes/io/vdb_file.h"
 
 #include "graph/input_file.h"
-#include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "nodes/field/dense.h"
@@ -10,12 +9,10 @@
 #include "nodes/io/point_check.h"
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/tree_check.h"
-#include "nodes/io/triplet.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/DelayedLoadMetadata.h>
-#include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
@@ -240,17 +237,47 @@ private:
         else if (version > openvdb::OPENVDB_FILE_VERSION) openvdb::logging::setLevel(openvdb::logging::Level::Fatal);  // OpenVDB would warn of each file
         stream_.seekg(0);
         readHeader(stream_);
-        if (!inputHasGridOffsets())
-            refuse(fmt::format("{} was written as a stream and does not say where its grids are; write it with openvdb::io::File", path_));
         tags_->setSeekable(true);
         adopt(stream_);
         read_metadata(metadata_);
         const auto count = number<std::int32_t>();
         if (count < 0) refuse(fmt::format("{} is damaged: its header states {} grids", path_, count));
+        const auto first = stream_.tellg();
+        const bool places = inputHasGridOffsets();
+        const auto whole = places ? std::string() : part(0, static_cast<std::int64_t>(size_));
+        if (!places) stream_.seekg(first);
         for (std::int32_t n = 0; n < count; ++n) {
             grids_.push_back(descriptor());
+            if (places) check_places(grids_.back());
+            else find_end(grids_.back(), whole);
             by_name_.emplace(grids_.back().uniqueName(), grids_.size() - 1);
             stream_.seekg(grids_.back().getEndPos());
+        }
+    }
+
+    /// Finds the places of a grid in a file that OpenVDB's io::Stream wrote: there grids follow each other, and nothing says where they end.
+    /// @param grid   its data begins at the stream's position
+    /// @param whole  the file's bytes
+    void find_end(GridDescriptor& grid, std::span<const char> whole) {
+        grid.setGridPos(stream_.tellg());
+        if (!is_known_tree(grid.gridType()))
+            refuse(
+                fmt::format("{} was written as a stream, where only the tree of a grid says where it ends, and grid '{}' is of type {}, which OpenVDB {} "
+                            "does not know: write the file with openvdb::io::File",
+                            path_, shown(grid), grid.gridType(), openvdb::getLibraryVersionString()));
+        VdbHeader::Entry entry;
+        describe(grid, entry);
+        const std::int64_t tree_at = stream_.tellg();
+        grid.setBlockPos(tree_at);
+        grid.setEndPos(tree_at);
+        if (grid.isInstance()) return;
+        const auto format = format_of(grid);
+        try {
+            const auto length = length_of_tree(format, whole.subspan(static_cast<std::size_t>(tree_at)));
+            grid.setBlockPos(tree_at + length.topology);
+            grid.setEndPos(grid.getBlockPos() + length.buffers);
+        } catch (const std::exception& error) {
+            refuse(fmt::format("{} is cut off or damaged: grid '{}': {}; copy or write it again", path_, shown(grid), error.what()));
         }
     }
 
@@ -323,12 +350,18 @@ private:
         out.setGridPos(number<std::int64_t>());
         out.setBlockPos(number<std::int64_t>());
         out.setEndPos(number<std::int64_t>());
-        // Writers set these offsets when the grid is complete. An instance has no blocks.
-        if (out.getGridPos() < stream_.tellg() || out.getEndPos() < std::max(out.getGridPos(), out.getBlockPos()))
-            refuse(fmt::format("{} is unfinished or damaged: it does not say where grid '{}' ends; wait for its writer, or write it again", path_, shown(out)));
-        if (static_cast<std::uint64_t>(out.getEndPos()) > size_)
-            refuse(fmt::format("{} is cut off: grid '{}' ends at byte {}, the file at {}; copy or write it again", path_, shown(out), out.getEndPos(), size_));
         return out;
+    }
+
+    /// @param grid  the stream is behind its descriptor
+    void check_places(const GridDescriptor& grid) {
+        // Writers set these offsets when the grid is complete. An instance has no blocks.
+        if (grid.getGridPos() < stream_.tellg() || grid.getEndPos() < std::max(grid.getGridPos(), grid.getBlockPos()))
+            refuse(
+                fmt::format("{} is unfinished or damaged: it does not say where grid '{}' ends; wait for its writer, or write it again", path_, shown(grid)));
+        if (static_cast<std::uint64_t>(grid.getEndPos()) > size_)
+            refuse(
+                fmt::format("{} is cut off: grid '{}' ends at byte {}, the file at {}; copy or write it again", path_, shown(grid), grid.getEndPos(), size_));
     }
 
     template <class T>
@@ -396,33 +429,6 @@ openvdb::GridBase::Ptr VdbFile::read(std::size_t place) {
 
 std::optional<GridMemory> VdbFile::memory(std::size_t place) { return stream_->memory(stream_->grids()[place]); }
 
-namespace {
-
-std::uint32_t flags(const std::string& codec) {
-    using namespace openvdb::io;
-    if (codec == "none") return COMPRESS_ACTIVE_MASK;
-    if (codec == "zip") return COMPRESS_ACTIVE_MASK | COMPRESS_ZIP;
-    return COMPRESS_ACTIVE_MASK | COMPRESS_BLOSC;
-}
-
-/// The compression flags that OpenVDB uses for a grid in a file with these flags.
-std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) {
-    const bool unzipped = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
-    return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;
-}
-
-std::string name(Codec codec, const Volume& volume) {
-    switch (codec) {
-        case Codec::as_read: break;
-        case Codec::blosc: return "blosc";
-        case Codec::zip: return "zip";
-        case Codec::none: return "none";
-    }
-    return volume.codec.empty() ? "blosc" : volume.codec;
-}
-
-}  // namespace
-
 std::optional<std::size_t> VdbHeader::find(const std::string& name) const {
     for (const auto key : {&Entry::name, &Entry::unique_name})
         for (std::size_t n = 0; n < grids.size(); ++n)
@@ -448,47 +454,6 @@ Volume read_vdb(const std::string& path) { return VdbFile(path).read(); }
 openvdb::GridBase::Ptr read_vdb_grid(const std::string& path, const std::string& name) {
     VdbFile file(path);
     return file.read(file.header().place(name));
-}
-
-VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec, const Placement* placement) {
-    register_openvdb_types();
-    std::vector<openvdb::GridBase::ConstPtr> grids;
-    for (const auto& grid : volume.grids)
-        for (const auto& part : split(grid)) grids.push_back(unplaced(part, placement));
-    OutputFile output(path);
-    const auto codec_name = name(codec, volume);
-    auto file_flags = flags(codec_name);
-    for (const auto& grid : grids) {
-        const auto* const raw = RawGrid::of(*grid);
-        if (!raw) continue;
-        if (codec == Codec::as_read) file_flags = raw->compression();
-        if (raw->compression() != flags_of_grid(file_flags, *grid))
-            throw Failure(
-                fmt::format("cannot write {}: grid '{}' is of type {}, which OpenVDB does not know, and can't be compressed again; set "
-                            "'compression: as_read', or leave it out",
-                            path, grid->getName(), grid->type()));
-    }
-    try {
-        openvdb::io::File file(output.aside());
-        file.setCompression(file_flags);
-        file.write(grids, volume.metadata);
-    } catch (const openvdb::Exception& error) {
-        throw Failure(fmt::format("cannot write {}: {}", path, error.what()));
-    }
-    VdbHeader header;
-    try {
-        header = read_vdb_header(output.aside());
-    } catch (const Failure&) {
-        throw output.not_whole();
-    }
-    const auto same = [](const VdbHeader::Entry& written, const openvdb::GridBase::ConstPtr& grid) {
-        return written.name == grid->getName() && written.type == grid->type();
-    };
-    if (!std::equal(header.grids.begin(), header.grids.end(), grids.begin(), grids.end(), same))
-        throw Failure(fmt::format("cannot write {}: it holds {} instead of {}", path, fmt::join(header.names(), ", "), volume.names()));
-    output.commit();
-    header.path = path;
-    return header;
 }
 
 }  // namespace fluidcarve
