@@ -3,6 +3,7 @@
 #include <openvdb/points/AttributeArray.h>
 #include <openvdb/points/AttributeGroup.h>
 #include <openvdb/points/PointDataGrid.h>
+#include <openvdb/points/StreamCompression.h>
 
 #include <limits>
 #include <optional>
@@ -18,6 +19,12 @@ using openvdb::points::AttributeArray;
 /// OpenVDB's bits in the metadata of an attribute.
 constexpr std::uint8_t constant_stride = 0x8;                                                                  // of flags
 constexpr std::uint8_t write_strided = 0x1, write_uniform = 0x2, write_mem_compress = 0x4, write_paged = 0x8;  // of serialization flags
+
+/// Bytes that blosc states for this many bytes of points: OpenVDB fills up short buffers before it compresses them.
+std::uint64_t stated_bytes(std::uint64_t bytes) {
+    using namespace openvdb::compression;
+    return bytes > BLOSC_MINIMUM_BYTES && bytes < BLOSC_PAD_BYTES ? BLOSC_PAD_BYTES : bytes;
+}
 
 /// An attribute's values in one leaf.
 struct Array {
@@ -48,7 +55,7 @@ public:
     void read(TreeBytes& in) const {
         for (const auto& page : pages_) {
             const auto data = in.take(static_cast<std::uint64_t>(page.stored > 0 ? page.stored : -page.stored));
-            if (page.stored > 0) in.check_blosc(data, page.size);
+            if (page.stored > 0) in.check_blosc(data, stated_bytes(page.size));
         }
     }
 
@@ -125,7 +132,7 @@ Array array_of(TreeBytes& in, std::uint64_t value_bytes) {
 void read_array(TreeBytes& in, const Array& array) {
     const bool compressed = !array.uniform && in.number<std::uint8_t>() == 1;
     const auto data = in.take(array.stored);
-    if (compressed) in.check_blosc(data, array.bytes);
+    if (compressed) in.check_blosc(data, stated_bytes(array.bytes));
     else in.require(data.size() >= array.bytes, "an attribute has a wrong length");
 }
 

@@ -138,6 +138,21 @@ TEST_CASE("odd grids survive every codec: tiles, NaN, frustums, points, equal na
     CHECK(difference(*read_vdb_grid(scratch / "new folder/out.vdb", "density[1]"), *before.grids[3]) == "");
 }
 
+TEST_CASE("any number of points reads back") {
+    const Scratch scratch;
+    openvdb::initialize();
+    for (int count = 1; count < 40; ++count) {
+        std::vector<openvdb::Vec3f> positions;
+        for (int n = 0; n < count; ++n) positions.emplace_back(0.1f * static_cast<float>(n % 3), 0.2f, 0.3f);
+        using namespace openvdb::points;
+        const auto grid = createPointDataGrid<NullCodec, PointDataGrid>(positions, *openvdb::math::Transform::createLinearTransform(0.5));
+        grid->setName("drops");
+        openvdb::io::File(scratch / "drops.vdb").write(openvdb::GridCPtrVec{grid});
+        INFO(count);
+        CHECK(difference(*read_vdb_grid(scratch / "drops.vdb", "drops"), *grid) == "");
+    }
+}
+
 TEST_CASE("a file that was written as a stream reads as any other") {
     const Scratch scratch;
     const auto same_as = [&](const Volume& wanted, std::uint32_t flags) {
