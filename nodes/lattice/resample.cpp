@@ -70,10 +70,18 @@ private:
     bool closed_;
 };
 
+/// A rig, moved by `-place`: near the origin, numbers are finer.
+Rig moved_back(Rig rig, const Vec3d& place) {
+    for (auto& point : rig.points) point -= place;
+    if (rig.oval) rig.oval->center -= place;
+    return rig;
+}
+
 }  // namespace
 
 Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
-    const Walk walk(rig);
+    const auto place = rig.oval ? rig.oval->center : rig.points.front();
+    const Walk walk(moved_back(rig, place));
     const auto& path = walk.path();
     auto places = walk.places(spacing);
     if (places.size() > static_cast<std::size_t>(most_vertices))
@@ -105,6 +113,7 @@ Resampled resampled(const Rig& rig, double spacing, std::optional<int> planes) {
         if (n > 0) out.chords.push_back(path.direction(places[n - 1], places[n]));
     }
     if (rig.closed) out.chords.push_back((out.points.front() - out.points.back()).unit());
+    for (auto& point : out.points) point += place;
     return out;
 }
 

@@ -258,6 +258,32 @@ TEST_CASE("a rig that can't carry a lattice is refused") {
           "the rig turns right back within one spacing near (2, 0, 0), plane 4; smooth it, or take another spacing");
 }
 
+TEST_CASE("a lattice is the same a million units away") {
+    const Vec3d far(1e6, -1e6, 1e6);
+    std::vector<Rig> rigs{circle_rig({0, 0, 0}, {0, 0, 1}, {1.15, 1.15}, 0), circle_rig({0, 0, 0}, {0, 1, 1}, {2, 1.2}, 0.3)};
+    std::vector<Vec3d> bent;
+    for (int n = 0; n < 20; ++n) bent.emplace_back(std::cos(0.25 * n), std::sin(0.25 * n), 0.03 * n);
+    rigs.push_back(through(bent, false, {0, 0, 1}));
+    rigs.push_back(through(bent, true, {0, 0, 1}));
+    for (const auto& rig : rigs) {
+        auto moved = rig;
+        for (auto& point : moved.points) point += far;
+        if (moved.oval) moved.oval->center += far;
+        auto settings = spec(0.0555556, {-0.2, 0.2}, {-0.3, 0.3});
+        for (settings.around = false;; settings.around = true) {
+            INFO(text_of(rig));
+            const auto here = build_lattice(rig, settings).lattice, there = build_lattice(moved, settings).lattice;
+            REQUIRE(here.shape == there.shape);
+            for (std::size_t k = 0; k < here.planes.size(); ++k) {
+                const auto &a = here.planes[k], &b = there.planes[k];
+                CHECK((a.origin + far - b.origin).length() < 1e-8);
+                CHECK((a.u - b.u).length() + (a.v - b.v).length() + (a.w - b.w).length() < 1e-7);
+            }
+            if (settings.around) break;
+        }
+    }
+}
+
 TEST_CASE("closed rigs of other lengths are divided into the same number of planes") {
     const auto circle = [](double radius) { return circle_rig({0, 0, 0}, {0, 0, 1}, {radius, radius}, 0); };
     const Run run("{spacing: 0.1, extent_u: [-0.5, 0.5], extent_v: [-0.2, 0.2]}", {circle(2), circle(3)}, {1, 2});
