@@ -31,8 +31,6 @@ using Json = nlohmann::ordered_json;
 
 /// Amounts are multiples of this, so that one kept solution answers each of them alike.
 constexpr double amount_step = 1.0 / 65536;
-/// Bytes of a solve for each point: its weight, its value, and what coarser levels hold.
-constexpr std::uint64_t bytes_per_point = 10;
 constexpr std::uint64_t most_points = std::uint64_t{1} << 26;  ///< that a warp is found at, unless its factor is stated
 constexpr auto report_section = "warp";
 
@@ -222,16 +220,14 @@ private:
         return empty_seams(gathering_params(params), task, space);
     }
 
-    /// Vertices from point to point: as few as there is room for in memory beside the energies, and time for.
-    static int factor_for(const Params& params, const Seams& set, const EnergyVolume& energy, std::size_t frames, const Context& context) {
+    /// Vertices from point to point: as few as there is time for. It goes by the size of the set alone, so that a warp is the same whatever
+    /// the memory; what has no room there is in files.
+    static int factor_for(const Params& params, const Seams& set, std::size_t frames) {
         if (params.factor) return *params.factor;
-        const auto energies = energy.bytes();
-        // Energies beyond the budget are on disk.
-        const auto budget = context.memory_budget(), left = energies < budget ? budget - energies : budget;
         for (const int factor : {1, 2}) {
             std::uint64_t points = frames;
             for (const int along : Warp::points_of(set.warp_vertices(), set.warp_rings(), factor)) points *= static_cast<std::uint64_t>(along);
-            if (points <= most_points && points * bytes_per_point <= left) return factor;
+            if (points <= most_points) return factor;
         }
         return 4;
     }
@@ -276,7 +272,7 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         auto taken = gathered_.take_unpriced(gathering_params(params), space, context);
         const auto frames = params.static_ ? std::size_t{1} : set.frames.size();
-        const int factor = factor_for(params, set, taken.energy, frames, context);
+        const int factor = factor_for(params, set, frames);
         auto& warp = set.warp.emplace(set.warp_vertices(), set.warp_rings(), factor, frames, context.memory_budget(), context.work_folder());
         FrameStore weights(frames, warp.values(0).size(), context.memory_budget(), context.work_folder());
         find_weights(taken.energy, taken.typical, {params.field_weight, params.evenness, params.empty}, warp, weights);
@@ -368,14 +364,15 @@ NodeType warp_solve() {
         .param("stiffness_time", &Params::stiffness_time, Unit::none, between(0, 1e4), "The same from frame to frame. More is steadier.")
         .param("factor", &Params::factor, Unit::vertices, any_number(),
                "The warp is found at every vertex (1), every second (2) or every fourth one (4), and is linear between. auto takes the lowest that makes at "
-               "most 64 million points, for which `--memory` has room; the report tells it.")
+               "most 64 million points; the report tells it.")
         .output("seams", &Ports::seams, "The warp; all that takes seams takes it.")
         .digests({"energy", "lattice", "field", "protect", "attract", "axis"})
         .grows({"amount", [params_of](const void* params) { return WarpSolve::rest(params_of(params)); }, &WarpSolve::extent,
                 [params_of](const void* params, std::size_t vertices) { return WarpSolve::wanted(params_of(params), vertices); }, &WarpSolve::first, nullptr,
                 "amount"})
         .in_place()
-        .kept();
+        .kept()
+        .version(2);
 }
 
 }  // namespace fluidcarve
