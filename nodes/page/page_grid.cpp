@@ -35,22 +35,96 @@ auto each_voxel(const PageGrid& page, const Make& make) {
     return out;
 }
 
+/// Means of a grid over the cubes of a page, from its leaves and tiles: what costs is what is there, not how far it reaches.
+template <class GridT>
+class CubeMeans {
+public:
+    CubeMeans(const GridT& grid, const PageGrid& page) : page_(page), background_(finite(seen_value(grid.background()))) {
+        planes_.resize(static_cast<std::size_t>(page.size[2]));
+        for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) add({leaf->getNodeBoundingBox(), &*leaf, 0});
+        auto tile = grid.tree().cbeginValueAll();
+        tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+        for (; tile; ++tile)
+            if (const auto value = finite(seen_value(*tile)); value != background_) add({tile.getBoundingBox(), nullptr, value});
+    }
+
+    /// As page_values().
+    std::vector<float> values() const {
+        std::vector<float> out(page_.count());
+        const auto cells = static_cast<std::size_t>(page_.size[0]) * static_cast<std::size_t>(page_.size[1]);
+        tbb::parallel_for(std::size_t{0}, planes_.size(), [&](std::size_t z) {
+            std::vector<Sum> sums(cells);
+            for (const auto part : planes_[z]) add(parts_[part], static_cast<int>(z), sums);
+            const auto voxels = std::pow(static_cast<double>(page_.step), 3);
+            for (std::size_t n = 0; n < cells; ++n) out[z * cells + n] = static_cast<float>((sums[n].of + (voxels - sums[n].voxels) * background_) / voxels);
+        });
+        return out;
+    }
+
+private:
+    using Leaf = typename GridT::TreeType::LeafNodeType;
+    /// A leaf, or a tile that is not the background.
+    struct Part {
+        openvdb::CoordBBox box;
+        const Leaf* leaf;
+        float value;
+    };
+    struct Sum {
+        double of = 0, voxels = 0;
+    };
+
+    /// The voxels of a page voxel along an axis.
+    std::pair<int, int> voxels_of(int cell, int axis) const {
+        const int low = page_.first[axis] + cell * page_.step;
+        return {low, low + page_.step - 1};
+    }
+    /// The page voxels that overlap a box along an axis; none if the first is above the last.
+    std::pair<int, int> cells_of(const openvdb::CoordBBox& box, int axis) const {
+        const auto cell = [&](int at) { return std::floor((static_cast<double>(at) - page_.first[axis]) / page_.step); };
+        const double last = page_.size[static_cast<std::size_t>(axis)] - 1;
+        return {static_cast<int>(std::clamp(cell(box.min()[axis]), 0.0, last + 1)), static_cast<int>(std::clamp(cell(box.max()[axis]), -1.0, last))};
+    }
+
+    void add(const Part& part) {
+        if (const auto x = cells_of(part.box, 0), y = cells_of(part.box, 1); x.first > x.second || y.first > y.second) return;
+        const auto [low, high] = cells_of(part.box, 2);
+        for (int z = low; z <= high; ++z) planes_[static_cast<std::size_t>(z)].push_back(parts_.size());
+        parts_.push_back(part);
+    }
+
+    /// Adds what a part has in a plane of page voxels.
+    void add(const Part& part, int plane, std::vector<Sum>& sums) const {
+        const auto [first_x, last_x] = cells_of(part.box, 0);
+        const auto [first_y, last_y] = cells_of(part.box, 1);
+        for (int y = first_y; y <= last_y; ++y)
+            for (int x = first_x; x <= last_x; ++x) {
+                const auto [x0, x1] = voxels_of(x, 0);
+                const auto [y0, y1] = voxels_of(y, 1);
+                const auto [z0, z1] = voxels_of(plane, 2);
+                auto box = openvdb::CoordBBox(Coord(x0, y0, z0), Coord(x1, y1, z1));
+                box.intersect(part.box);
+                auto& sum = sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(page_.size[0]) + static_cast<std::size_t>(x)];
+                const auto voxels = static_cast<double>(voxels_in(box));
+                sum.voxels += voxels;
+                if (!part.leaf) sum.of += voxels * part.value;
+                else
+                    for (auto at = box.begin(); at; ++at) sum.of += finite(seen_value(part.leaf->getValue(*at)));
+            }
+    }
+
+    const PageGrid& page_;
+    float background_;
+    std::vector<Part> parts_;
+    std::vector<std::vector<std::size_t>> planes_;  ///< of each plane of page voxels, the parts in it
+};
+
 template <class GridT>
 std::vector<float> values_of(const GridT& grid, const PageGrid& page) {
-    const bool same = grid.transform() == *page.space;
+    if (grid.transform() == *page.space) return CubeMeans(grid, page).values();
     return each_voxel(page, [&] {
-        return [&grid, &page, same, values = grid.getConstAccessor()](const Coord& at) {
-            if (!same) {
-                const auto place = grid.transform().worldToIndex(page.world(at.asVec3d()));
-                if (!voxel_at(place)) return 0.0f;
-                return finite(seen_value(openvdb::tools::BoxSampler::sample(values, place)));
-            }
-            const auto low = page.first + Coord(at.x() * page.step, at.y() * page.step, at.z() * page.step);
-            double sum = 0;
-            for (int x = 0; x < page.step; ++x)
-                for (int y = 0; y < page.step; ++y)
-                    for (int z = 0; z < page.step; ++z) sum += finite(seen_value(values.getValue(low.offsetBy(x, y, z))));
-            return static_cast<float>(sum / (static_cast<double>(page.step) * page.step * page.step));
+        return [&grid, &page, values = grid.getConstAccessor()](const Coord& at) {
+            const auto place = grid.transform().worldToIndex(page.world(at.asVec3d()));
+            return voxel_at(place) ? finite(seen_value(openvdb::tools::BoxSampler::sample(values, place))) : 0.0f;
         };
     });
 }

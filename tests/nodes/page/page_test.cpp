@@ -1,3 +1,4 @@
+#include "nodes/field/extent.h"
 #include "nodes/lattice/folds.h"
 #include "nodes/page/joined_page.h"
 #include "nodes/page/page_grid.h"
@@ -49,6 +50,29 @@ TEST_CASE("page voxels are means of cubes, and grids of other transforms are rea
     MaskGrid mask;
     mask.tree().setValueOn(Coord(3, 1, 1));
     CHECK(page_mask(mask, page_grid(fine.transformPtr(), {Coord(0), Coord(7, 1, 1)}, 8))[3 + 8 * 3] == 255);
+}
+
+TEST_CASE("page voxels are means of leaves and tiles alike, however far apart these lie") {
+    const auto grid = FloatGrid::create(0.5f);
+    grid->tree().addTile(1, {8, 0, 0}, 2, true);
+    grid->tree().addTile(2, {-128, 0, 0}, 3, false);
+    for (int n = 0; n < 200; ++n) grid->tree().setValue(Coord(n % 13 - 4, n % 7, n % 5), static_cast<float>(n));
+    for (const int voxels : {40, 17, 3}) {
+        const auto page = page_grid(grid->transformPtr(), {Coord(-9, -1, -2), Coord(20, 9, 11)}, voxels);
+        const auto means = page_values(*grid, page);
+        std::size_t n = 0;
+        for (int z = 0; z < page.size[2]; ++z)
+            for (int y = 0; y < page.size[1]; ++y)
+                for (int x = 0; x < page.size[0]; ++x) {
+                    const auto low = page.first + Coord(x * page.step, y * page.step, z * page.step);
+                    double sum = 0;
+                    for (const auto& at : openvdb::CoordBBox(low, low.offsetBy(page.step - 1))) sum += grid->tree().getValue(at);
+                    CHECK(means[n++] == Approx(sum / std::pow(page.step, 3)));
+                }
+    }
+    grid->tree().setValue(Coord(1'000'000, 2'000'000, 3'000'000), 1);
+    const auto page = page_grid(grid->transformPtr(), active_box(*grid), 64);
+    CHECK(page_values(*grid, page).size() == page.count());
 }
 
 TEST_CASE("a page loads nothing else, and no text of a pipeline ends its data") {
