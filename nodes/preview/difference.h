@@ -9,12 +9,8 @@ namespace fluidcarve {
 /// behind an unchanged maximum.) Compares all voxels that are active in either grid; inactive voxels count with their stored value. For
 /// vectors, the difference of their lengths.
 /// @param box, most  as in blank_projection; a box one voxel deep gives a slice
-/// @param budget     memory, as in grid_fits
 /// @return NaN where no voxel is active. Differences that are NaN are ignored
-/// @throws Failure as require_dense_fits: tiles are compared voxel by voxel
-Projection largest_difference(const FloatGrid& before, const FloatGrid& after, View view, const openvdb::CoordBBox& box,
-                              std::uint64_t budget = ~std::uint64_t{0}, int most = 1024);
-Projection largest_difference(const VectorGrid& before, const VectorGrid& after, View view, const openvdb::CoordBBox& box,
-                              std::uint64_t budget = ~std::uint64_t{0}, int most = 1024);
+Projection largest_difference(const FloatGrid& before, const FloatGrid& after, View view, const openvdb::CoordBBox& box, int most = 1024);
+Projection largest_difference(const VectorGrid& before, const VectorGrid& after, View view, const openvdb::CoordBBox& box, int most = 1024);
 
 }  // namespace fluidcarve

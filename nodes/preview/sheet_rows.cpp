@@ -139,8 +139,7 @@ SheetPanel SheetRows::panel(const Kind& kind, const Shown& frame, std::optional<
             if (!after.empty()) both.expand(after);
             const auto box = part(both);
             if (!box.empty())
-                out.projection =
-                    typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box, wish_.budget); }, *data.before, *data.after);
+                out.projection = typed([&](const auto& a, const auto& b) { return largest_difference(a, b, view, box); }, *data.before, *data.after);
             const auto& values = out.projection.values;
             if (std::none_of(values.begin(), values.end(), [](float value) { return value < 0 || value > 0; })) out.note = "no difference";
             break;

@@ -156,6 +156,26 @@ TEST_CASE("what only one of two grids holds differs from the other's background,
     CHECK(std::isnan(seen.at(129, 3)));
 }
 
+TEST_CASE("a difference of large tiles and of voxels far apart takes no more than what is there") {
+    const auto before = named("density"), after = named("density");
+    before->tree().root().addTile(Coord(0), 2.0f, true);
+    before->tree().addTile(2, {-128, 0, 0}, 3.0f, true);
+    after->tree().addTile(1, {16, 8, 0}, 5.0f, true);
+    after->tree().setValueOn(Coord(-1, 7, 9), -4.0f);
+    for (int n = 0; n < 200; ++n) after->tree().setValueOn(Coord(600 * n, 160 * n, 7), 1.0f);
+    const CoordBBox near(Coord(-130, -3, 4), Coord(40, 40, 40));
+    for (const auto view : {View::x, View::y, View::z}) {
+        const auto seen = largest_difference(*before, *after, view, near);
+        auto wanted = blank_projection(near, view, 1024, Projection::Keep::largest);
+        for (const auto& at : near)
+            if (before->tree().isValueOn(at) || after->tree().isValueOn(at)) wanted.see(at, view, after->tree().getValue(at) - before->tree().getValue(at));
+        REQUIRE(seen.values.size() == wanted.values.size());
+        for (std::size_t n = 0; n < wanted.values.size(); ++n)
+            CHECK((seen.values[n] == wanted.values[n] || (std::isnan(seen.values[n]) && std::isnan(wanted.values[n]))));
+    }
+    CHECK_FALSE(largest_difference(*before, *after, View::z, CoordBBox(Coord(-128, 0, 0), Coord(128'000, 32'000, 32'000))).empty());
+}
+
 TEST_CASE("a slice shows one plane, by nearest voxels where the grid has another transform") {
     const auto grid = named("energy");
     for (int y = 0; y < 4; ++y) grid->tree().setValueOn(Coord(1, y, 2), static_cast<float>(y));

@@ -353,5 +353,6 @@ TEST_CASE("a sheet refuses grids that reach to the ends of index space, and tile
     CHECK_THAT(failure_of([&] { page_of(wish, {lit}); }), Catch::Contains("as voxels these would take 275 GB"));
     wish.shows = {SheetWish::Show::maximum};
     wish.difference = true;
-    CHECK_THAT(failure_of([&] { page_of(wish, {frame_of(1, tile, named("density"))}); }), Catch::Contains("as voxels these would take 17.2 GB"));
+    // A comparison takes a tile at once.
+    CHECK(failure_of([&] { page_of(wish, {frame_of(1, tile, named("density"))}); }).empty());
 }
