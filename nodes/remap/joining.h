@@ -52,7 +52,7 @@ Declare<Node>& declare_join(Declare<Node>& node) {
                "moves by whole vertices. 0 is the same as `join: cut`. auto is 3; for thick seams 1.4 thicknesses.")
         .param("soft_time", &JoinParams::soft_time, Unit::frames, between(0, 100),
                "The same in time: the number of frames before and after that influence how far each vertex moves.")
-        .version(5);
+        .version(6);
 }
 
 }  // namespace fluidcarve

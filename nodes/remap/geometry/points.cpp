@@ -165,15 +165,14 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
         const int ahead = static_cast<int>(passed), back = step.paired() ? std::max(ahead - step.count(), 0) : 0;
         return (step.inserts() ? -1 : 1) * (ahead - 2 * back) + step.origin() - step.start();
     };
-    // Points half a vertex from a removed seam, or on a doubled entry, are neither taken nor doubled. Near a rim, seams may be narrower
-    // than snap_width.
+    // A point on a bound lies beyond it, and so does one that rounding moved there: of particles on vertices, or half a vertex beside them,
+    // a seam takes or doubles one layer. Near a rim, seams may be narrower than snap_width.
     const double near = std::min(snap_width, scale / 4);
-    const auto beyond = [&](double place, std::size_t n) { return inserts(n) ? place > bound(n) + near : place >= bound(n) - near; };
-    const auto before = [&](double place, std::size_t n) { return inserts(n) ? place < bound(n) - near : place <= bound(n) + near; };
+    const auto beyond = [&](double place, std::size_t n) { return place >= bound(n) - near; };
     for (std::size_t passed = 0; passed <= bounds.size(); ++passed) {
         const double place = u - scale * d(passed);
         if (passed > 0 && !beyond(place, passed - 1)) break;
-        if (passed < bounds.size() && !before(place, passed)) continue;
+        if (passed < bounds.size() && beyond(place, passed)) continue;
         if (place < first || place > last) continue;
         places.push_back(place);
         const double from = passed > 0 ? bound(passed - 1) : first;

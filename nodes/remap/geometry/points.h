@@ -7,8 +7,9 @@
 namespace fluidcarve {
 
 /// Finds where a step moves a point of its lattice, along the carved axis (METHOD 6). There is no place if a removal takes the point or an
-/// insertion writes over it, and several if seams are inserted where it is. A removed seam takes all points nearer than half a vertex. An
-/// inserted seam adds a copy of all points between the doubled entry and the next. Seams are interpolated bilinearly between columns.
+/// insertion writes over it, and several if seams are inserted where it is. A removed seam takes all points from half a vertex
+/// below it up to half a vertex above. An inserted seam adds a copy of all points from the doubled entry up to the next. The upper ends do
+/// not belong to these intervals. Seams are interpolated bilinearly between columns.
 /// Points that the step does not hold stay.
 /// With a fade, a seam takes and adds less, by the factor CarveStep::scale.
 /// @param at      lattice index coordinates

@@ -136,20 +136,38 @@ TEST_CASE("a point goes where the definition says, for any seams that are remove
     CHECK(several > (kind == Kind::insert || paired ? 500 : -1));
 }
 
-TEST_CASE("points right on vertices, and half a vertex from a seam, stay whole") {
+TEST_CASE("of points right on vertices, or half a vertex beside them, a seam takes or doubles one layer") {
     const auto removed = step_of(straight_seams(points_box, Axis::u, Kind::remove, {10, 14}));
     const auto places = [&](const CarveStep& step, double u) { return places_of(step, Vec3d(u, 3, 4)); };
-    CHECK(places(removed, 9.5) == std::vector{9.5});
+    CHECK(places(removed, 9.5) == std::vector<double>{});
     CHECK(places(removed, 10) == std::vector<double>{});
     CHECK(places(removed, 10.5) == std::vector{9.5});
     CHECK(places(removed, 15) == std::vector<double>{});  // the second seam, in the space that the first leaves
     CHECK(places(removed, 29) == std::vector{27.0});
     const auto inserted = step_of(straight_seams(points_box, Axis::u, Kind::insert, {10, 14}));
-    CHECK(places(inserted, 10) == std::vector{10.0});
+    CHECK(places(inserted, 10) == std::vector{10.0, 11.0});
     CHECK(places(inserted, 10.25) == std::vector{10.25, 11.25});
     CHECK(places(inserted, 11) == std::vector{12.0});
     CHECK(places(inserted, 14.5) == std::vector{15.5, 16.5});
     CHECK(places(inserted, 29) == std::vector{31.0});
+}
+
+TEST_CASE("density stays wherever particles lie: on vertices, half a vertex beside them, and a rounding error off") {
+    for (const double off : {0.0, 0.5, 1e-7, -1e-7, 0.5 + 1e-7, 0.5 - 1e-7, 0.25}) {
+        std::vector<Vec3d> positions;
+        for (int x = 0; x < 28; ++x)
+            for (int y = 0; y < 8; ++y)
+                for (int z = 0; z < 8; ++z) positions.emplace_back(x + 0.5 + off, y + 0.5, z + 0.5);
+        for (const auto kind : {Kind::insert, Kind::remove}) {
+            const auto seams = straight_seams(points_box, Axis::u, kind, {10, 14, 20});
+            const auto carved = carve(positions, points_box, map_of(points_box, {seams}));
+            std::map<long, int> layers;
+            for (const auto& image : carved.images) ++layers[std::lround(10 * ((image.moved ? image.position : positions[image.source]).x() - off))];
+            INFO(off << " " << static_cast<int>(kind));
+            CHECK(layers.size() == (kind == Kind::insert ? 31 : 25));
+            for (const auto& [layer, count] : layers) CHECK(count == 64);
+        }
+    }
 }
 
 TEST_CASE("where insertions extend the lattice they write over what was there, and beyond, nothing changes") {
