@@ -47,6 +47,8 @@ public:
         if (soft_ && soft_->staggered()) range.expand(0.5);
         bool frees = false;
         if (!map_.trace(range, frees)) return false;
+        // What stands between two faces comes from both.
+        if (soft_ && soft_->staggered()) range.expand(0.5);
         const auto read = voxels(alignment_, range);
         window_.move_to(read);
         if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;

@@ -348,6 +348,19 @@ TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid 
     CHECK(moved > 4000);
 }
 
+TEST_CASE("a face at the end of what a warp leaves comes from the two faces around its place") {
+    const auto lattice = make_box(Vec3d(1, 0, 0), {42, 6, 6}, 1.0, {0, 1, 2});
+    const auto grid = openvdb::Vec3SGrid::create();
+    grid->setGridClass(openvdb::GRID_STAGGERED);
+    for (const auto& at : CoordBBox(Coord(-5, -2, -2), Coord(55, 8, 8))) grid->tree().setValueOn(at, openvdb::Vec3s(static_cast<float>(at.x()), 2, 3));
+    const auto warp = warped(lattice, [](int entry, int, int, int) { return std::clamp(0.2 * (20 - entry), -4.0, 4.0); });
+    const CarveMap map(lattice, {std::make_shared<Seams>(warp)}, 1, {}, {1, 0});
+    const auto out = carved<openvdb::Vec3SGrid>(grid, lattice, map);
+    // Vertex 37 holds what vertex 41, the last one, had. So does the face behind it, which has no place in the lattice to come from.
+    CHECK(out->tree().getValue(Coord(38, 3, 3)).x() == 42);
+    CHECK(out->tree().getValue(Coord(39, 3, 3)).x() == 42.5f);
+}
+
 TEST_CASE("components of a staggered grid are carved at their faces") {
     // The lattice is shifted along the seam's normal by half a voxel: x faces fall on vertices, centres between them.
     const auto transform = openvdb::math::Transform::createLinearTransform(1.0);

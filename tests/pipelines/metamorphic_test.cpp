@@ -1,0 +1,124 @@
+// Relations between two runs, which need no third that knows the right result.
+
+#include "tests/support/program.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace fluidcarve;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int frame_a = 51, frame_b = 54;  ///< the frames carved
+
+std::string numbered(const std::string& stem, int frame) { return fmt::format("{}.{:04}.vdb", stem, frame); }
+
+/// Carves the frames by the pipeline that `carve` writes for them.
+/// @param arguments  of `carve`  @param more  of `run`  @return the carved sequence
+std::string carved(const Scratch& scratch, const std::string& name, const std::string& input, const std::string& arguments, const std::string& more = "") {
+    const auto out = scratch / name + ".####.vdb", pipeline = scratch / name + ".yaml";
+    const auto written = call_shell(fmt::format("{} carve {} {} -o {} --print-pipeline > {}", FLUIDCARVE_PROGRAM, input, arguments, out, pipeline));
+    INFO(written.err);
+    REQUIRE(written.code == 0);
+    const auto ran = call_shell(fmt::format("{} run {} --progress none --work {} {}", FLUIDCARVE_PROGRAM, pipeline, scratch / name + "_work", more));
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    return out;
+}
+
+/// What `diff` says of two sequences; empty if they are equal.
+std::string difference(const std::string& a, const std::string& b, const std::string& arguments = "") {
+    const auto ran = call_shell(fmt::format("{} diff {} {} {}", FLUIDCARVE_PROGRAM, a, b, arguments));
+    return ran.code == 0 ? "" : ran.out + ran.err;
+}
+
+/// Copies the plume's frames. @param from  the frame that becomes this one
+template <class From>
+std::string copied(const Scratch& scratch, const std::string& name, const From& from) {
+    for (int frame = frame_a; frame <= frame_b; ++frame)
+        fs::copy_file(numbered(SOURCE_ROOT "/tests/data/plume/plume", from(frame)), numbered(scratch / name, frame));
+    return scratch / name + ".####.vdb";
+}
+
+int same_frame(int frame) { return frame; }
+
+/// Sum of the energies of all seams in a report.
+double total_energy(const std::string& report) {
+    std::ifstream in(report);
+    const auto all = nlohmann::json::parse(in);
+    double out = 0;
+    for (const auto& [name, seams] : all["seams"].items())
+        for (const auto& each : seams["energy"]) out += each.get<double>();
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("neither threads nor frames in flight nor memory changes a byte of a carve", "[long]") {
+    for (const std::string arguments : {"-8", "-8 --warp", "6 --solver greedy"}) {
+        INFO(arguments);
+        const Scratch scratch;
+        const auto input = copied(scratch, "in", same_frame);
+        const auto wanted = carved(scratch, "wanted", input, arguments, "--threads 2");
+        CHECK(difference(wanted, carved(scratch, "alone", input, arguments, "--threads 1 --in-flight 1")) == "");
+        CHECK(difference(wanted, carved(scratch, "crowd", input, arguments, "--threads 2 --in-flight 9")) == "");
+        CHECK(difference(wanted, carved(scratch, "scarce", input, arguments, "--memory 64M")) == "");
+    }
+}
+
+TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself", "[long]") {
+    const Scratch scratch;
+    openvdb::initialize();
+    const auto alone = carved(scratch, "alone", copied(scratch, "in", same_frame), "-8");
+    const auto input = copied(scratch, "more", same_frame);
+    for (int frame = frame_a; frame <= frame_b; ++frame) {
+        openvdb::io::File file(numbered(scratch / "more", frame));
+        file.open(false);
+        auto grids = *file.getGrids();
+        file.close();
+        auto other = openvdb::FloatGrid::create();
+        other->setName("other");
+        other->setTransform(grids.front()->transform().copy());
+        for (int n = 0; n < 500; ++n) other->tree().setValue(openvdb::Coord(n % 40, n % 37, n % 80), static_cast<float>(n + frame));
+        grids.push_back(other);
+        openvdb::io::File(numbered(scratch / "more", frame)).write(grids);
+    }
+    const auto said = difference(alone, carved(scratch, "together", input, "-8"));
+    for (const std::string grid : {"velocity", "density", "shadow", "temperature", "flame"}) CHECK_THAT(said, Catch::Contains(grid + ": the same"));
+    CHECK_THAT(said, Catch::Contains("other: different"));
+}
+
+TEST_CASE("a sequence that stands still is carved alike in each frame, at the cost of static seams", "[long]") {
+    const Scratch scratch;
+    const auto input = copied(scratch, "still", [](int) { return frame_a; });
+    carved(scratch, "moving", input, "-6", "--set seams.static=false --report " + scratch / "moving.json");
+    for (int frame = frame_a + 1; frame <= frame_b; ++frame)
+        CHECK(difference(numbered(scratch / "moving", frame_a), numbered(scratch / "moving", frame)) == "");
+    carved(scratch, "static", input, "-6", "--set seams.static=true --report " + scratch / "static.json");
+    CHECK(total_energy(scratch / "moving.json") == Approx(total_energy(scratch / "static.json")).epsilon(0.02));
+}
+
+TEST_CASE("exact seams cost the same forwards and backwards in time", "[long]") {
+    const Scratch scratch;
+    const auto options = [&](const std::string& name) { return "--set seams.spread=0 --report " + scratch / name + ".json"; };
+    carved(scratch, "on", copied(scratch, "in", same_frame), "-1 --solver graph_cut", options("on"));
+    carved(scratch, "back", copied(scratch, "reversed", [](int frame) { return frame_a + frame_b - frame; }), "-1 --solver graph_cut", options("back"));
+    CHECK(total_energy(scratch / "back.json") == Approx(total_energy(scratch / "on.json")).epsilon(1e-5));
+}
+
+TEST_CASE("a part of the frames is what it is in all of them, and fewer seams are the first of more", "[long]") {
+    const Scratch scratch;
+    const auto input = copied(scratch, "in", same_frame);
+    carved(scratch, "all", input, "-8");
+    carved(scratch, "part", input, "-8", "-f 52,54");
+    CHECK_FALSE(fs::exists(numbered(scratch / "part", 51)));
+    for (const int frame : {52, 54}) CHECK(difference(numbered(scratch / "all", frame), numbered(scratch / "part", frame)) == "");
+    CHECK(difference(carved(scratch, "four", input, "-4"), carved(scratch, "of_eight", input, "-8", "--set carved.count=4")) == "");
+}
