@@ -95,22 +95,26 @@ TEST_CASE("a grid that has nothing to do with a carve changes nothing but itself
     CHECK_THAT(said, Catch::Contains("other: different"));
 }
 
-TEST_CASE("a sequence that stands still is carved alike in each frame, at the cost of static seams", "[long]") {
+TEST_CASE("exact seams of a sequence that stands still cost what static ones cost, and those of one that runs backwards what they cost forwards", "[long]") {
     const Scratch scratch;
-    const auto input = copied(scratch, "still", [](int) { return frame_a; });
-    carved(scratch, "moving", input, "-6", "--set seams.static=false --report " + scratch / "moving.json");
-    for (int frame = frame_a + 1; frame <= frame_b; ++frame)
-        CHECK(difference(numbered(scratch / "moving", frame_a), numbered(scratch / "moving", frame)) == "");
-    carved(scratch, "static", input, "-6", "--set seams.static=true --report " + scratch / "static.json");
-    CHECK(total_energy(scratch / "moving.json") == Approx(total_energy(scratch / "static.json")).epsilon(0.02));
-}
-
-TEST_CASE("exact seams cost the same forwards and backwards in time", "[long]") {
-    const Scratch scratch;
-    const auto options = [&](const std::string& name) { return "--set seams.spread=0 --report " + scratch / name + ".json"; };
-    carved(scratch, "on", copied(scratch, "in", same_frame), "-1 --solver graph_cut", options("on"));
-    carved(scratch, "back", copied(scratch, "reversed", [](int frame) { return frame_a + frame_b - frame; }), "-1 --solver graph_cut", options("back"));
-    CHECK(total_energy(scratch / "back.json") == Approx(total_energy(scratch / "on.json")).epsilon(1e-5));
+    const auto cost = [&](const std::string& name, const std::string& input, bool is_static) {
+        scratch.write(name + ".yaml", fmt::format("fluidcarve: 1\nframes: {}-{}\nnodes:\n"
+                                                  "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
+                                                  "  energy: {{type: energy.gradient, field: sim.density}}\n"
+                                                  "  box: {{type: lattice.box, fit: sim.density}}\n"
+                                                  "  seams: {{type: seam.graph_cut, energy: energy, lattice: box, count: -1, static: {}}}\n"
+                                                  "  kept: {{type: seams.write, seams: seams, path: {}}}\n",
+                                                  frame_a, frame_b, input, is_static, scratch / name + "_seams.vdb"));
+        const auto report = scratch / name + ".json";
+        const auto ran = call_shell(fmt::format("{} run {} --no-cache --progress none --report {}", FLUIDCARVE_PROGRAM, scratch / name + ".yaml", report));
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        return total_energy(report);
+    };
+    const auto still = copied(scratch, "still", [](int) { return frame_a; });
+    CHECK(cost("moving", still, false) == Approx(cost("static", still, true)).epsilon(1e-4));
+    const auto backwards = copied(scratch, "backwards", [](int frame) { return frame_a + frame_b - frame; });
+    CHECK(cost("back", backwards, false) == Approx(cost("on", copied(scratch, "in", same_frame), false)).epsilon(1e-4));
 }
 
 TEST_CASE("a part of the frames is what it is in all of them, and fewer seams are the first of more", "[long]") {
