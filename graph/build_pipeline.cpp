@@ -4,6 +4,7 @@
 #include "graph/field_names.h"
 #include "graph/file_claims.h"
 #include "graph/frames_of_inputs.h"
+#include "graph/timelines.h"
 #include "graph/types/file_fields.h"
 #include "graph/types/frame_files.h"
 
@@ -81,10 +82,10 @@ public:
         for (auto& draft : drafts_) connect(draft);
         if (!order()) return out;
         infer_rates();
+        infer_frames(out);
         check_paths(out.frames);
         check_written(out.frames);
         if (const auto note = staggered_note(document_.frames.text); !note.empty()) out.notes.push_back("frames: " + note);
-        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
         out.notes.insert(out.notes.end(), notes_.begin(), notes_.end());
         check_confinement(out.frames);
         for (auto& draft : drafts_) out.nodes.push_back(std::move(draft.node));
@@ -93,6 +94,13 @@ public:
     }
 
 private:
+    void infer_frames(Pipeline& out) {
+        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
+        std::vector<Node*> nodes;
+        for (auto& draft : drafts_) nodes.push_back(&draft.node);
+        out.frames = infer_timelines(nodes, out.frames, problems_);
+    }
+
     FrameSet read_frames() {
         if (document_.frames.kind == Value::Kind::null || document_.frames.kind == Value::Kind::unresolved) return FrameSet({1});
         if (document_.frames.kind == Value::Kind::scalar && document_.frames.text == "auto") return auto_frames();

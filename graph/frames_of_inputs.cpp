@@ -74,8 +74,7 @@ std::string note_on_odd_frames(const PathPattern& input) {
 }
 
 void note_old_files(Pipeline& pipeline) {
-    const auto& frames = pipeline.frames;
-    const auto look_at = [&](const PathPattern& output) {
+    const auto look_at = [&](const PathPattern& output, const FrameSet& frames) {
         if (!output.per_frame() || !Confinement::of_program().refusal(output.at(frames.frames().front())).empty()) return;
         auto others = frames_there(output).value_or(FrameSet()).frames();
         std::erase_if(others, [&](int frame) { return frames.contains(frame); });
@@ -88,7 +87,7 @@ void note_old_files(Pipeline& pipeline) {
     for (const auto& node : pipeline.nodes)
         for (const auto& spec : node.type->params) try {
                 if (!node.params) continue;  // a node with faults
-                if (spec.shape.kind == Shape::Kind::output_path) look_at(spec.path(node.params.get()));
+                if (spec.shape.kind == Shape::Kind::output_path) look_at(spec.path(node.params.get()), node.frames);
             } catch (const Failure&) {
                 // A folder that can't be read is told when something is written to it.
             }

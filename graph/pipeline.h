@@ -40,19 +40,22 @@ struct Node {
     bool gathers = false;                               ///< takes all frames, in order, before it delivers
     Rate rate = Rate::fixed;                            ///< how often it delivers, or runs if it has no outputs
     bool per_frame_input = false;                       ///< at least one input arrives per frame
+    FrameSet taken;                                     ///< the frames that its inputs have
+    FrameSet frames;                                    ///< the frames in which it delivers: those taken, unless it retimes them
     Provenance provenance;                              ///< of a writer: what its files state, except checksums (state_provenance)
     std::vector<Link> checksummed;                      ///< of a writer: outputs upstream whose checksums its files state, too
 
     std::vector<Problem> warnings;  ///< what its check warns of
 
-    bool streams_in() const { return gathers && per_frame_input; }  ///< it gathers frame by frame
+    bool streams_in() const { return gathers && per_frame_input; }          ///< it gathers frame by frame
+    bool retimes() const { return type && type->retimes && streams_in(); }  ///< what it delivers has other frames than what it takes
 };
 
 /// A checked pipeline: typed, acyclic, complete. Each node comes after the nodes that it reads.
 struct Pipeline {
     std::string name;                ///< the file, as given
     std::vector<std::string> files;  ///< the file and the files that it extends
-    FrameSet frames;                 ///< the sequence
+    FrameSet frames;                 ///< the sequence, and the frames of nodes that retime it
     std::string holes;               ///< of `frames: auto`: which frames are missing between the others, in words; empty: none
     std::vector<std::string> notes;  ///< what a user may not expect of the sequence or of files that are there, a sentence each
     std::vector<Node> nodes;

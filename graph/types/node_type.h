@@ -113,6 +113,8 @@ struct NodeType {
     std::function<bool(const void* params)> gathers;
     std::function<bool(const void* params, const Context&)> wants;  ///< whether a gatherer needs the frame of the context; empty: always
     std::function<bool(const void* params)> animates;               ///< whether results change per frame though no input or file does; empty: never
+    /// The frames in which a gatherer delivers, by those that it takes; empty: the same.
+    std::function<std::vector<int>(const void* params, const std::vector<int>& frames)> retimes;
     std::function<void(const void* params, NodeCheck&)> check;
     std::function<void(const void* params, Survey&)> survey;    ///< empty: reads no files, and needs no grid of a name
     std::function<void(const void* params, Outlook&)> foresee;  ///< empty: outputs lie where the inputs lie
@@ -197,6 +199,7 @@ FLUIDCARVE_HOOK(resume)
 FLUIDCARVE_HOOK(gathers)
 FLUIDCARVE_HOOK(wants)
 FLUIDCARVE_HOOK(animates)
+FLUIDCARVE_HOOK(retimes)
 FLUIDCARVE_HOOK(check)
 FLUIDCARVE_HOOK(survey)
 FLUIDCARVE_HOOK(foresee)
@@ -227,6 +230,7 @@ FLUIDCARVE_HOOK(conclude)
 /// Any node may also have
 ///
 ///     static bool animates(const Params&);                           true: runs per frame, even if no input or file does; false, if it gathers: has one result
+///     static std::vector<int> retimes(const Params&, const std::vector<int>&);           frames in which a node that gathers delivers, by those it takes
 ///     static void check(const Params&, NodeCheck&);                  finds faults that involve several fields
 ///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
 ///     static void foresee(const Params&, Outlook&);                  looks before the run at where its inputs lie
@@ -260,6 +264,8 @@ public:
         if constexpr (detail::has_wants<Node>)
             type_.wants = [](const void* params, const Context& context) { return Node::wants(*static_cast<const Params*>(params), context); };
         if constexpr (detail::has_animates<Node>) type_.animates = [](const void* params) { return Node::animates(*static_cast<const Params*>(params)); };
+        if constexpr (detail::has_retimes<Node>)
+            type_.retimes = [](const void* params, const std::vector<int>& frames) { return Node::retimes(*static_cast<const Params*>(params), frames); };
         if constexpr (detail::has_check<Node>)
             type_.check = [](const void* params, NodeCheck& check) { Node::check(*static_cast<const Params*>(params), check); };
         if constexpr (detail::has_survey<Node>)
@@ -412,6 +418,12 @@ private:
                 { Node::animates(params) } -> std::same_as<bool>;
             },
         "`animates` must be `static bool animates(const Params&)`");
+    static_assert(
+        !detail::has_retimes<Node> ||
+            requires(const Params& params, const std::vector<int>& frames) {
+                { Node::retimes(params, frames) } -> std::same_as<std::vector<int>>;
+            },
+        "`retimes` must be `static std::vector<int> retimes(const Params&, const std::vector<int>&)`");
     static_assert(
         !detail::has_check<Node> || requires(const Params& params, NodeCheck& check) { Node::check(params, check); },
         "`check` must be `static void check(const Params&, NodeCheck&)`");

@@ -1,8 +1,7 @@
 #include "nodes/seams/frame_store.h"
 
-#include "graph/confinement.h"
 #include "graph/text/problem.h"
-#include "graph/text/words.h"
+#include "nodes/io/scratch_file.h"
 
 #include <fmt/format.h>
 
@@ -23,32 +22,6 @@ namespace {
 /// would take longer than the work on them.
 constexpr std::size_t most_reused = std::size_t{1} << 25;
 
-/// Six of these at the end of a name: mkostemp replaces them.
-const std::string unique_part(6, 'X');
-
-// Allocates the space at once: otherwise a full disk would kill the process later, without a message.
-int scratch_file(const std::string& folder, std::size_t bytes) {
-    const auto fault = [&](int code) {
-        return Failure(
-            fmt::format("{} of energies, seams or displacements exceed the memory budget and can't be stored in the work folder '{}': {}; raise --memory or "
-                        "choose another --work",
-                        size_text(bytes), folder, std::strerror(code)));
-    };
-    if (const auto refusal = Confinement::of_program().refusal(folder); !refusal.empty())
-        throw Failure(fmt::format("the work folder '{}' {}", folder, refusal));
-    std::error_code ignored;
-    std::filesystem::create_directories(folder, ignored);
-    auto path = folder + "/frames." + unique_part;
-    const int file = mkostemp(path.data(), O_CLOEXEC);
-    if (file < 0) throw fault(errno);
-    unlink(path.c_str());
-    if (const int code = posix_fallocate(file, 0, static_cast<off_t>(bytes)); code != 0) {
-        close(file);
-        throw fault(code);
-    }
-    return file;
-}
-
 }  // namespace
 
 template <class Entry>
@@ -67,7 +40,7 @@ FrameStoreOf<Entry>::FrameStoreOf(std::size_t count, std::size_t entries, std::u
         if (!data_) throw fault(ENOMEM);
         return;
     }
-    const int file = on_disk_ ? scratch_file(folder, bytes) : -1;
+    const int file = on_disk_ ? scratch_file(folder, "energies, seams or displacements", bytes) : -1;
     void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, on_disk_ ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
     const int code = errno;
     if (file >= 0) close(file);

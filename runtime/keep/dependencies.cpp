@@ -38,7 +38,7 @@ Dependencies::OfNode Dependencies::of(std::size_t n) const {
 }
 
 int Dependencies::read_frame(std::size_t n, std::size_t place) const {
-    const int frame = frames_.at(place);
+    const int frame = frames().at(place);
     const auto of_node = stands_in_.find(n);
     if (of_node == stands_in_.end()) return frame;
     const auto other = of_node->second.find(frame);
@@ -49,7 +49,7 @@ std::vector<std::string> Dependencies::files(std::size_t n, std::size_t place) c
 
 std::vector<std::string> Dependencies::watched_files(std::size_t n, std::size_t place) const {
     auto out = files(n, place);
-    if (read_frame(n, place) != frames_.at(place)) std::ranges::move(named_files(pipeline_.nodes[n], frames_.at(place)), std::back_inserter(out));
+    if (read_frame(n, place) != frames().at(place)) std::ranges::move(named_files(pipeline_.nodes[n], frames().at(place)), std::back_inserter(out));
     return out;
 }
 

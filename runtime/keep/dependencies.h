@@ -3,6 +3,7 @@
 #include "graph/pipeline.h"
 #include "runtime/keep/content_hash.h"
 #include "runtime/keep/file_hashes.h"
+#include "runtime/plan/timelines.h"
 
 #include <cstddef>
 #include <map>
@@ -40,12 +41,14 @@ public:
         std::vector<Input> inputs;
     };
 
-    /// @param frames     frame numbers of the sequence, without the frames that readers leave out
     /// @param stands_in  per node: frame to the frame whose file it uses instead of its own
-    Dependencies(const Pipeline& pipeline, const std::vector<int>& frames, const std::map<std::size_t, std::map<int, int>>& stands_in, FileHashes& files)
-        : pipeline_(pipeline), frames_(frames), stands_in_(stands_in), files_(files) {}
+    Dependencies(const Pipeline& pipeline, const Timelines& timelines, const std::map<std::size_t, std::map<int, int>>& stands_in, FileHashes& files)
+        : pipeline_(pipeline), timelines_(timelines), stands_in_(stands_in), files_(files) {}
 
-    const std::vector<int>& frames() const { return frames_; }
+    /// The frames of all nodes together, as numbers.
+    const std::vector<int>& frames() const { return timelines_.frames(); }
+    /// The frames that a node takes, as numbers.
+    const std::vector<int>& frames_of(std::size_t node) const { return timelines_.taken(node).frames; }
     OfNode of(std::size_t node) const;
     /// Paths of the files that a node reads for the frame at a place (an index in `frames`).
     std::vector<std::string> files(std::size_t node, std::size_t place) const;
@@ -59,7 +62,7 @@ private:
     int read_frame(std::size_t node, std::size_t place) const;
 
     const Pipeline& pipeline_;
-    const std::vector<int>& frames_;
+    const Timelines& timelines_;
     const std::map<std::size_t, std::map<int, int>>& stands_in_;
     FileHashes& files_;
 };

@@ -69,11 +69,10 @@ Key Keys::gathered(std::size_t n) {
     auto& known = gathered_[n];
     if (known) return *known;
     const auto of = dependencies_.of(n);
-    const auto& frames = dependencies_.frames();
     ContentHash hash;
     describe(hash.text("gathered"), of, nullptr);
-    for (const auto frame : frames) hash.number(static_cast<std::uint64_t>(frame));
-    for (std::size_t place = 0; place < frames.size(); ++place)
+    for (const auto frame : dependencies_.frames_of(n)) hash.number(static_cast<std::uint64_t>(frame));
+    for (std::size_t place = 0; place < dependencies_.frames().size(); ++place)
         if (wants_(n, place)) hash.key(taken(n, place));
     add_inputs(hash, of, 0, nullptr, false);
     hash.key(dependencies_.contents(n, 0));
@@ -93,17 +92,16 @@ Key Keys::kept(std::size_t n, std::size_t place) {
         return *known;
     }
     const auto of = dependencies_.of(n);
-    const auto& frames = dependencies_.frames();
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
     // With or without provenance a writer's files differ. What it says does not count: a file is true to the values that made it.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
-    hash.number(static_cast<std::uint64_t>(frames.at(place)));
+    hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));
     if (pipeline_.nodes[n].streams_in()) hash.key(gathered(n));
     else if (node.gathers)
-        for (const auto frame : frames) hash.number(static_cast<std::uint64_t>(frame));
-    add_inputs(hash, of, place, nullptr, std::nullopt);
+        for (const auto frame : dependencies_.frames_of(n)) hash.number(static_cast<std::uint64_t>(frame));
+    add_inputs(hash, of, place, nullptr, node.retimes() ? std::optional(false) : std::nullopt);
     hash.key(dependencies_.contents(n, place));
     known = hash.digest();
     return *known;

@@ -17,6 +17,9 @@ Wiring wire(const Pipeline& pipeline, const Pass& pass) {
     out.readers.resize(pipeline.nodes.size());
     for (const auto unit : out.units) {
         std::set<std::size_t> distinct;
+        const bool gathers = std::ranges::find(pass.gatherers, unit) != pass.gatherers.end();
+        // One that retimes delivers by what it took in an earlier pass.
+        if (pipeline.nodes[unit].retimes() && !gathers) continue;
         for (const auto& links : pipeline.nodes[unit].inputs)
             for (const auto& link : links)
                 if (pipeline.nodes[link.node].rate == Rate::frame) distinct.insert(link.node);

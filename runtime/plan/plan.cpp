@@ -10,13 +10,13 @@
 namespace fluidcarve {
 namespace {
 
-/// Marks in `flags` the per-frame nodes that `node` needs in its pass.
+/// Marks in `flags` the per-frame nodes that `node` needs in its pass. One that retimes has taken all its frames in an earlier pass.
 void mark_upstream(const Pipeline& pipeline, std::size_t node, std::vector<bool>& flags) {
     for (const auto& links : pipeline.nodes[node].inputs)
         for (const auto& link : links)
             if (pipeline.nodes[link.node].rate == Rate::frame && !flags[link.node]) {
                 flags[link.node] = true;
-                mark_upstream(pipeline, link.node, flags);
+                if (!pipeline.nodes[link.node].retimes()) mark_upstream(pipeline, link.node, flags);
             }
 }
 
@@ -138,7 +138,7 @@ Plan make_plan(const Pipeline& pipeline, const Wish& wish) {
         auto flags = std::vector<bool>(count, false);
         for (const auto n : pass.delivers) {
             flags[n] = true;
-            mark_upstream(pipeline, n, flags);
+            if (!pipeline.nodes[n].retimes()) mark_upstream(pipeline, n, flags);
         }
         for (const auto& needs : pass.gatherer_needs)
             for (std::size_t n = 0; n < count; ++n)

@@ -46,7 +46,7 @@ private:
         for (std::size_t place = 0; place < delivered_.size(); ++place) {
             if (!delivered_[place]) continue;
             for (const auto n : plan_.passes[pass].delivers)
-                if (!known_.result(n, place)) work({Visit::frame, n, place, pass});
+                if (known_.delivers(n, place) && !known_.result(n, place)) work({Visit::frame, n, place, pass});
             for (const auto n : plan_.passes[pass].gatherers)
                 if (plan_.digested[n] && known_.wants(n, place)) work({Visit::take, n, place});
         }
@@ -96,7 +96,7 @@ private:
         if (action == Action::load) return;
         checksummed(n);
         if (pipeline_.nodes[n].streams_in()) later({Visit::gather, n});
-        inputs(n, place, pass);
+        if (!pipeline_.nodes[n].retimes()) inputs(n, place, pass);
     }
 
     /// A writer states checksums of results upstream: it needs them, also where all that it reads is cached.

@@ -11,10 +11,11 @@ namespace fluidcarve {
 
 /// What make_schedule asks about the cache and the nodes. A place is an index in the sequence; 0 for nodes that deliver once.
 struct Known {
-    std::function<bool(std::size_t node, std::size_t place)> result;  ///< whether the result is cached
-    std::function<bool(std::size_t node, std::size_t place)> digest;  ///< whether a gatherer's digest of the frame is cached
-    std::function<bool(std::size_t node, std::size_t place)> wants;   ///< whether a gatherer takes the frame
-    std::function<bool(std::size_t node, std::size_t place)> keeps;   ///< whether later passes can load a result that this run computes
+    std::function<bool(std::size_t node, std::size_t place)> result;    ///< whether the result is cached
+    std::function<bool(std::size_t node, std::size_t place)> digest;    ///< whether a gatherer's digest of the frame is cached
+    std::function<bool(std::size_t node, std::size_t place)> wants;     ///< whether a gatherer takes the frame
+    std::function<bool(std::size_t node, std::size_t place)> delivers;  ///< whether a node that delivers per frame has the frame
+    std::function<bool(std::size_t node, std::size_t place)> keeps;     ///< whether later passes can load a result that this run computes
 };
 
 /// What each node will do in each frame of a run.

@@ -17,7 +17,7 @@ struct Concluding : Context::Host {
 
 }  // namespace
 
-void conclude(const Pipeline& pipeline, const std::vector<int>& frames, const std::vector<Share>& shares, Report& report) {
+void conclude(const Pipeline& pipeline, const Timelines& timelines, const std::vector<Share>& shares, Report& report) {
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!node.type->conclude) continue;
@@ -25,7 +25,7 @@ void conclude(const Pipeline& pipeline, const std::vector<int>& frames, const st
         const auto known = report.entry_of(n, node.type->concludes_from);
         if (known.empty() || known.size() != shares[n].frames) continue;
         Concluding host(report, n);
-        Context context(host, frames);
+        Context context(host, timelines.delivered(n).frames);
         try {
             node.type->conclude(node.params.get(), known, context);
         } catch (const std::exception& error) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "runtime/plan/timelines.h"
 #include "runtime/tell/report.h"
 
 #include <vector>
@@ -8,8 +9,7 @@ namespace fluidcarve {
 
 /// Lets each node whose frames are all known conclude from what it reported of them (NodeType::conclude). Called once, after the last
 /// node has run.
-/// @param frames  frame numbers of the sequence
 /// @param shares  one per node
-void conclude(const Pipeline& pipeline, const std::vector<int>& frames, const std::vector<Share>& shares, Report& report);
+void conclude(const Pipeline& pipeline, const Timelines& timelines, const std::vector<Share>& shares, Report& report);
 
 }  // namespace fluidcarve

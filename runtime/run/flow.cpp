@@ -87,7 +87,7 @@ struct Flow::Self {
 
     const Pipeline& pipeline;
     const Registry& registry;
-    const std::vector<int>& frames;
+    const Timelines& timelines;
     const RunOptions& options;
     Store& store;
     InputGuard& guard;
@@ -96,6 +96,7 @@ struct Flow::Self {
     WorkTimes& costs;
     RunProfile* const profile;
     const std::function<bool()> cancelled;
+    const std::vector<int>& frames = timelines.frames();
     const PortsOf io{pipeline, registry};
     std::vector<Behaviour> behaviours{};
     std::vector<Steps> steps = std::vector<Steps>(pipeline.nodes.size());
@@ -111,7 +112,12 @@ struct Flow::Self {
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
-    Context context(Line& line) { return Context(line, frames).limits(options.memory, options.work_folder); }
+    /// @param frame  null: a body that is called once  @param delivers  whether the body makes the node's outputs of the frame
+    Context context(Line& line, const FrameRun* frame, bool delivers) {
+        const auto& [numbers, index] = delivers ? timelines.delivered(line.node) : timelines.taken(line.node);
+        auto out = Context(line, numbers).limits(options.memory, options.work_folder);
+        return frame ? out.at(index.at(frame->place).value()) : out;
+    }
 
     /// Calls a body and turns exceptions into Faults. An exception that escaped would cancel the whole flow graph.
     /// @param what  category in the profile
@@ -139,13 +145,15 @@ struct Flow::Self {
     }
 
     /// Calls a body with connected ports and a context.
-    /// @param frame  null: a body that is called once
-    bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body) {
+    /// @param frame     null: a body that is called once
+    /// @param delivers  whether the body makes the node's outputs of the frame
+    bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body, bool delivers = false) {
         return guarded(line.node, frame ? std::optional(frames[frame->place]) : std::nullopt, what, [&] {
             const auto ports = behaviours[line.node].make_ports();
-            io.connect(line.node, ports.get(), held, frame ? &frame->outputs : nullptr);
-            auto where = context(line);
-            if (frame) where.at(frame->place);
+            // What retimes has taken the frames of its inputs before.
+            const bool inputs = frame && !(delivers && line.of().retimes());
+            io.connect(line.node, ports.get(), held, inputs ? &frame->outputs : nullptr);
+            auto where = context(line, frame, delivers);
             guard.read(store.inputs(line.node, frame ? frame->place : 0), [&] { body(ports.get(), where); });
         });
     }
@@ -272,11 +280,14 @@ struct Flow::Self {
         } else if (action == Action::run) {
             const auto works = [&](std::size_t reader) { return frame.scheduled.reads(reader); };
             Line line(*this, n);
-            frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
-                where.wanting([&](std::string_view output) { return target || wanted(n, output, wiring.readers[n], works); });
-                behaviours[n].run(ports, where);
-                frame.outputs[n] = io.collect(n, ports);
-            });
+            frame.failed[n] = !call(
+                line, &frame, "run",
+                [&](void* ports, Context& where) {
+                    where.wanting([&](std::string_view output) { return target || wanted(n, output, wiring.readers[n], works); });
+                    behaviours[n].run(ports, where);
+                    frame.outputs[n] = io.collect(n, ports);
+                },
+                true);
             report.ran(n, frame.place, since(line.start), io.bytes(frame.outputs[n]));
             if (!frame.failed[n]) keep(n, frame.place, frame.outputs[n], line.said);
             progress.done(*steps[n].run, add_cost(line.span, n, Work::frame, !frame.failed[n]), frames[frame.place]);
@@ -315,8 +326,7 @@ struct Flow::Self {
         const auto& behaviour = behaviours[line.node];
         if (!behaviour.digest) return call(line, &frame, "take", [&](void* ports, Context& where) { behaviour.add(ports, where); });
         return guarded(line.node, frames[frame.place], "take", [&] {
-            auto where = context(line);
-            where.at(frame.place);
+            auto where = context(line, &frame, false);
             behaviour.take(frame.outputs[line.node].at(0), where);
         });
     }
@@ -362,9 +372,9 @@ struct Flow::Self {
     void run_pass(std::size_t p, const Plan& plan, const Schedule& schedule);
 };
 
-Flow::Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
+Flow::Flow(const Pipeline& pipeline, const Registry& registry, const Timelines& timelines, const RunOptions& options, Store& store, InputGuard& guard,
            Report& report, Progress& progress, WorkTimes& costs, RunProfile* profile, std::function<bool()> cancelled)
-    : self_(new Self{pipeline, registry, frames, options, store, guard, report, progress, costs, profile, std::move(cancelled)}) {
+    : self_(new Self{pipeline, registry, timelines, options, store, guard, report, progress, costs, profile, std::move(cancelled)}) {
     for (const auto& node : pipeline.nodes) self_->behaviours.push_back(node.type->bind(node.params));
 }
 

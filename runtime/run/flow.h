@@ -4,6 +4,7 @@
 #include "runtime/keep/input_guard.h"
 #include "runtime/keep/store.h"
 #include "runtime/plan/schedule.h"
+#include "runtime/plan/timelines.h"
 #include "runtime/run/options.h"
 #include "runtime/tell/costs.h"
 #include "runtime/tell/profile.h"
@@ -19,13 +20,12 @@ namespace fluidcarve {
 /// Executes a schedule: nodes that run once, and the passes of its plan as TBB flow graphs. Holds all results that outlive a pass.
 class Flow {
 public:
-    /// @param frames     frame numbers of the sequence, without the frames that readers leave out
     /// @param store      cached results of former runs; receives those of this run
     /// @param guard      watches the input files
     /// @param costs      receives what each node's work takes
     /// @param profile    may be null
     /// @param cancelled  called often; true: stop
-    Flow(const Pipeline& pipeline, const Registry& registry, const std::vector<int>& frames, const RunOptions& options, Store& store, InputGuard& guard,
+    Flow(const Pipeline& pipeline, const Registry& registry, const Timelines& timelines, const RunOptions& options, Store& store, InputGuard& guard,
          Report& report, Progress& progress, WorkTimes& costs, RunProfile* profile, std::function<bool()> cancelled);
     ~Flow();
 

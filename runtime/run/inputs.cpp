@@ -77,12 +77,12 @@ void add_missing(const Node& node, const SurveyOf& of, std::vector<Fault>& out) 
 
 /// Carries what readers said through the pipeline, and asks the other nodes whether they can work with it.
 void look_ahead(const Pipeline& pipeline, const Plan& plan, const std::optional<FrameSet>& deliver, Foresight& foresight, Inputs& out) {
-    if (out.frames.empty()) return;
-    const std::vector<int> once{out.frames.front()};
+    if (out.timelines.frames().empty()) return;
+    const std::vector<int> once{out.timelines.frames().front()};
     for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n] || node.type->inputs.empty()) continue;
-        const auto& frames = node.per_frame_input || node.rate == Rate::frame ? out.frames : once;
+        const auto& frames = node.per_frame_input || node.rate == Rate::frame ? out.timelines.taken(n).frames : once;
         const auto needed = frames_needed(pipeline, plan, n, deliver);
         for (const int frame : frames) {
             if (needed && !needed->contains(frame)) continue;
@@ -141,7 +141,7 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         if (!plan.needed[n] || !node.type->survey || !node.type->inputs.empty()) continue;
         const std::vector<int> once{pipeline.frames.frames().front()};
         const auto read = frames_needed(pipeline, plan, n, deliver);
-        SurveyOf of(n, node.rate == Rate::fixed ? once : pipeline.frames.frames(), read, wanted[n], picks[n], foresight);
+        SurveyOf of(n, node.rate == Rate::fixed ? once : node.frames.frames(), read, wanted[n], picks[n], foresight);
         node.type->survey(node.params.get(), of);
         for (const auto& warning : of.warnings) report.warn(n, warning);
         out.stand_ins[n] = of.stand_ins;
@@ -154,13 +154,12 @@ Inputs survey_inputs(const Pipeline& pipeline, const Plan& plan, const std::opti
         if (!asked.empty()) report.warn(n, fmt::format("left out because their files are missing, though -f names them: {}", FrameSet(asked).text()));
         left_out.insert(of.left_out.begin(), of.left_out.end());
     }
-    for (const auto frame : pipeline.frames.frames())
-        if (!left_out.contains(frame)) out.frames.push_back(frame);
+    out.timelines = Timelines(pipeline, left_out);
     // With frames left out, the nearest file of a frame may be another one: find the stand-ins again.
     for (auto& [n, stand_ins] : out.stand_ins) {
         if (stand_ins.empty() || left_out.empty() || pipeline.nodes[n].rate == Rate::fixed) continue;
         const std::optional<FrameSet> none = FrameSet();
-        SurveyOf again(n, out.frames, none, {}, {}, foresight);
+        SurveyOf again(n, out.timelines.delivered(n).frames, none, {}, {}, foresight);
         pipeline.nodes[n].type->survey(pipeline.nodes[n].params.get(), again);
         stand_ins = again.stand_ins;
     }

@@ -2,6 +2,7 @@
 
 #include "graph/types/outlook.h"
 #include "runtime/plan/plan.h"
+#include "runtime/plan/timelines.h"
 #include "runtime/tell/report.h"
 
 #include <cstddef>
@@ -15,7 +16,7 @@ namespace fluidcarve {
 
 /// What the readers of a run say of their files before it starts, and what follows from it for other nodes.
 struct Inputs {
-    std::vector<int> frames;                                       ///< frame numbers of the sequence, without the frames that readers leave out
+    Timelines timelines;                                           ///< the frames of each node, without those that readers leave out
     std::vector<Fault> missing;                                    ///< files and grids that are missing or unreadable
     std::vector<Fault> clashes;                                    ///< pictures of different sizes that meet in a node, which no body finds
     std::map<std::size_t, std::map<int, int>> stand_ins;           ///< per node: frame to the frame whose file it uses instead of its own

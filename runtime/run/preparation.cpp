@@ -23,7 +23,7 @@ std::vector<std::string> files_to_read(const Pipeline& pipeline, const Plan& pla
         const auto& node = pipeline.nodes[n];
         if (!plan.needed[n]) continue;
         const bool all = node.rate != Rate::frame || plan.in_sequence[n] || !deliver;
-        for (const auto frame : pipeline.frames.frames()) {
+        for (const auto frame : node.frames.frames()) {
             if (all || deliver->contains(frame)) std::ranges::move(named_files(node, frame), std::back_inserter(out));
             if (node.rate != Rate::frame) break;
         }
@@ -41,10 +41,10 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
       plan_(make_plan(pipeline, wish)),
       guard_(manifest, files_to_read(pipeline, plan_, deliver)),
       inputs_(survey_inputs(pipeline, plan_, deliver, options.cache, report)),
-      delivered_(delivered_of(inputs_.frames, deliver)),
+      delivered_(delivered_of(frames(), deliver)),
       cache_(registry, folder_of(options, "")),
       files_(folder_of(options, "/files")),
-      dependencies_(pipeline, inputs_.frames, inputs_.stand_ins, files_),
+      dependencies_(pipeline, inputs_.timelines, inputs_.stand_ins, files_),
       keys_(pipeline, dependencies_, [this](std::size_t n, std::size_t place) { return wants(n, place); }),
       store_(pipeline, dependencies_, keys_, cache_, files_),
       grown_(pipeline.nodes.size()) {
@@ -53,7 +53,7 @@ Preparation::Preparation(const Pipeline& pipeline, const Registry& registry, con
     std::vector<std::string> paths;
     each_file([&](std::size_t, std::size_t, const std::string& path) { paths.push_back(path); });
     files_.prepare(paths);
-    if (!inputs_.frames.empty() && inputs_.missing.empty())
+    if (!frames().empty() && inputs_.missing.empty())
         for (std::size_t n = 0; n < grown_.size(); ++n)
             if (plan_.needed[n]) grown_[n] = store_.grown(n);
     if (manifest) compare(*manifest);
@@ -76,29 +76,34 @@ void Preparation::compare(Manifest& manifest) {
         try {
             if (const auto content = files_.of(path)) manifest.require(path, {content->key, content->size});
         } catch (const Failure& failure) {
-            const auto frame = node.rate == Rate::frame ? std::optional(inputs_.frames[place]) : std::nullopt;
+            const auto frame = node.rate == Rate::frame ? std::optional(frames()[place]) : std::nullopt;
             unlike_manifest_.push_back({node.name, node.type->name, frame, failure.what(), failure.kind});
         }
     });
 }
 
 std::vector<bool> Preparation::reads(std::size_t n) const {
-    if (!plan_.needed[n]) return std::vector<bool>(inputs_.frames.size(), false);
-    if (plan_.in_sequence[n] || pipeline_.nodes[n].rate != Rate::frame) return std::vector<bool>(inputs_.frames.size(), true);
-    return delivered_;
+    std::vector<bool> out(frames().size(), plan_.needed[n]);
+    if (!plan_.needed[n] || pipeline_.nodes[n].rate != Rate::frame) return out;
+    for (std::size_t place = 0; place < out.size(); ++place) out[place] = delivers(n, place) && (plan_.in_sequence[n] || delivered_[place]);
+    return out;
 }
+
+bool Preparation::delivers(std::size_t n, std::size_t place) const { return inputs_.timelines.delivered(n).index[place].has_value(); }
 
 bool Preparation::wants(std::size_t n, std::size_t place) const {
     static Context::Host silent;
-    Context where(silent, inputs_.frames);
+    const auto& [frames, index] = inputs_.timelines.taken(n);
+    if (!index[place]) return false;
+    Context where(silent, frames);
     const auto& node = pipeline_.nodes[n];
-    return !node.type->wants || node.type->wants(node.params.get(), where.at(place));
+    return !node.type->wants || node.type->wants(node.params.get(), where.at(*index[place]));
 }
 
 std::vector<int> Preparation::delivered_frames() const {
     std::vector<int> out;
-    for (std::size_t place = 0; place < inputs_.frames.size(); ++place)
-        if (delivered_[place]) out.push_back(inputs_.frames[place]);
+    for (std::size_t place = 0; place < frames().size(); ++place)
+        if (delivered_[place]) out.push_back(frames()[place]);
     return out;
 }
 
@@ -119,13 +124,16 @@ Schedule Preparation::schedule(bool careful) {
                           return once(digests, n, place, [&] { return careful ? store_.knows_whole_digest(n, place) : store_.knows_digest(n, place); });
                       },
                       [this](std::size_t n, std::size_t place) { return wants(n, place); },
+                      [this](std::size_t n, std::size_t place) { return delivers(n, place); },
                       [&](std::size_t n, std::size_t place) { return !careful && cache_.on() && static_cast<bool>(keys_.kept(n, place)); }};
     return make_schedule(pipeline_, plan_, delivered_, known);
 }
 
 Schedule Preparation::uncached_schedule() const {
     const auto nothing = [](std::size_t, std::size_t) { return false; };
-    return make_schedule(pipeline_, plan_, delivered_, {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); }, nothing});
+    return make_schedule(pipeline_, plan_, delivered_,
+                         {nothing, nothing, [this](std::size_t n, std::size_t place) { return wants(n, place); },
+                          [this](std::size_t n, std::size_t place) { return delivers(n, place); }, nothing});
 }
 
 void Preparation::repeat_said(const Schedule& schedule, Report& report) {
@@ -140,7 +148,7 @@ void Preparation::repeat_said(const Schedule& schedule, Report& report) {
         const auto& node = pipeline_.nodes[n];
         const auto now = frames_of(schedule, n), anew = frames_of(uncached, n);
         const bool once = runs_once(uncached, n) && !runs_once(schedule, n);
-        for (std::size_t place = 0; place < inputs_.frames.size(); ++place) {
+        for (std::size_t place = 0; place < frames().size(); ++place) {
             if (node.type->digest != typeid(void) && anew.taken_anew.contains(place) && !now.taken_anew.contains(place))
                 repeat(n, store_.said_of_digest(n, place));
             if ((once && place == 0) || (anew.run.contains(place) && !now.run.contains(place))) repeat(n, store_.said(n, place));

@@ -28,10 +28,12 @@ public:
 
     const Plan& plan() const { return plan_; }
     const Inputs& inputs() const { return inputs_; }
-    const std::vector<int>& frames() const { return inputs_.frames; }
+    const std::vector<int>& frames() const { return inputs_.timelines.frames(); }
     std::vector<int> delivered_frames() const;  ///< frame numbers
     /// Whether a gatherer takes the frame at a place.
     bool wants(std::size_t node, std::size_t place) const;
+    /// Whether a node that delivers per frame has the frame at a place.
+    bool delivers(std::size_t node, std::size_t place) const;
     /// Per place: whether the run reads the node's files.
     std::vector<bool> reads(std::size_t node) const;
     const Dependencies& dependencies() const { return dependencies_; }

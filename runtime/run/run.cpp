@@ -148,7 +148,8 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
     for (int attempt = 1;; ++attempt) {
         bool stopped = true, lost = false;
         arena.execute([&] {
-            Flow flow(pipeline, registry, prepared.frames(), request.options, prepared.store(), prepared.guard(), report, progress, costs, profile, cancelled);
+            Flow flow(pipeline, registry, prepared.inputs().timelines, request.options, prepared.store(), prepared.guard(), report, progress, costs, profile,
+                      cancelled);
             flow.run(prepared.plan(), schedule);
             stopped = flow.stopped();
             lost = flow.lost();
@@ -293,7 +294,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             whole = all_done(report, to_do);
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
-            conclude(pipeline, prepared.frames(), to_do, report);
+            conclude(pipeline, prepared.inputs().timelines, to_do, report);
             const auto left = prepared.cache().trim(request.options.cache_size).left;
             const auto fault = WorkFolder(request.options.work_folder).fault();
             if (left > request.options.cache_size && !fault.empty() && !request.quiet)

@@ -136,12 +136,13 @@ private:
         }
         const auto plan = make_plan(pipeline_, step.wish);
         const auto wants = [&](std::size_t n, std::size_t place) { return prepared_.wants(n, place); };
+        const auto delivers = [&](std::size_t n, std::size_t place) { return prepared_.delivers(n, place); };
         const auto schedule = make_schedule(pipeline_, plan, delivered,
                                             {[&](std::size_t n, std::size_t place) { return maker(n, place).has_value(); },
-                                             [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); }, wants,
+                                             [&](std::size_t n, std::size_t place) { return digests_[n][place].has_value(); }, wants, delivers,
                                              [&](std::size_t n, std::size_t) { return pipeline_.nodes[n].kept; }});
         const auto nothing = [](std::size_t, std::size_t) { return false; };
-        const auto uncached = make_schedule(pipeline_, plan, delivered, {nothing, nothing, wants, nothing});
+        const auto uncached = make_schedule(pipeline_, plan, delivered, {nothing, nothing, wants, delivers, nothing});
         const auto needed = makers_of(schedule);
         step.needs = without_implied(needed);
         all_needs_.push_back(closure(needed));

@@ -53,7 +53,7 @@ TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the ne
     const Registry registry = toy::registry();
     const auto pipeline = pipeline_of(shares_of_squares, registry);
     const auto plan = make_plan(pipeline, {});
-    const auto uncached = make_schedule(pipeline, plan, {true, false}, {no, no, yes, no});
+    const auto uncached = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes, no});
     CHECK(text(uncached, pipeline) == R"(0.0: run load, run square, into share
 0.1: run load, run square, into share
 1.0: run load, run square, run share, run print
@@ -65,14 +65,14 @@ TEST_CASE("a gatherer takes every frame in one pass, and delivers some in the ne
     CHECK(share.taken_kept.empty());
 
     // `square` is kept: the second pass loads what the first computes.
-    const auto keeping = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes});
+    const auto keeping = make_schedule(pipeline, plan, {true, false}, {no, no, yes, yes, yes});
     CHECK(text(keeping, pipeline) == R"(0.0: run load, run square, into share
 0.1: run load, run square, into share
 1.0: load square, run share, run print
 )");
 
     const auto of_share = [](std::size_t node, std::size_t) { return node == 2; };
-    const auto cached = make_schedule(pipeline, plan, {true, false}, {of_share, no, yes, no});
+    const auto cached = make_schedule(pipeline, plan, {true, false}, {of_share, no, yes, yes, no});
     CHECK(text(cached, pipeline) == "1.0: load share, run print\n");
     const auto all = shares(pipeline, plan, cached, uncached);
     CHECK(all[1].frames == 2);
@@ -86,16 +86,16 @@ TEST_CASE("a gatherer takes a cached digest without the frame") {
     const auto pipeline = pipeline_of("  load: {type: toy.load, path: in.##}\n  top: {type: toy.top, number: load, count: 1}\n", registry);
     const auto first = [](std::size_t, std::size_t place) { return place == 0; };
     const auto plan = make_plan(pipeline, {});
-    const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, no});
+    const auto schedule = make_schedule(pipeline, plan, {true, true}, {no, first, yes, yes, no});
     CHECK(text(schedule, pipeline) == "0.0: kept into top\n0.1: run load, into top\n");
     CHECK(schedule.once[1] == Schedule::Action::run);
-    const auto share = shares(pipeline, plan, schedule, make_schedule(pipeline, plan, {true, true}, {no, no, yes, no})).at(1);
+    const auto share = shares(pipeline, plan, schedule, make_schedule(pipeline, plan, {true, true}, {no, no, yes, yes, no})).at(1);
     CHECK(share.taken_kept == 1);
     CHECK(share.taken_anew == 1);
     CHECK(share.frames == 2);
 
     const auto digests = make_plan(pipeline, {"top.number", "", false});
-    const auto some = make_schedule(pipeline, digests, {false, true}, {no, no, yes, no});
+    const auto some = make_schedule(pipeline, digests, {false, true}, {no, no, yes, yes, no});
     CHECK(text(some, pipeline) == "0.1: run load, into top\n");
     CHECK(some.gathers == std::vector<char>{0, 0});
 }
@@ -110,7 +110,7 @@ TEST_CASE("a writer has what its files state the checksum of, also where all tha
     const auto top = static_cast<std::size_t>(pipeline.find("top") - pipeline.nodes.data());
     const auto save = static_cast<std::size_t>(pipeline.find("save") - pipeline.nodes.data());
     const auto known = [&](std::size_t node, std::size_t) { return node != save; };
-    const auto once = [&](const auto& cached) { return make_schedule(pipeline, plan, {true, true}, {cached, yes, yes, no}).once[top]; };
+    const auto once = [&](const auto& cached) { return make_schedule(pipeline, plan, {true, true}, {cached, yes, yes, yes, no}).once[top]; };
     CHECK(once(known) == Schedule::Action::none);
     pipeline.nodes[save].checksummed = {{top, 0}};
     CHECK(once(known) == Schedule::Action::load);

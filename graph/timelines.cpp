@@ -1,0 +1,43 @@
+#include "graph/timelines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace fluidcarve {
+
+FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence, Problems& problems) {
+    auto all = sequence.frames();
+    for (auto* const node : nodes) {
+        node->taken = sequence;
+        const Node* first = nullptr;
+        for (const auto& links : node->inputs)
+            for (const auto& link : links) {
+                const auto& source = *nodes[link.node];
+                if (source.rate != Rate::frame) continue;
+                if (!first) {
+                    first = &source;
+                    node->taken = source.frames;
+                } else if (source.frames.frames() != first->frames.frames()) {
+                    add(problems, node->mark,
+                        fmt::format("'{}' has the frames {}, but '{}' has {}: take both from before the change of time, or both from behind it", first->name,
+                                    first->frames.text(), source.name, source.frames.text()));
+                }
+            }
+        node->frames = node->taken;
+        if (!node->params || !node->retimes()) continue;
+        try {
+            node->frames = FrameSet(node->type->retimes(node->params.get(), node->taken.frames()));
+        } catch (const Failure& failure) {
+            add(problems, node->mark, failure.what());
+        }
+        const auto& made = node->frames.frames();
+        std::vector<int> united;
+        std::ranges::set_union(all, made, std::back_inserter(united));
+        all = std::move(united);
+    }
+    return FrameSet(std::move(all));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "graph/pipeline.h"
+
+#include <vector>
+
+namespace fluidcarve {
+
+/// Finds Node::taken and Node::frames of all nodes. What meets in a node must have the same frames.
+/// @param nodes     in order, with their rates
+/// @param sequence  the frames of readers
+/// @return the frames of all nodes together
+FrameSet infer_timelines(const std::vector<Node*>& nodes, const FrameSet& sequence, Problems& problems);
+
+}  // namespace fluidcarve

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "graph/pipeline.h"
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace fluidcarve {
+
+/// The frames of each node of a run. Nodes behind one that retimes have other frames than the readers.
+class Timelines {
+public:
+    /// Frames of a node.
+    struct Line {
+        std::vector<int> frames;                        ///< their numbers
+        std::vector<std::optional<std::size_t>> index;  ///< per place: the index in `frames`; nothing: the node does not have the frame
+    };
+
+    Timelines() = default;
+    /// @param left_out  frames that readers leave out
+    Timelines(const Pipeline& pipeline, const std::set<int>& left_out);
+
+    /// The frames of all nodes together, as numbers. A place is an index in them.
+    const std::vector<int>& frames() const { return frames_; }
+    const Line& taken(std::size_t node) const { return lines_[taken_[node]]; }          ///< the frames that its inputs have
+    const Line& delivered(std::size_t node) const { return lines_[delivered_[node]]; }  ///< the frames in which it delivers
+
+private:
+    std::vector<int> frames_;
+    std::vector<Line> lines_;                     ///< each once
+    std::vector<std::size_t> taken_, delivered_;  ///< per node: which of the lines
+};
+
+}  // namespace fluidcarve
