@@ -9,6 +9,7 @@
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -22,12 +23,13 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-constexpr float width = 2;         ///< voxels: standard deviation of the window in which motion is alike
-constexpr int rounds = 3;          ///< of correction
+constexpr float width = 1.5f;        ///< voxels: standard deviation of the window in which motion is alike
+constexpr int rounds = 5;          ///< of correction
 constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one, and of the place's own.
-constexpr float at_least = 1e-3f, own = 0.05f;
-constexpr int margin = 4;  ///< voxels around what is shown
+constexpr float at_least = 1e-4f, own = 0.02f;
+constexpr int margin = 4;     ///< voxels around what is shown
+constexpr int coarsest = 24;  ///< voxels along the longest side of a box that is halved no more
 
 /// Numbers in a box of voxels; z is fastest.
 struct Box {
@@ -134,8 +136,14 @@ public:
         }
     }
 
-    /// Corrects the displacement by what both frames show (Lucas and Kanade 1981).
+    /// Corrects the displacement by what both frames show (Lucas and Kanade 1981), at half size first: that finds what moves further than the
+    /// window is wide.
     void correct() {
+        if (*std::ranges::max_element(box_.size) > coarsest) {
+            auto half = halved();
+            half.correct();
+            take_from(half);
+        }
         const auto nothing = Numbers(box_.count());
         for (int round = 0; round < rounds; ++round) {
             auto [from, to] = halfway();
@@ -199,6 +207,39 @@ private:
         if (!grid_fits(bytes * static_cast<double>(voxels_in(out)), memory_budget))
             throw Failure(fmt::format("the motion of grid '{}' in {} exceeds --memory: crop the grid, or raise --memory", a.shown->getName(), span_text(out)));
         return out;
+    }
+
+    Pair(const Box& box) : box_(box) {}
+
+    /// The same at half size: means of cubes of eight voxels.
+    Pair halved() const {
+        const auto half_of = [&](int size) { return (size + 1) / 2; };
+        Pair out(Box(CoordBBox(Coord(0), Coord(half_of(box_.size[0]) - 1, half_of(box_.size[1]) - 1, half_of(box_.size[2]) - 1))));
+        const auto mean = [&](const Numbers& from, Numbers& to, float by) {
+            to.resize(out.box_.count());
+            out.box_.each([&](std::size_t at, int x, int y, int z) {
+                float sum = 0;
+                for (int n = 0; n < 8; ++n) {
+                    const std::array place{2 * x + (n & 1), 2 * y + (n >> 1 & 1), 2 * z + (n >> 2)};
+                    std::ptrdiff_t fine = 0;
+                    for (std::size_t axis = 0; axis < 3; ++axis) fine += std::min(place[axis], box_.size[axis] - 1) * box_.stride[axis];
+                    sum += from[static_cast<std::size_t>(fine)];
+                }
+                to[at] = by * sum / 8;
+            });
+        };
+        mean(before_, out.before_, 1);
+        mean(after_, out.after_, 1);
+        for (std::size_t n = 0; n < 3; ++n) mean(displacement_[n], out.displacement_[n], 0.5f);
+        return out;
+    }
+
+    /// Takes over a displacement that was found at half size.
+    void take_from(const Pair& half) {
+        box_.each([&](std::size_t at, int x, int y, int z) {
+            const std::array place{0.5f * static_cast<float>(x) - 0.25f, 0.5f * static_cast<float>(y) - 0.25f, 0.5f * static_cast<float>(z) - 0.25f};
+            for (std::size_t n = 0; n < 3; ++n) displacement_[n][at] = 2 * sample(half.displacement_[n], half.box_, place);
+        });
     }
 
     /// Both frames, each moved halfway to the other.
