@@ -51,8 +51,8 @@ async def finished(job: Job) -> Result:
     loop = asyncio.get_running_loop()
     try:
         while job.poll():
-            ready = loop.create_future()
-            loop.add_reader(job.fileno(), lambda: ready.done() or ready.set_result(None))
+            ready: "asyncio.Future[None]" = loop.create_future()
+            loop.add_reader(job.fileno(), _set, ready)
             try:
                 await ready
             finally:
@@ -63,6 +63,11 @@ async def finished(job: Job) -> Result:
             job.wait()
         raise
     return job.wait()
+
+
+def _set(future: "asyncio.Future[None]") -> None:
+    if not future.done():
+        future.set_result(None)
 
 
 @dataclass
@@ -108,7 +113,7 @@ def plan(pipeline: PipelineLike, sets: Sets = {}, **options: Any) -> Plan:
 
 def inspect(*files: Union[str, "os.PathLike[str]"]) -> Inspection:
     """What is in files, sequences and folders. A file that can't be read has an entry with its `error`."""
-    return taken_from(Inspection, call_json(["inspect", *map(os.fspath, files)], good=(0, 3)))
+    return taken_from(Inspection, call_json(["inspect", *(os.fspath(file) for file in files)], good=(0, 3)))
 
 
 def carve(files: str, count: Union[int, float, str], out: str, progress: Optional[Progress] = None, **options: Any) -> Result:

@@ -23,6 +23,9 @@ class EnergyImage(Node):
 class EnergyKinetic(Node):
     energy: Output
 
+class EnergyPython(Node):
+    energy: Output
+
 class EnergyRemap(Node):
     energy: Output
 
@@ -112,6 +115,22 @@ class EnergyFamily:
         """
         High where the flow is fast, so that seams avoid jets and bursts.
         """
+    def python(
+        self,
+        inputs: Mapping[str, Source],
+        script: str | Param,
+        *,
+        name: str = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        outside: float | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> EnergyPython:
+        """
+        An energy computed by your own function in Python, `energy(d, ..., at)`, with numpy or what else you have.
+        """
     def remap(
         self,
         energy: Source,
@@ -195,6 +214,9 @@ class FieldLaplacian(Node):
 
 class FieldMagnitude(Node):
     magnitude: Output
+
+class FieldPython(Node):
+    out: Output
 
 class FieldFamily:
     def ax(
@@ -290,6 +312,21 @@ class FieldFamily:
     ) -> FieldMagnitude:
         """
         The length of each vector: speed from velocity.
+        """
+    def python(
+        self,
+        inputs: Mapping[str, Source],
+        script: str | Param,
+        *,
+        name: str = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> FieldPython:
+        """
+        A field computed by your own function in Python, `field(d, ..., at)`.
         """
 
 class FilterSeam(Node):
@@ -518,6 +555,9 @@ class MaskDilate(Node):
 class MaskMesh(Node):
     mask: Output
 
+class MaskPython(Node):
+    mask: Output
+
 class MaskSphere(Node):
     mask: Output
 
@@ -591,6 +631,21 @@ class MaskFamily:
     ) -> MaskMesh:
         """
         The voxels in a mesh, or near its faces: where seams are wanted, or kept out.
+        """
+    def python(
+        self,
+        inputs: Mapping[str, Source],
+        script: str | Param,
+        *,
+        name: str = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> MaskPython:
+        """
+        A mask computed by your own function in Python, `mask(d, ..., at)`.
         """
     def sphere(
         self,
@@ -673,6 +728,9 @@ class MeshFamily:
 class PointsKeepOut(Node):
     points: Output
 
+class PointsPython(Node):
+    points: Output
+
 class PointsRead(Node):
     points: Output
 
@@ -692,6 +750,21 @@ class PointsFamily:
         """
         Moves particles inside a solid out to its surface, for example where a carve moved water and bank by slightly
         different amounts.
+        """
+    def python(
+        self,
+        inputs: Mapping[str, Source],
+        script: str | Param,
+        *,
+        name: str = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> PointsPython:
+        """
+        Particles changed, added or taken away by your own function in Python, `points(p, ..., at)`.
         """
     def read(
         self,
@@ -885,6 +958,9 @@ class RigCurve(Node):
 class RigPoints(Node):
     rig: Output
 
+class RigPython(Node):
+    rig: Output
+
 class RigTransform(Node):
     rig: Output
 
@@ -954,6 +1030,25 @@ class RigFamily:
     ) -> RigPoints:
         """
         A rig through stated points, joined by straight lines; static or moving.
+        """
+    def python(
+        self,
+        inputs: Mapping[str, Source],
+        script: str | Param,
+        *,
+        name: str = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        animate: bool | Param = ...,
+        closed: bool | Param = ...,
+        up: Sequence[float | Param] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> RigPython:
+        """
+        A rig through points that your own function in Python returns, `rig(..., at)`: an array (n, 3) in the world,
+        in order.
         """
     def transform(
         self,
@@ -1037,6 +1132,9 @@ class SeamGreedy(Node):
     seams: Output
 
 class SeamPyramid(Node):
+    seams: Output
+
+class SeamPython(Node):
     seams: Output
 
 class SeamFamily:
@@ -1185,6 +1283,46 @@ class SeamFamily:
         Finds seams from coarse to fine, by messages in narrow strips. They are within half a percent of the least
         energy in real smoke and fire, and within one or two percent in rougher energies. They are exact in images and
         small volumes, and never worse than those of `seam.greedy`.
+        """
+    def python(
+        self,
+        energy: Source,
+        lattice: Source,
+        count: int | str | Param,
+        script: str | Param,
+        *,
+        name: str = ...,
+        field: Source = ...,
+        protect: Source = ...,
+        attract: Source = ...,
+        after: Source | Sequence[Source] = ...,
+        axis: Literal["u", "v"] | Param = ...,
+        window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
+        pair_window: Sequence[bool | float | str | Param] | Sequence[float | Param] | Literal["auto"] | Param = ...,
+        static: bool | Param = ...,
+        pair_static: bool | Param = ...,
+        best_effort: bool | Param = ...,
+        measure: Literal["vertex", "volume"] | Param = ...,
+        thickness: int | Literal["auto"] | Param = ...,
+        cost: Literal["auto", "backward", "forward"] | Param = ...,
+        field_weight: float | Param = ...,
+        empty: float | Literal["auto"] | Param = ...,
+        rigidity: float | Literal["auto"] | Param = ...,
+        rigidity_time: float | Literal["auto"] | Param = ...,
+        spread: int | Literal["auto"] | Param = ...,
+        anchor: int | Literal["high", "low", "middle"] | Param = ...,
+        bound_passes: int | Literal["auto"] | Param = ...,
+        finest: int | Literal["auto"] | Param = ...,
+        params: Mapping[str, Any] | Param = ...,
+        python: bool | float | str | Param = ...,
+        timeout: float | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> SeamPython:
+        """
+        Finds seams by your own function in Python, `seam(energy, at)`. It is called once for each seam, with what
+        each entry costs, an array [t, k, j, entry]: inf is protected, below 0 attracted. It returns the seam's
+        entries, whole numbers [t, k, j], which may differ by at most 1 between neighbours.
         """
 
 class SeamsChoose(Node):

@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 def taken_from(kind: Type[T], answer: Mapping[str, Any], **more: Any) -> T:
     """A dataclass from the fields of the same names, and more."""
-    names = {each.name for each in fields(kind)}  # type: ignore[arg-type]
+    names = {each.name for each in fields(kind)}
     return kind(**{name: value for name, value in answer.items() if name in names and name not in more}, **more)
 
 

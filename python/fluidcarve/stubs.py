@@ -49,7 +49,8 @@ def _node_class(spec: Dict[str, Any]) -> str:
 
 
 def _method(spec: Dict[str, Any], properties: Dict[str, Any]) -> str:
-    needed, free = [], ["name: str = ..."]
+    needed: List[str] = []
+    free = ["name: str = ..."]
     for each in spec["inputs"]:
         arity = each["arity"]
         kind = _ARITY[arity.replace("optional ", "") if arity != "optional" else "one"]

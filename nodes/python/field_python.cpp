@@ -1,0 +1,36 @@
+#include "nodes/python/field_python.h"
+
+#include "nodes/python/grid_script.h"
+
+#include <limits>
+
+namespace fluidcarve {
+namespace {
+
+struct FieldPython {
+    using Params = PythonParams;
+    struct Ports {
+        Named<AnyGrid> inputs;
+        Ref<FloatGrid> out;
+    };
+
+    static void check(const Params& params, NodeCheck& check) { check_grid_script(params, "field", check); }
+    static Further depends(const Params& params) { return script_depends(params); }
+    static void run(const Params& params, Ports& io, Context& context) {
+        io.out = numbers_of_script(params, "field", -std::numeric_limits<float>::infinity(), io.inputs, context);
+    }
+};
+
+}  // namespace
+
+NodeType field_python() {
+    Declare<FieldPython> node("field.python", "A field computed by your own function in Python, `field(d, ..., at)`.");
+    node.input("inputs", &FieldPython::Ports::inputs, python_inputs_doc);
+    declare_python(node)
+        .output("out", &FieldPython::Ports::out, "What the function returns, finite, on the voxels that are active in any input; 0 elsewhere.")
+        .kept()
+        .in_place();
+    return node;
+}
+
+}  // namespace fluidcarve
