@@ -34,7 +34,11 @@ std::string path_of_script(const PythonParams& params) { return std::filesystem:
 /// What a script depends on, by interpreter and path: as its first worker told.
 struct Known {
     std::mutex mutex;
-    std::map<std::pair<std::string, std::string>, Further> scripts;
+    struct Facts {
+        Further further;
+        bool gathers = false;
+    };
+    std::map<std::pair<std::string, std::string>, Facts> scripts;
 };
 
 Known& known() {
@@ -42,7 +46,12 @@ Known& known() {
     return out;
 }
 
-Further further_of(const Json& answer) { return {answer.at("files").get<std::vector<std::string>>(), answer.at("version").get<std::string>()}; }
+WorkerHost host_of(Context& context) {
+    return {[&] { return context.cancelled(); }, [&](const std::string& text) { context.warn(text); },
+            [&](double fraction) {
+                if (!context.per_frame()) context.progress(std::clamp(fraction, 0.0, 1.0));
+            }};
+}
 
 }  // namespace
 
@@ -59,7 +68,8 @@ void check_script(const PythonParams& params, const std::string& function, const
             const auto answer = worker.call({{"look", function}, {"inputs", inputs}, {"params", given}}, params.timeout, {});
             for (const auto& fault : answer.at("faults")) check.fault(fault.at("field").get<std::string>(), fault.at("message").get<std::string>());
             const std::lock_guard lock(known().mutex);
-            known().scripts[{interpreter_of(params), path}] = further_of(answer);
+            known().scripts[{interpreter_of(params), path}] = {{answer.at("files").get<std::vector<std::string>>(), answer.at("version").get<std::string>()},
+                                                               answer.at("gathers").get<bool>()};
         });
     } catch (const Failure& failure) {
         check.fault("script", fmt::format("parameter 'script': {}", failure.what()));
@@ -69,24 +79,39 @@ void check_script(const PythonParams& params, const std::string& function, const
 Further script_depends(const PythonParams& params) {
     const std::lock_guard lock(known().mutex);
     const auto found = known().scripts.find({interpreter_of(params), path_of_script(params)});
-    return found == known().scripts.end() ? Further{} : found->second;
+    return found == known().scripts.end() ? Further{} : found->second.further;
+}
+
+bool script_gathers(const PythonParams& params) {
+    const std::lock_guard lock(known().mutex);
+    const auto found = known().scripts.find({interpreter_of(params), path_of_script(params)});
+    return found != known().scripts.end() && found->second.gathers;
+}
+
+std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context) {
+    return std::make_unique<Worker>(interpreter_of(params), path_of_script(params), params.timeout, host_of(context));
+}
+
+void call_script(Worker& worker, const PythonParams& params, const std::string& function, Context& context, const std::function<Json(Worker&)>& give,
+                 const std::function<void(Worker&, const Json& answer)>& take) {
+    Json request = give(worker);
+    request["call"] = function;
+    request["memory"] = std::max(least_worker_memory, std::min<std::uint64_t>(context.memory_budget(), std::numeric_limits<std::int64_t>::max()));
+    for (const auto& [name, value] : params.params) request["params"][name] = value.json();
+    request["at"] = {{"frame", context.frame()}, {"time", context.place()}, {"work", context.work_folder()}};
+    if (worker.frames != context.frames()) request["at"]["frames"] = worker.frames = context.frames();
+    take(worker, worker.call(std::move(request), params.timeout, host_of(context)));
 }
 
 void call_script(const PythonParams& params, const std::string& function, Context& context, const std::function<Json(Worker&)>& give,
                  const std::function<void(Worker&, const Json& answer)>& take) {
-    const WorkerHost host{[&] { return context.cancelled(); }, [&](const std::string& text) { context.warn(text); },
-                          [&](double fraction) {
-                              if (!context.per_frame()) context.progress(std::clamp(fraction, 0.0, 1.0));
-                          }};
-    Workers::of_program().with_one({interpreter_of(params), path_of_script(params)}, params.timeout, host, [&](Worker& worker) {
-        Json request = give(worker);
-        request["call"] = function;
-        request["memory"] = std::max(least_worker_memory, std::min<std::uint64_t>(context.memory_budget(), std::numeric_limits<std::int64_t>::max()));
-        for (const auto& [name, value] : params.params) request["params"][name] = value.json();
-        request["at"] = {{"frame", context.frame()}, {"time", context.place()}, {"work", context.work_folder()}};
-        if (worker.frames != context.frames()) request["at"]["frames"] = worker.frames = context.frames();
-        take(worker, worker.call(std::move(request), params.timeout, host));
-    });
+    Workers::of_program().with_one({interpreter_of(params), path_of_script(params)}, params.timeout, host_of(context),
+                                   [&](Worker& worker) { call_script(worker, params, function, context, give, take); });
+}
+
+Json with_found(Worker& worker, const std::string& found, Json request) {
+    if (worker.found != found) request["found"] = worker.found = found;
+    return request;
 }
 
 }  // namespace fluidcarve

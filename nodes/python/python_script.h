@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,24 @@ void check_script(const PythonParams& params, const std::string& function, const
 /// The modules that the script imports from its own folder, and its VERSION. Of a script that can't be imported: nothing.
 Further script_depends(const PythonParams& params);
 
+/// Whether the script has a function `add`, which is to see all frames, as its check found.
+bool script_gathers(const PythonParams& params);
+
+/// A worker of the script that nobody else calls. @throws as Worker
+std::unique_ptr<Worker> new_worker(const PythonParams& params, Context& context);
+
 /// Calls a function of the script.
 /// @param give  writes inputs into the worker's memory, and returns what the request says of them
 /// @param take  reads the answer
 /// @throws Failure that names the place in the script @throws Cancelled
 void call_script(const PythonParams& params, const std::string& function, Context& context, const std::function<nlohmann::json(Worker&)>& give,
                  const std::function<void(Worker&, const nlohmann::json& answer)>& take);
+/// The same in a certain worker.
+void call_script(Worker& worker, const PythonParams& params, const std::string& function, Context& context, const std::function<nlohmann::json(Worker&)>& give,
+                 const std::function<void(Worker&, const nlohmann::json& answer)>& take);
+
+/// Adds what `finish` of the script found to a request, unless the worker has it. @param found  empty: nothing
+nlohmann::json with_found(Worker& worker, const std::string& found, nlohmann::json request);
 
 /// Adds the parameters of all nodes in Python to a declaration.
 template <class Declaration>

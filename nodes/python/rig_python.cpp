@@ -38,7 +38,10 @@ struct RigPython {
             params, "rig", context,
             [&](Worker& worker) {
                 Json out{{"wants", "positions"}};
-                if (!io.inputs.empty()) out["grids"] = SharedGrids(io.inputs, context.memory_budget()).write(worker);
+                if (!io.inputs.empty()) {
+                    const SharedGrids grids(io.inputs, context.memory_budget());
+                    out["grids"] = grids.write(worker, grids.parts(std::nullopt).front());
+                }
                 return out;
             },
             [&](Worker& worker, const Json& answer) {

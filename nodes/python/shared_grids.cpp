@@ -11,7 +11,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
 #include <type_traits>
 
 namespace fluidcarve {
@@ -23,6 +28,7 @@ using MaskLeaf = openvdb::MaskTree::LeafNodeType;
 
 constexpr std::uint64_t leaf_voxels = MaskLeaf::SIZE, leaf_states = leaf_voxels / 8;
 constexpr std::uint64_t alignment = 64;
+constexpr int block_edge = 64;  ///< voxels along a part with a halo
 
 /// A place for so many bytes behind those before.
 std::uint64_t reserved(std::uint64_t& at, std::uint64_t bytes) {
@@ -49,6 +55,8 @@ auto as_its_type(const openvdb::GridBase& grid, const With& with) {
     if (grid.isType<VectorGrid>()) return with(static_cast<const VectorGrid&>(grid));
     return with(static_cast<const MaskGrid&>(grid));
 }
+
+Coord block_of(const Coord& at) { return at & ~(block_edge - 1); }
 
 /// Bytes of the values in a leaf; a mask has states alone.
 std::uint64_t value_bytes(const openvdb::GridBase& grid) {
@@ -90,7 +98,7 @@ void copy_states(const MaskLeaf::NodeMaskType& mask, std::byte* to) {
 
 }  // namespace
 
-SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs, std::uint64_t budget) {
+SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>& inputs, std::uint64_t budget) : budget_(budget) {
     for (const auto& [name, any] : inputs) {
         auto grid = shareable(name, any->grid, budget);
         if (!grids_.empty()) require_same_transform(fmt::format("inputs '{}' and '{}'", grids_.front().first, name), *grids_.front().second, *grid);
@@ -103,50 +111,88 @@ SharedGrids::SharedGrids(const std::vector<std::pair<std::string, Ref<AnyGrid>>>
     }
     voxels_->voxelizeActiveTiles();
     for (auto leaf = voxels_->cbeginLeaf(); leaf; ++leaf) leaves_.push_back(leaf.getLeaf());
-    bytes_ = leaves_.size() * (sizeof(std::array<std::int32_t, 3>) + leaf_states);
-    for (const auto& [name, grid] : grids_) bytes_ += leaves_.size() * (value_bytes(*grid) + leaf_states);
-    if (!grid_fits(static_cast<double>(bytes_), budget))
-        throw Failure(
-            fmt::format("the inputs take {} as arrays, but --memory allows {}: crop the grids, or raise --memory", size_text(bytes_), size_text(budget)),
-            Failure::Kind::input);
-    bytes_ += alignment * (2 + 2 * grids_.size());
+    if (!voxels_->evalActiveVoxelBoundingBox(box_)) box_ = {Coord(0), Coord(-1)};
 }
 
-Json SharedGrids::write(Worker& worker) const {
-    auto* const data = worker.given.grown(bytes_);
-    std::uint64_t at = 0;
-    const auto origins = reserved(at, leaves_.size() * sizeof(std::array<std::int32_t, 3>)), states = reserved(at, leaves_.size() * leaf_states);
-    for (std::size_t n = 0; n < leaves_.size(); ++n) {
-        const auto& origin = leaves_[n]->origin();
-        const std::array<std::int32_t, 3> place{origin.x(), origin.y(), origin.z()};
+bool SharedGrids::Part::wants(const Coord& origin) const { return !block || block_of(origin) == *block; }
+
+std::vector<SharedGrids::Part> SharedGrids::parts(std::optional<int> halo) const {
+    if (!halo) {
+        std::vector<std::size_t> all(leaves_.size());
+        std::iota(all.begin(), all.end(), std::size_t{0});
+        return {{std::move(all), box_, std::nullopt}};
+    }
+    std::map<Coord, openvdb::CoordBBox> blocks;
+    for (const auto* const leaf : leaves_)
+        if (!leaf->isValueMaskOff()) blocks[block_of(leaf->origin())].expand(leaf->getNodeBoundingBox());
+    // Which leaves are near a block: those of the blocks around it, as far as the halo reaches.
+    std::map<Coord, std::vector<std::size_t>> leaves;
+    for (std::size_t n = 0; n < leaves_.size(); ++n) leaves[block_of(leaves_[n]->origin())].push_back(n);
+    std::vector<Part> out;
+    for (const auto& [origin, core] : blocks) {
+        auto box = core;
+        box.expand(*halo);
+        box.intersect(box_);
+        Part part{{}, box, origin};
+        const auto low = block_of(box.min()), high = block_of(box.max());
+        for (int x = low.x(); x <= high.x(); x += block_edge)
+            for (int y = low.y(); y <= high.y(); y += block_edge)
+                for (int z = low.z(); z <= high.z(); z += block_edge)
+                    if (const auto found = leaves.find({x, y, z}); found != leaves.end())
+                        for (const auto n : found->second)
+                            if (leaves_[n]->getNodeBoundingBox().hasOverlap(box)) part.leaves.push_back(n);
+        std::ranges::sort(part.leaves);
+        out.push_back(std::move(part));
+    }
+    return out;
+}
+
+std::uint64_t SharedGrids::bytes(std::size_t leaves) const {
+    auto out = leaves * (sizeof(std::array<std::int32_t, 3>) + leaf_states) + alignment * (2 + 2 * grids_.size());
+    for (const auto& [name, grid] : grids_) out += leaves * (value_bytes(*grid) + leaf_states);
+    return out;
+}
+
+Json SharedGrids::write(Worker& worker, const Part& part) const {
+    const auto count = part.leaves.size();
+    if (!grid_fits(static_cast<double>(bytes(count)), budget_))
+        throw Failure(fmt::format("the inputs take {} as arrays, but --memory allows {}: state a `halo`, crop the grids, or raise --memory",
+                                  size_text(bytes(count)), size_text(budget_)),
+                      Failure::Kind::input);
+    auto* const data = worker.given.grown(bytes(count));
+    std::uint64_t at = 0, voxels = 0;
+    const auto origins = reserved(at, count * sizeof(std::array<std::int32_t, 3>)), states = reserved(at, count * leaf_states);
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto& leaf = *leaves_[part.leaves[n]];
+        const std::array<std::int32_t, 3> place{leaf.origin().x(), leaf.origin().y(), leaf.origin().z()};
         std::memcpy(data + origins + n * sizeof place, &place, sizeof place);
-        copy_states(leaves_[n]->valueMask(), data + states + n * leaf_states);
+        copy_states(leaf.valueMask(), data + states + n * leaf_states);
+        voxels += leaf.onVoxelCount();
     }
     auto grids = Json::object();
-    for (const auto& [name, grid] : grids_) grids[name] = write_grid(*grid, data, at);
-    openvdb::CoordBBox box;
-    if (!voxels_->evalActiveVoxelBoundingBox(box)) box = {Coord(0), Coord(-1)};
+    for (const auto& [name, grid] : grids_) grids[name] = write_grid(*grid, part, data, at);
     return {{"bytes", worker.given.size()},
-            {"leaves", leaves_.size()},
-            {"voxels", voxels_->activeVoxelCount()},
+            {"leaves", count},
+            {"voxels", voxels},
             {"origins", origins},
             {"states", states},
-            {"box", {json_of(box.min()), json_of(box.max())}},
-            {"matrix", matrix_of(grids_.front().second->transform())},
+            {"box", {json_of(part.box.min()), json_of(part.box.max())}},
+            {"matrix", matrix_of(transform())},
             {"grids", std::move(grids)}};
 }
 
-Json SharedGrids::write_grid(const openvdb::GridBase& grid, std::byte* data, std::uint64_t& at) const {
-    const auto values = reserved(at, leaves_.size() * value_bytes(grid)), states = reserved(at, leaves_.size() * leaf_states);
+Json SharedGrids::write_grid(const openvdb::GridBase& grid, const Part& part, std::byte* data, std::uint64_t& at) const {
+    const auto count = part.leaves.size();
+    const auto values = reserved(at, count * value_bytes(grid)), states = reserved(at, count * leaf_states);
     Json out{{"name", grid.getName()}, {"values", values}, {"states", states}, {"class", openvdb::GridBase::gridClassToString(grid.getGridClass())}};
     as_its_type(grid, [&](const auto& typed) {
         using Grid = std::decay_t<decltype(typed)>;
         using Value = typename Grid::ValueType;
         constexpr bool has_values = !std::is_same_v<Value, bool>;
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves_.size()), [&](const auto& range) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
             const auto accessor = typed.getConstUnsafeAccessor();
             for (auto n = range.begin(); n != range.end(); ++n) {
-                const auto& origin = leaves_[n]->origin();
+                const auto& origin = leaves_[part.leaves[n]]->origin();
                 auto* const state = data + states + n * leaf_states;
                 const auto* const leaf = accessor.probeConstLeaf(origin);
                 if (leaf) copy_states(leaf->valueMask(), state);
@@ -169,36 +215,55 @@ Json SharedGrids::write_grid(const openvdb::GridBase& grid, std::byte* data, std
     return out;
 }
 
-FloatGrid::Ptr SharedGrids::numbers(Worker& worker) const {
-    const auto* const data = reinterpret_cast<const float*>(worker.answered.seen(leaves_.size() * leaf_voxels * sizeof(float)));
-    const auto out = FloatGrid::create(std::make_shared<openvdb::FloatTree>(*voxels_, 0.0f, openvdb::TopologyCopy()));
-    // Leaves come in the order of the tree's topology.
-    openvdb::tree::LeafManager<openvdb::FloatTree>(out->tree()).foreach ([&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t n) {
-        const auto* const values = data + n * leaf_voxels;
-        if (leaf.isValueMaskOn()) {
-            std::copy_n(values, leaf_voxels, leaf.buffer().data());
-            return;
-        }
-        for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) voxel.setValue(values[voxel.pos()]);
-    });
-    out->setTransform(grids_.front().second->transform().copy());
-    return out;
+SharedGrids::Numbers::Numbers(const SharedGrids& grids, float least) : grid(FloatGrid::create()), grids_(grids), least_(least) {
+    grid->setTransform(grids.transform().copy());
 }
 
-MaskGrid::Ptr SharedGrids::states(Worker& worker, std::uint64_t leaves) const {
+void SharedGrids::Numbers::take(Worker& worker, const Part& part) {
+    using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+    constexpr auto most = std::numeric_limits<float>::max();
+    const auto from = std::max(least_, -most);
+    const auto count = part.leaves.size();
+    const auto* const data = reinterpret_cast<const float*>(worker.answered.seen(count * leaf_voxels * sizeof(float)));
+    // Leaves are filled before they join the tree: a copy of the topology would fill them with its background first.
+    std::vector<std::unique_ptr<FloatLeaf>> made(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
+        for (auto n = range.begin(); n != range.end(); ++n) {
+            const auto& like = *grids_.leaves_[part.leaves[n]];
+            if (!part.wants(like.origin())) continue;
+            const auto& mask = like.valueMask();
+            made[n] = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), like.origin(), 0.0f, false);
+            made[n]->allocate();
+            made[n]->setValueMask(mask);
+            auto* const to = made[n]->buffer().data();
+            std::copy_n(data + n * leaf_voxels, leaf_voxels, to);
+            for (auto off = mask.beginOff(); off; ++off) to[off.pos()] = 0;
+            bool wrong = false;
+            if (mask.isOn()) {
+                for (std::size_t voxel = 0; voxel < leaf_voxels; ++voxel) wrong |= !(to[voxel] >= from && to[voxel] <= most);
+            } else {
+                for (auto on = mask.beginOn(); on; ++on) wrong |= !(to[on.pos()] >= from && to[on.pos()] <= most);
+            }
+            if (wrong) good = false;
+        }
+    });
+    for (auto& leaf : made)
+        if (leaf) grid->tree().addLeaf(leaf.release());
+}
+
+void SharedGrids::add_states(MaskGrid& mask, Worker& worker, std::uint64_t leaves, const Part& part) const {
     const auto origins = leaves * leaf_states;
     const auto* const data = worker.answered.seen(origins + leaves * sizeof(std::array<std::int32_t, 3>));
-    const auto out = MaskGrid::create();
     for (std::uint64_t n = 0; n < leaves; ++n) {
-        std::array<std::int32_t, 3> origin{};
-        std::memcpy(&origin, data + origins + n * sizeof origin, sizeof origin);
-        MaskLeaf::NodeMaskType mask;
+        std::array<std::int32_t, 3> place{};
+        std::memcpy(&place, data + origins + n * sizeof place, sizeof place);
+        const Coord origin(place[0], place[1], place[2]);
+        if (!part.wants(origin)) continue;
+        MaskLeaf::NodeMaskType states;
         for (openvdb::Index word = 0; word < leaf_states / sizeof(std::uint64_t); ++word)
-            std::memcpy(&mask.getWord<std::uint64_t>(word), data + n * leaf_states + word * sizeof(std::uint64_t), sizeof(std::uint64_t));
-        out->tree().touchLeaf(Coord(origin[0], origin[1], origin[2]))->setValueMask(mask);
+            std::memcpy(&states.getWord<std::uint64_t>(word), data + n * leaf_states + word * sizeof(std::uint64_t), sizeof(std::uint64_t));
+        mask.tree().touchLeaf(origin)->setValueMask(states);
     }
-    out->setTransform(grids_.front().second->transform().copy());
-    return out;
 }
 
 }  // namespace fluidcarve

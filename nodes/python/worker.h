@@ -43,6 +43,7 @@ public:
 
     SharedMemory given, answered;  ///< written by this program, and by the worker
     std::vector<int> frames;       ///< the frames of the sequence, as the worker knows them
+    std::string found;             ///< what `finish` of the script found, as the worker knows it
 
 private:
     void start();

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import os
 import shutil
 import tempfile
 from dataclasses import dataclass, field
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple, Union
 
 from . import yaml_text
 from .errors import Cancelled, Error, Problem
@@ -16,6 +15,9 @@ from .job import Job, Progress
 from .pipeline import Pipeline
 from .program import call, call_json, problems_in, words_of
 from .results import Difference, Explanation, Farm, Inspection, Plan, Result, plan_of, taken_from
+
+if TYPE_CHECKING:
+    import asyncio
 
 PipelineLike = Union[str, "os.PathLike[str]", Pipeline]
 Sets = Mapping[str, Any]
@@ -48,6 +50,8 @@ async def run_async(pipeline: PipelineLike, sets: Sets = {}, progress: Optional[
 
 async def finished(job: Job) -> Result:
     """Waits for a job, for asyncio."""
+    import asyncio  # three times as slow to load as all else here
+
     loop = asyncio.get_running_loop()
     try:
         while job.poll():

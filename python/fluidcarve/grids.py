@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import math
 from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
@@ -43,18 +45,19 @@ class Space:
         return (high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1)
 
     def blocks(self, box: Box, item: Tuple[int, ...], dtype: Any, fill: Any) -> Tuple[Array, Array, Array, Array]:
-        """An array around a box, filled, whose edges are edges of leaves.
+        """An array around a box, whose edges are edges of leaves; where no leaves are it is filled, unless `fill` is None.
 
         Returns it as leaves, `[i, j, k]` leaf by leaf; the box in it as `[x, y, z]`; which leaves of the space are in it, and their places.
         """
         low = np.asarray(box[0]) // EDGE
         count = np.maximum(np.asarray(box[1]) // EDGE - low + 1, 0)
         whole = np.empty((*(count * EDGE), *item), dtype)
-        whole[...] = fill
-        split = whole.reshape(count[0], EDGE, count[1], EDGE, count[2], EDGE, *item)
-        leaves = split.transpose(0, 2, 4, 1, 3, 5, *range(6, 6 + len(item)))
         places = self.origins // EDGE - low
         inside = ((places >= 0) & (places < count)).all(axis=1)
+        if fill is not None and np.count_nonzero(inside) < np.prod(count):
+            whole[...] = fill
+        split = whole.reshape(count[0], EDGE, count[1], EDGE, count[2], EDGE, *item)
+        leaves = split.transpose(0, 2, 4, 1, 3, 5, *range(6, 6 + len(item)))
         cut = tuple(slice(box[0][n] - low[n] * EDGE, box[1][n] + 1 - low[n] * EDGE) for n in range(3))
         return leaves, whole[cut], inside, places[inside]
 
@@ -187,7 +190,7 @@ def leaves_of(space: Space, values: Any, what: str) -> Array:
         out[space.masks] = array
         return out
     if array.shape == space.shape:
-        leaves, dense, inside, places = space.blocks(space.box, (), array.dtype, 0)
+        leaves, dense, inside, places = space.blocks(space.box, (), array.dtype, None)
         dense[...] = array
         if inside.all():
             return leaves[tuple(places.T)]
@@ -214,6 +217,21 @@ def states_of(space: Space, values: Any, what: str) -> "tuple[Array, Array]":
         some = masks.any(axis=(1, 2, 3))
         masks, origins = masks[some], space.origins[some]
     return np.packbits(masks.reshape(-1, VOXELS), axis=1, bitorder="little"), origins.astype(np.int32)
+
+
+def found_as(found: Any, what: str) -> bytes:
+    """What `finish` returned, a dict of numbers, texts and arrays, as bytes that any worker reads. Raises TypeError if it is something else."""
+    if not isinstance(found, Mapping) or any(not isinstance(name, str) or np.asarray(value).dtype.hasobject for name, value in found.items()):
+        raise TypeError(f"{what} returned a {type(found).__name__}; it must be a dict of numbers, texts and arrays, which become arguments")
+    out = io.BytesIO()
+    np.savez(out, **found)
+    return out.getvalue()
+
+
+def found_in(text: str) -> "dict[str, Any]":
+    """What found_as() wrote, in base64."""
+    with np.load(io.BytesIO(base64.b64decode(text)), allow_pickle=False) as arrays:
+        return {name: arrays[name][()] for name in arrays.files}
 
 
 def _described(values: Any, array: Array) -> str:

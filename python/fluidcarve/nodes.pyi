@@ -124,6 +124,7 @@ class EnergyFamily:
         params: Mapping[str, Any] | Param = ...,
         python: bool | float | str | Param = ...,
         timeout: float | Param = ...,
+        halo: int | Literal["auto"] | Param = ...,
         outside: float | Param = ...,
         doc: str = ...,
         cache: bool = ...,
@@ -322,6 +323,7 @@ class FieldFamily:
         params: Mapping[str, Any] | Param = ...,
         python: bool | float | str | Param = ...,
         timeout: float | Param = ...,
+        halo: int | Literal["auto"] | Param = ...,
         doc: str = ...,
         cache: bool = ...,
     ) -> FieldPython:
@@ -641,6 +643,7 @@ class MaskFamily:
         params: Mapping[str, Any] | Param = ...,
         python: bool | float | str | Param = ...,
         timeout: float | Param = ...,
+        halo: int | Literal["auto"] | Param = ...,
         doc: str = ...,
         cache: bool = ...,
     ) -> MaskPython:
@@ -811,13 +814,13 @@ class PreviewFamily:
     def page(
         self,
         before: Source,
-        masks: Mapping[str, Source],
         path: str | Param,
         *,
         name: str = ...,
         energy: Source = ...,
         lattice: Source = ...,
         rig: Source = ...,
+        masks: Mapping[str, Source] = ...,
         seams: Source | Sequence[Source] = ...,
         grid: bool | float | str | Param = ...,
         frames: int | Literal["auto"] | Param = ...,
@@ -1033,10 +1036,10 @@ class RigFamily:
         """
     def python(
         self,
-        inputs: Mapping[str, Source],
         script: str | Param,
         *,
         name: str = ...,
+        inputs: Mapping[str, Source] = ...,
         params: Mapping[str, Any] | Param = ...,
         python: bool | float | str | Param = ...,
         timeout: float | Param = ...,
@@ -1399,11 +1402,11 @@ class UsdWrite(Node):
 class UsdFamily:
     def write(
         self,
-        volumes: Mapping[str, Source],
         path: str | Param,
         files: Mapping[str, Any] | Param,
         *,
         name: str = ...,
+        volumes: Mapping[str, Source] = ...,
         fps: float | Param = ...,
         up: Literal["y", "z"] | Param = ...,
         meters_per_unit: float | Param = ...,

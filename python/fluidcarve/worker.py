@@ -75,6 +75,7 @@ class Worker:
         self.given = Memory(GIVEN)
         self.answered = Memory(ANSWERED)
         self.frames: List[int] = []
+        self.found: Dict[str, Any] = {}
         self.path = ""
         self.script: Optional[ModuleType] = None
 
@@ -120,7 +121,8 @@ class Worker:
     def look(self, function: str, inputs: List[str], params: List[str]) -> Mapping[str, Any]:
         """What the script depends on, and what is wrong with a function's arguments."""
         version = getattr(self.script, "VERSION", "")
-        return {"files": local_imports(self.path), "version": str(version), "faults": self.faults(function, inputs, params)}
+        return {"files": local_imports(self.path), "version": str(version), "faults": self.faults(function, inputs, params),
+                "gathers": callable(getattr(self.script, "add", None))}
 
     def faults(self, name: str, inputs: List[str], params: List[str]) -> List[Mapping[str, str]]:
         function = getattr(self.script, name, None)
@@ -130,6 +132,8 @@ class Worker:
                      f"{', '.join([*inputs, *params, 'at'])})`" + (f"; it has {', '.join(have)}" if have else "")}]
         place = f"{self.path}:{inspect.unwrap(function).__code__.co_firstlineno}" if hasattr(inspect.unwrap(function), "__code__") else self.path
         out: List[Mapping[str, str]] = []
+        if hasattr(self.script, "finish") and not hasattr(self.script, "add"):
+            out.append({"field": "script", "message": f"parameter 'script': {self.path} has `finish`, but no `add`, which sees each frame before; write both"})
         known = inspect.signature(function).parameters
         rest = any(each.kind is each.VAR_KEYWORD for each in known.values())
         for field, given in (("inputs", inputs), ("params", params)):
@@ -139,7 +143,8 @@ class Worker:
         both = [each for each in inputs if each in params]
         out += [{"field": "params", "message": f"'params': '{each}' is an input already; give it another name"} for each in both]
         for argument in known.values():
-            needed = argument.default is argument.empty and argument.kind not in (argument.VAR_KEYWORD, argument.VAR_POSITIONAL)
+            # What `finish` returns is known only when it has run.
+            needed = not hasattr(self.script, "finish") and argument.default is argument.empty and argument.kind not in (argument.VAR_KEYWORD, argument.VAR_POSITIONAL)
             if needed and argument.name not in [*inputs, *params, "at"]:
                 out.append({"field": "inputs", "message": f"{place}: {name} needs '{argument.name}'; state it under `inputs` or `params`"})
         return out
@@ -158,14 +163,34 @@ class Worker:
             arguments[name] = points.read(each, self.given.of(request["bytes"]))
         for name, each in request.get("arrays", {}).items():
             arguments[name] = grids.array_in(self.given.of(request["bytes"]), each["at"], each["type"], *each["shape"])
-        function = getattr(self.script, request["call"])
-        names = inspect.signature(function).parameters
-        if "at" in names or any(each.kind is each.VAR_KEYWORD for each in names.values()):
-            arguments["at"] = At(self, at["frame"], at["time"], self.frames, at["work"])
-        result = function(**arguments)
+        if "found" in request:
+            self.found = grids.found_in(request["found"]) if request["found"] else {}
+        arguments["at"] = At(self, at["frame"], at["time"], self.frames, at["work"])
+        result = self.called(request["call"], {**arguments, **self.found})
         give = {"numbers": self.give_numbers, "states": self.give_states, "positions": self.give_positions, "entries": self.give_entries,
-                "points": self.give_points}[request["wants"]]
+                "points": self.give_points, "nothing": self.give_nothing, "found": self.give_found}[request["wants"]]
         return give(space if space is not None else {**arguments, **request}, result, request["call"])
+
+    def called(self, name: str, arguments: Dict[str, Any]) -> Any:
+        """What a function returns. `at`, and what `finish` found, is left out where it does not take that; `add` and `finish` take what they want."""
+        if name == "finish" and not hasattr(self.script, name):
+            return {}
+        function = getattr(self.script, name)
+        names = inspect.signature(function).parameters
+        if not any(each.kind is each.VAR_KEYWORD for each in names.values()):
+            optional = arguments if name in ("add", "finish") else ["at", *self.found]
+            arguments = {each: value for each, value in arguments.items() if each in names or each not in optional}
+        return function(**arguments)
+
+    def give_nothing(self, _: Any, result: Any, name: str) -> Mapping[str, Any]:
+        return {}
+
+    def give_found(self, _: Any, result: Any, name: str) -> Mapping[str, Any]:
+        from .grids import found_as
+
+        data = found_as(result, name)
+        self.answered.of(len(data))[:len(data)] = data
+        return {"bytes": len(data)}
 
     def give_numbers(self, space: Any, result: Any, name: str) -> Mapping[str, Any]:
         import numpy as np

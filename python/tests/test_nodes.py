@@ -1,51 +1,15 @@
 import os
-import signal
-import subprocess
 import sys
-import tempfile
-import textwrap
 import time
 import unittest
 
 import fluidcarve
 
+from .scripts import ScriptTest
 from .test_pipeline import PLUME
 
-try:
-    import numpy
-except ImportError:
-    numpy = None
 
-GRADIENT = """
-import numpy as np
-
-def energy(d, at):
-    return np.sqrt(sum(each * each for each in np.gradient(d.dense())))
-"""
-
-
-@unittest.skipUnless(numpy, "this Python has no numpy")
-class Nodes(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.options = {"work": os.path.join(self.folder, "work"), "allow_plugins": True, "threads": 2}
-        os.environ["FLUIDCARVE_PYTHON"] = sys.executable
-
-    def write(self, name, text):
-        path = os.path.join(self.folder, name)
-        with open(path, "w") as file:
-            file.write(textwrap.dedent(text))
-        return path
-
-    def read(self, path):
-        """What a file holds; of one that is not there, nothing."""
-        if not os.path.exists(path):
-            return ""
-        with open(path) as file:
-            return file.read()
-
+class Nodes(ScriptTest):
     def pipeline(self, script, frames="51-53", type="energy.python", inputs=None, **fields):
         """A pipeline with a node `glow` of one script, whose result is written as a grid."""
         p = fluidcarve.Pipeline(frames=frames)
@@ -110,6 +74,55 @@ class Nodes(unittest.TestCase):
         values = self.run_one("def mask(d, at): return d.values > 0.7", type="mask.python").seams["seams"]
         self.assertEqual(told["energy"], values["energy"])
         self.assertEqual(told["protected"], [0])
+
+    def test_blocks_with_a_halo_give_what_the_whole_frame_gives(self):
+        script = """
+            import numpy as np
+
+            def energy(d):
+                assert max(d.dense().shape) <= limit
+                return np.sqrt(sum(each * each for each in np.gradient(d.dense())))
+
+            def mask(d):
+                return np.gradient(d.dense())[0] > 0.05
+            """
+        whole = self.run_one(script.replace("limit", "90"))
+        blocks = self.run_one(script.replace("limit", "66"), halo=1)
+        self.assertEqual(blocks.seams["seams"]["energy"], whole.seams["seams"]["energy"])
+        masks = [self.run_one(script, type="mask.python", frames="54", **more).seams["seams"]["energy"] for more in ({}, {"halo": 2})]
+        self.assertEqual(*masks)
+
+    def test_a_script_may_see_all_frames_before(self):
+        script = """
+            def add(d, at):
+                seen.append((at.frame, float(d.values.max())))
+
+            def finish(gain):
+                assert [frame for frame, _ in seen] == [51, 52, 53]
+                return {"highest": gain * max(value for _, value in seen), "note": "all"}
+
+            def energy(d, gain, highest, note):
+                assert gain == 2 and note == "all"
+                return abs(d.leaves) / highest
+
+            seen = []
+            """
+        told = self.run_one(script, params={"gain": 2})
+        plain = self.run_one("def energy(d, highest): return abs(d.leaves) / highest", params={"highest": 2 * 0.99609375})
+        self.assertEqual(told.nodes["glow"].frames, 3)
+        self.assertAlmostEqual(told.seams["seams"]["energy"][0] / plain.seams["seams"]["energy"][0], 1, 1)
+        self.assertIn("finish returned a list; it must be a dict", self.failure(script.replace('return {"highest"', 'return [1] or {"highest"'), params={"gain": 2}))
+        self.assertIn("has `finish`, but no `add`", self.failure("def finish(): return {}\ndef energy(d): return 1"))
+
+    def test_results_are_the_same_with_any_number_of_workers(self):
+        written = []
+        for threads in (1, 2, 4):
+            self.options.update(threads=threads, work=os.path.join(self.folder, f"work{threads}"))
+            p = self.pipeline("import numpy as np\ndef energy(d): return abs(np.sin(d.dense() * 9))", frames="51-56")
+            fluidcarve.run(p, {}, **self.options)
+            written.append(os.path.join(self.folder, f"seams{threads}.vdb"))
+            os.rename(os.path.join(self.folder, "seams.vdb"), written[-1])
+        self.assertEqual([fluidcarve.diff(written[0], each).result for each in written[1:]], ["same", "same"])
 
     # What is computed again
 
