@@ -140,25 +140,6 @@ class Families(ScriptTest):
                 fluidcarve.run(p, {}, to="moved", **self.options)
             self.assertIn(fault, str(raised.exception))
 
-    # The cookbook
-
-    def test_the_energies_of_the_cookbook_run_as_they_are(self):
-        for name, inputs, params in (("glow", {"d": "sim.density", "vel": "sim.velocity"}, {"width": 2, "fast": 0.5}), ("network", {"d": "sim.density"}, {})):
-            if name == "glow" and not _has_scipy():
-                continue
-            p = fluidcarve.Pipeline(frames="51")
-            sim = p.vdb.read(PLUME, grids={"density": "float", "velocity": "vector"})
-            energy = p.energy.python(inputs, str(COOKBOOK / f"{name}.py"), params=params)
-            self.assertEqual(fluidcarve.run(p, {}, to="energy", **self.options).failures, [])
-
-
-def _has_scipy():
-    try:
-        import scipy.ndimage
-    except ImportError:
-        return False
-    return scipy.ndimage is not None
-
 
 if __name__ == "__main__":
     unittest.main()
