@@ -135,10 +135,12 @@ class Worker:
         if hasattr(self.script, "finish") and not hasattr(self.script, "add"):
             out.append({"field": "script", "message": f"parameter 'script': {self.path} has `finish`, but no `add`, which sees each frame before; write both"})
         known = inspect.signature(function).parameters
-        rest = any(each.kind is each.VAR_KEYWORD for each in known.values())
+        also = [inspect.signature(getattr(self.script, each)).parameters for each in ("add", "finish") if hasattr(self.script, each)]
+        taken = {each: kind for names in (known, *also) for each, kind in names.items()}
+        rest = any(each.kind is each.VAR_KEYWORD for each in taken.values())
         for field, given in (("inputs", inputs), ("params", params)):
             for each in given:
-                if each == "at" or (each not in known and not rest):
+                if each == "at" or (each not in taken and not rest):
                     out.append({"field": field, "message": f"'{field}': {place}: {name} takes no '{each}'; it takes {', '.join(known) or 'nothing'}"})
         both = [each for each in inputs if each in params]
         out += [{"field": "params", "message": f"'params': '{each}' is an input already; give it another name"} for each in both]
@@ -172,14 +174,13 @@ class Worker:
         return give(space if space is not None else {**arguments, **request}, result, request["call"])
 
     def called(self, name: str, arguments: Dict[str, Any]) -> Any:
-        """What a function returns. `at`, and what `finish` found, is left out where it does not take that; `add` and `finish` take what they want."""
+        """What a function returns, called with those of the arguments that it takes."""
         if name == "finish" and not hasattr(self.script, name):
             return {}
         function = getattr(self.script, name)
         names = inspect.signature(function).parameters
         if not any(each.kind is each.VAR_KEYWORD for each in names.values()):
-            optional = arguments if name in ("add", "finish") else ["at", *self.found]
-            arguments = {each: value for each, value in arguments.items() if each in names or each not in optional}
+            arguments = {each: value for each, value in arguments.items() if each in names}
         return function(**arguments)
 
     def give_nothing(self, _: Any, result: Any, name: str) -> Mapping[str, Any]:

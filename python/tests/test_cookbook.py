@@ -16,10 +16,11 @@ COOKBOOK = ROOT / "python/cookbook"
 
 class Cookbook(ScriptTest):
     def test_its_energies_run_as_they_are(self):
-        for name, inputs, params in (("glow", {"d": "sim.density", "vel": "sim.velocity"}, {"width": 2, "fast": 0.5}), ("network", {"d": "sim.density"}, {})):
+        for name, inputs, params in (("glow", {"d": "sim.density", "vel": "sim.velocity"}, {"width": 2, "fast": 0.5}), ("network", {"d": "sim.density"}, {}),
+                                     ("flow", {"d": "sim.density"}, {"axis": 1, "r": 4})):
             if name == "glow" and importlib.util.find_spec("scipy") is None:
                 continue
-            p = fluidcarve.Pipeline(frames="51")
+            p = fluidcarve.Pipeline(frames="51-52")
             sim = p.vdb.read(PLUME, grids={"density": "float", "velocity": "vector"})
             energy = p.energy.python(inputs, str(COOKBOOK / f"{name}.py"), params=params)
             self.assertEqual(fluidcarve.run(p, {}, to="energy", **self.options).failures, [])
