@@ -33,9 +33,9 @@ def start(pipeline: PipelineLike, sets: Sets = {}, progress: Optional[Progress] 
     progress  is called with each Event, while `wait` or `poll` runs
     """
     folder = tempfile.mkdtemp(prefix="fluidcarve-")
-    path = _path_of(pipeline, folder)
+    path, report = _path_of(pipeline, folder), options.pop("report", None)
     # The folder goes only with the job, so that the check finds the pipeline there.
-    return Job(["run", path, *_words_of_sets(sets), *words_of(options)], progress, lambda: _problems(path, sets, options), folder)
+    return Job(["run", path, *_words_of_sets(sets), *words_of(options)], progress, lambda: _problems(path, sets, options), folder, report)
 
 
 def run(pipeline: PipelineLike, sets: Sets = {}, progress: Optional[Progress] = None, **options: Any) -> Result:
@@ -122,7 +122,8 @@ def inspect(*files: Union[str, "os.PathLike[str]"]) -> Inspection:
 
 def carve(files: str, count: Union[int, float, str], out: str, progress: Optional[Progress] = None, **options: Any) -> Result:
     """Carves files in the box around them, without a pipeline: `carve("smoke.####.vdb", -12, "out/smoke.####.vdb")`."""
-    return Job(["carve", files, str(count), f"--out={out}", *words_of(options)], progress).wait()
+    report = options.pop("report", None)
+    return Job(["carve", files, str(count), f"--out={out}", *words_of(options)], progress, report=report).wait()
 
 
 def diff(a: str, b: str, **options: Any) -> Difference:

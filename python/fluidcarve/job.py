@@ -26,12 +26,15 @@ class Job:
     """
 
     def __init__(self, words: Sequence[str], progress: Optional[Progress] = None, check: Optional[Callable[[], List[Problem]]] = None,
-                 folder: Optional[str] = None) -> None:
-        """@param check  finds the problems of the pipeline, if the program refuses it @param folder  is removed at the end"""
+                 folder: Optional[str] = None, report: Optional[str] = None) -> None:
+        """check   finds the problems of the pipeline, if the program refuses it
+        folder  is removed at the end
+        report  where the report is to stay
+        """
         self._folder = folder or tempfile.mkdtemp(prefix="fluidcarve-")
         self._progress = progress
         self._check = check
-        self._report = os.path.join(self._folder, "report.json")
+        self._report = report or os.path.join(self._folder, "report.json")
         self._said: List[str] = []
         self._rest = b""
         self._outcome: Any = None
@@ -115,7 +118,7 @@ class Job:
         if code == _INTERRUPTED or (self._cancelled and code != 0):
             return Cancelled([Problem("the run was cancelled; run it again to go on")], _INTERRUPTED)
         result = None
-        if os.path.exists(self._report):
+        if code != 2 and os.path.exists(self._report):
             with open(self._report, encoding="utf-8") as file:
                 result = result_of(json.load(file))
         if result is not None and code in (0, _KEPT_GOING):

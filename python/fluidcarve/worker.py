@@ -55,6 +55,7 @@ class Memory:
 
     def of(self, bytes: int) -> mmap.mmap:
         """The memory, of at least so many bytes."""
+        bytes = max(bytes, 1)  # nothing can't be mapped
         if self._map is None or len(self._map) < bytes:
             if os.fstat(self._file).st_size < bytes:
                 os.ftruncate(self._file, (bytes // mmap.PAGESIZE + 1) * mmap.PAGESIZE)

@@ -1,4 +1,5 @@
 import asyncio
+import json
 import os
 import signal
 import tempfile
@@ -19,7 +20,10 @@ class Running(unittest.TestCase):
 
     def test_a_pipeline_runs_and_tells_what_it_does(self):
         events = []
-        result = fluidcarve.run(plume(self.out), {"count": -1}, events.append, work=self.work, threads=2)
+        report = os.path.join(self.folder, "report.json")
+        result = fluidcarve.run(plume(self.out), {"count": -1}, events.append, work=self.work, threads=2, report=report)
+        with open(report) as file:
+            self.assertEqual(json.load(file), result.raw)
         self.assertEqual(result.frames, [51, 52])
         self.assertEqual(result.nodes["seams"].type, "seam.greedy")
         self.assertEqual(len(result.seams["seams"]["energy"]), 1)
