@@ -220,6 +220,14 @@ class Nodes(ScriptTest):
         self.assertEqual((result.exit, [(each.node, each.frame) for each in result.failures]), (4, [("glow", 52)]))
         self.assertEqual(fluidcarve.plan(p, {}, to="glow", **self.options).nodes["glow"].cached, 2)
 
+    def test_frames_go_on_with_the_processes_that_there_are(self):
+        self.options["threads"] = 4
+        script = "import os\nos.close(os.open(os.path.join(os.path.dirname(__file__), 'one'), os.O_CREAT | os.O_EXCL))\ndef energy(d): return abs(d.leaves)\n"
+        p = fluidcarve.Pipeline(frames="51-56")
+        sim = p.vdb.read(PLUME, grids={"density": "float"})
+        glow = p.energy.python(inputs={"d": sim.density}, script=self.write("glow.py", script))
+        self.assertEqual(fluidcarve.run(p, {}, to="glow", **self.options).nodes["glow"].frames, 6)
+
     def test_prints_and_warnings_are_shown_and_never_too_long(self):
         script = "def energy(d, at):\n  at.warn('mind the gap')\n  print('x' * 1000000)\n  return abs(d.leaves)\n"
         warnings = [each.message for each in self.run_one(script, frames="51").warnings]
