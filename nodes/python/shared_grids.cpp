@@ -91,9 +91,20 @@ Json matrix_of(const openvdb::math::Transform& transform) {
     return out;
 }
 
+using StateWord = std::uint64_t;
+constexpr openvdb::Index leaf_words = leaf_states / sizeof(StateWord);
+
 void copy_states(const MaskLeaf::NodeMaskType& mask, std::byte* to) {
-    static_assert(sizeof(MaskLeaf::NodeMaskType) == leaf_states);
-    std::memcpy(to, &mask, leaf_states);
+    for (openvdb::Index n = 0; n < leaf_words; ++n) {
+        const auto word = mask.getWord<StateWord>(n);
+        std::memcpy(to + n * sizeof word, &word, sizeof word);
+    }
+}
+
+MaskLeaf::NodeMaskType states_at(const std::byte* from) {
+    MaskLeaf::NodeMaskType out;
+    for (openvdb::Index n = 0; n < leaf_words; ++n) std::memcpy(&out.getWord<StateWord>(n), from + n * sizeof(StateWord), sizeof(StateWord));
+    return out;
 }
 
 }  // namespace
@@ -259,10 +270,7 @@ void SharedGrids::add_states(MaskGrid& mask, Worker& worker, std::uint64_t leave
         std::memcpy(&place, data + origins + n * sizeof place, sizeof place);
         const Coord origin(place[0], place[1], place[2]);
         if (!part.wants(origin)) continue;
-        MaskLeaf::NodeMaskType states;
-        for (openvdb::Index word = 0; word < leaf_states / sizeof(std::uint64_t); ++word)
-            std::memcpy(&states.getWord<std::uint64_t>(word), data + n * leaf_states + word * sizeof(std::uint64_t), sizeof(std::uint64_t));
-        mask.tree().touchLeaf(origin)->setValueMask(states);
+        mask.tree().touchLeaf(origin)->setValueMask(states_at(data + n * leaf_states));
     }
 }
 
