@@ -1,5 +1,6 @@
 #include "graph/build_pipeline.h"
 
+#include "graph/code_trust.h"
 #include "graph/confinement.h"
 #include "graph/field_names.h"
 #include "graph/file_claims.h"
@@ -151,7 +152,11 @@ private:
         read_params(draft);
         read_cache(draft);
         for (std::size_t n = 0; n < node_type->inputs.size(); ++n) read_references(draft, n);
-        if (node_type->check && draft.node.params) {
+        if (node_type->runs_code && !code_allowed())
+            add(problems_, type->value.mark,
+                fmt::format("{} runs code that the pipeline names, with your rights, and nobody allowed that; if you trust it, give --allow-plugins",
+                            node_type->name));
+        else if (node_type->check && draft.node.params) {
             NodeCheckOf check(draft, problems_);
             node_type->check(draft.node.params.get(), check);
         }

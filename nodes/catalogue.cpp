@@ -58,6 +58,12 @@
 #include "nodes/preview/contact_sheet.h"
 #include "nodes/preview/sheet.h"
 #include "nodes/provenance/read_provenance.h"
+#include "nodes/python/energy_python.h"
+#include "nodes/python/field_python.h"
+#include "nodes/python/mask_python.h"
+#include "nodes/python/points_python.h"
+#include "nodes/python/rig_python.h"
+#include "nodes/python/seam_python.h"
 #include "nodes/remap/grids.h"
 #include "nodes/remap/mesh.h"
 #include "nodes/remap/points.h"
@@ -113,6 +119,7 @@ Registry builtin_registry() {
     out.add(image_write());
     out.add(points_read());
     out.add(points_keep_out());
+    out.add(points_python());
     out.add(points_write());
     out.add(mesh_read());
     out.add(mesh_write());
@@ -128,6 +135,7 @@ Registry builtin_registry() {
     out.add(field_collocate());
     out.add(field_filter());
     out.add(field_ax());
+    out.add(field_python());
     out.add(energy_vorticity());
     out.add(energy_kinetic());
     out.add(energy_gradient());
@@ -138,6 +146,7 @@ Registry builtin_registry() {
     out.add(energy_combine());
     out.add(energy_remap());
     out.add(energy_ax());
+    out.add(energy_python());
     out.add(mask_threshold());
     out.add(mask_box());
     out.add(mask_sphere());
@@ -146,6 +155,7 @@ Registry builtin_registry() {
     out.add(mask_combine());
     out.add(mask_dilate());
     out.add(mask_weight());
+    out.add(mask_python());
     out.add(sdf_from_mesh());
     out.add(sdf_from_points());
     out.add(sdf_to_mesh());
@@ -154,6 +164,7 @@ Registry builtin_registry() {
     out.add(rig_curve());
     out.add(rig_transform());
     out.add(rig_advect());
+    out.add(rig_python());
     out.add(lattice_box());
     out.add(lattice_build());
     out.add(lattice_around());
@@ -162,6 +173,7 @@ Registry builtin_registry() {
     out.add(seam_graph_cut());
     out.add(seam_greedy());
     out.add(seam_pyramid());
+    out.add(seam_python());
     out.add(warp_solve());
     out.add(seams_write());
     out.add(seams_curves());

@@ -17,16 +17,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders that may contain modules: those of this library and of the program, and `../lib/fluidcarve` of both.
-std::vector<fs::path> folders() {
-    std::vector<fs::path> out;
+/// The folders of this library and of the program.
+std::vector<fs::path> homes() {
     std::error_code error;
     Dl_info self{};
-    std::vector<fs::path> homes;
-    if (dladdr(reinterpret_cast<const void*>(&module_table), &self) != 0) homes.push_back(fs::weakly_canonical(self.dli_fname, error).parent_path());
-    homes.push_back(fs::read_symlink("/proc/self/exe", error).parent_path());
-    for (const auto& home : homes)
-        for (const auto& folder : {home, (home / "../lib/fluidcarve").lexically_normal()})
+    std::vector<fs::path> out;
+    if (dladdr(reinterpret_cast<const void*>(&module_table), &self) != 0) out.push_back(fs::weakly_canonical(self.dli_fname, error).parent_path());
+    out.push_back(fs::read_symlink("/proc/self/exe", error).parent_path());
+    return out;
+}
+
+/// A folder in each home, and one beside it. @param in_home  empty: the home itself
+std::vector<fs::path> folders(const std::string& in_home, const std::string& beside) {
+    std::vector<fs::path> out;
+    for (const auto& home : homes())
+        for (const auto& folder : {in_home.empty() ? home : home / in_home, (home / beside).lexically_normal()})
             if (std::find(out.begin(), out.end(), folder) == out.end()) out.push_back(folder);
     return out;
 }
@@ -34,7 +39,7 @@ std::vector<fs::path> folders() {
 const void* open(const std::string& name) {
     const auto file = fmt::format("fluidcarve_{}.so", name);
     std::string looked;
-    for (const auto& folder : folders()) {
+    for (const auto& folder : folders("", "../lib/fluidcarve")) {
         const auto path = (folder / file).string();
         looked += (looked.empty() ? "" : ", ") + folder.string();
         if (!fs::exists(path)) continue;
@@ -62,6 +67,16 @@ const void* module_table(const std::string& name) {
     const std::lock_guard lock(mutex);
     const auto found = opened.find(name);
     return found != opened.end() ? found->second : opened.emplace(name, open(name)).first->second;
+}
+
+std::string shared_folder(const std::string& name) {
+    std::string looked;
+    for (const auto& folder : folders(name, "../share/fluidcarve/" + name)) {
+        looked += (looked.empty() ? "" : ", ") + folder.string();
+        if (fs::is_directory(folder)) return folder.string();
+    }
+    throw Failure(
+        fmt::format("there is no folder '{}' of files that come with the program; looked for {}; build or install it with the program", name, looked));
 }
 
 }  // namespace fluidcarve

@@ -16,6 +16,10 @@ struct Module {
 /// @throws Failure if there is no file (names the paths tried), it can't be opened, or has another version
 const void* module_table(const std::string& name);
 
+/// A folder of files that come with the program: `NAME` beside this library or the program, or `../share/fluidcarve/NAME` of such a folder.
+/// @throws Failure naming the paths tried, if there is none
+std::string shared_folder(const std::string& name);
+
 template <class Table>
 const Table& load_module(const std::string& name) {
     return *static_cast<const Table*>(module_table(name));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/context.h"
+#include "graph/types/further.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
 #include "graph/types/outlook.h"
@@ -106,6 +107,7 @@ struct NodeType {
     std::vector<std::string> digest_fields;  ///< inputs and parameters that the digest depends on
     std::string concludes_from;              ///< the section of the report that `conclude` is handed; empty: there is no `conclude`
     std::optional<Growth> growth;
+    bool runs_code = false;                                    ///< its parameters name code, such as a script: pipelines with it need --allow-plugins
     bool in_place = false;                                     ///< outputs stand where inputs do: pictures that meet here have one size
     std::map<std::string, std::string, std::less<>> as_named;  ///< output to the input whose grids it has, by their names
 
@@ -120,6 +122,7 @@ struct NodeType {
     std::function<void(const void* params, Outlook&)> foresee;  ///< empty: outputs lie where the inputs lie
     /// Called after a run with what the node reported of all its frames; empty: nothing to say.
     std::function<void(const void* params, const nlohmann::ordered_json& frames, Context&)> conclude;
+    std::function<Further(const void* params)> depends;  ///< empty: on nothing else
     std::function<std::vector<OutputSpec>(const void* params)> named_outputs;
     std::function<Behaviour(std::shared_ptr<const void> params)> bind;
 
@@ -204,6 +207,7 @@ FLUIDCARVE_HOOK(check)
 FLUIDCARVE_HOOK(survey)
 FLUIDCARVE_HOOK(foresee)
 FLUIDCARVE_HOOK(conclude)
+FLUIDCARVE_HOOK(depends)
 #undef FLUIDCARVE_HOOK
 }  // namespace detail
 
@@ -235,6 +239,7 @@ FLUIDCARVE_HOOK(conclude)
 ///     static void survey(const Params&, Survey&);                    looks at its files, and for grids that it needs, before the run
 ///     static void foresee(const Params&, Outlook&);                  looks before the run at where its inputs lie
 ///     static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&);       with Declare::concludes
+///     static Further depends(const Params&);                         names what its results depend on, too, such as what a script imports
 ///
 /// `conclude` is called once after a run, if all of the node's frames are done, in this run or an earlier one, with what it reported of
 /// them in one section, by frame number; of a node that runs once, its only entry. It warns, reports and tells lines.
@@ -276,6 +281,7 @@ public:
             type_.conclude = [](const void* params, const nlohmann::ordered_json& frames, Context& context) {
                 Node::conclude(*static_cast<const Params*>(params), frames, context);
             };
+        if constexpr (detail::has_depends<Node>) type_.depends = [](const void* params) { return Node::depends(*static_cast<const Params*>(params)); };
         type_.bind = &bind;
     }
 
@@ -345,6 +351,11 @@ public:
     /// Declares that all inputs lie over each other and outputs over them. Runs with pictures of different sizes are then refused.
     Declare& in_place() {
         type_.in_place = true;
+        return *this;
+    }
+    /// Declares that its parameters name code that runs with the user's rights.
+    Declare& runs_code() {
+        type_.runs_code = true;
         return *this;
     }
     /// Declares that an output is a volume with grids of the same names as an input's.
@@ -437,6 +448,12 @@ private:
         !detail::has_conclude<Node> ||
             requires(const Params& params, const nlohmann::ordered_json& frames, Context& context) { Node::conclude(params, frames, context); },
         "`conclude` must be `static void conclude(const Params&, const nlohmann::ordered_json& frames, Context&)`");
+    static_assert(
+        !detail::has_depends<Node> ||
+            requires(const Params& params) {
+                { Node::depends(params) } -> std::same_as<Further>;
+            },
+        "`depends` must be `static Further depends(const Params&)`");
 
     template <class T, class P>
     static ParamSpec make_param(std::string name, T P::*member, Unit unit, Range range, std::string doc) {

@@ -74,7 +74,7 @@ std::string arity_text(const InputSpec& input) {
         case InputSpec::Arity::list: return input.optional ? "optional list" : "list";
         case InputSpec::Arity::named: break;
     }
-    return "named";
+    return input.optional ? "optional named" : "named";
 }
 
 std::string gives_text(const Registry& registry, const NodeType& type, const OutputSpec& output) {

@@ -109,7 +109,7 @@ private:
         for (const auto& [name, mark, value] : document_.nodes.fields) {
             const auto& node = pipeline_.nodes[index_.at(name)];
             if (!upstream_[index_.at(name)]) continue;
-            plugins_ = plugins_ || pipeline_.plugins.contains(node.type->name);
+            plugins_ = plugins_ || node.type->runs_code || pipeline_.plugins.contains(node.type->name);
             std::string fields = "type: " + yaml_scalar(node.type->name, ascii);
             for (const auto& field : value.fields)
                 if (const auto text = field_text(node, field); !text.empty()) fields += ", " + field.name + ": " + text;

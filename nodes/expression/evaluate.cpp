@@ -2,14 +2,13 @@
 
 #include "graph/text/problem.h"
 #include "nodes/field/collocate.h"
+#include "nodes/field/lowest_wrong.h"
 #include "nodes/field/same_transform.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <optional>
 
 namespace fluidcarve {
 namespace {
@@ -43,30 +42,6 @@ FloatTree::Ptr united_topology(const std::vector<NamedGrid>& grids) {
         if (grid->isType<FloatGrid>()) add(static_cast<const FloatGrid&>(*grid).tree());
         else add(static_cast<const VectorGrid&>(*grid).tree());
     }
-    return out;
-}
-
-/// An invalid result at a voxel.
-struct Wrong {
-    openvdb::Coord at;
-    float value;
-};
-
-/// The lowest active voxel, or tile corner, whose value is not finite or below `least`.
-std::optional<Wrong> lowest_wrong(const FloatGrid& grid, float least) {
-    std::mutex mutex;
-    std::optional<Wrong> out;
-    const auto look = [&](auto value) {
-        for (; value; ++value) {
-            if (std::isfinite(*value) && *value >= least) continue;
-            const std::lock_guard lock(mutex);
-            if (!out || value.getCoord() < out->at) out = Wrong{value.getCoord(), *value};
-        }
-    };
-    openvdb::tree::LeafManager<const FloatTree>(grid.tree()).foreach ([&](const FloatTree::LeafNodeType& leaf, std::size_t) { look(leaf.cbeginValueOn()); });
-    auto tiles = grid.cbeginValueOn();
-    tiles.setMaxDepth(decltype(tiles)::LEAF_DEPTH - 1);
-    look(tiles);
     return out;
 }
 

@@ -13,7 +13,7 @@
 
 namespace fluidcarve {
 
-/// Paths of the files that a node's parameters name for a frame, given by its number.
+/// Paths of the files that a node reads for a frame, given by its number: those that its parameters name, and its Further::files.
 std::vector<std::string> named_files(const Node& node, int frame);
 
 /// What the results of a pipeline's nodes depend on. Cache keys are hashes of it (Keys), and by it a run can say what changed since the
@@ -37,7 +37,7 @@ public:
         std::string type;
         int version = 1;
         std::optional<Key> plugin;  ///< hash of the plugin file that declares the type, whose author may have forgotten to raise the version
-        std::vector<Param> params;
+        std::vector<Param> params;  ///< with a Further::version as `VERSION`
         std::vector<Input> inputs;
     };
 

@@ -76,7 +76,7 @@ void PipelineArguments::declare(CLI::App& verb) {
         ->type_name("NODE.FIELD=VALUE|PARAM=VALUE|frames=VALUE")
         ->expected(1)
         ->take_all();
-    verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins that the pipeline names; their code runs with all your rights");
+    verb.add_flag("--allow-plugins", allow_plugins, "Load the plugins and run the scripts that the pipeline names; their code runs with all your rights");
     verb.add_option("--confine", folders, "Let the pipeline read and write in this folder only; may be repeated, for several folders")
         ->type_name("DIR")
         ->expected(1)

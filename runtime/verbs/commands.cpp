@@ -2,6 +2,7 @@
 #include "runtime/keep/work_folder.h"
 
 #include "graph/build_pipeline.h"
+#include "graph/code_trust.h"
 #include "graph/confinement.h"
 #include "graph/text/words.h"
 #include "graph/views/describe.h"
@@ -193,7 +194,9 @@ void add_examples(CLI::App& app) {
         {"clean", "  fluidcarve clean --work /shared/sh010/work\n  fluidcarve clean --older 7d --dry-run"},
         {"nodes",
          "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
-        {"new-node", "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight"},
+        {"new-node",
+         "  fluidcarve new-node acme.sparkle\n  fluidcarve new-node acme.straight --solver --folder /shows/ab/straight\n  fluidcarve new-node acme.glow "
+         "--python"},
         {"schema",
          "  fluidcarve schema > schema.json      named in a pipeline's first line:\n"
          "  # yaml-language-server: $schema=schema.json"},
@@ -301,7 +304,9 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     new_node_verb->add_option("name", new_node.name, "Name of the node type: FAMILY.NAME, such as acme.sparkle; choose a family of your own")
         ->required()
         ->type_name("NAME");
-    new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
+    auto* const solver_flag = new_node_verb->add_flag("--solver", new_node.solver, "Write a solver instead of an energy");
+    new_node_verb->add_flag("--python", new_node.python, "Write an energy as a script of Python, with its test and a pipeline, instead of a plugin")
+        ->excludes(solver_flag);
     new_node_verb->add_option("--folder", new_node.folder, "The folder to write (default: ./FAMILY_NAME)")->type_name("DIR");
     auto* const graph_verb = app.add_subcommand("graph", "Draw a pipeline");
     pipeline.declare(*graph_verb);
@@ -336,6 +341,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     }
     for (const auto* const each : {&run_arguments, &carve_arguments.run})
         if (each->progress == "json") tell_as_events();
+    if (pipeline.allow_plugins) allow_code();
     try {
         Confinement::confine_program(pipeline.folders);
     } catch (const Failure& failure) {

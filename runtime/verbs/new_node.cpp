@@ -79,19 +79,24 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
     if (error) return complain(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()), exit_code::node_failed);
 
     const std::string kind = wanted.solver ? "solver" : "energy";
-    const std::vector<std::pair<std::string, std::string>> files{
+    const std::vector<std::pair<std::string, std::string>> script{
+        {name + ".py", "python.py"}, {name + "_test.py", "python_test.py"}, {"example.yaml", "python.yaml"}, {"README.md", "python.md"}};
+    const std::vector<std::pair<std::string, std::string>> plugin{
         {name + ".h", kind + ".h"},   {name + ".cpp", kind + ".cpp"},       {name + "_test.cpp", kind + "_test.cpp"},
         {"plugin.cpp", "plugin.cpp"}, {"CMakeLists.txt", "CMakeLists.txt"}, {"example.yaml", kind + ".yaml"},
         {"README.md", "README.md"}};
     const std::vector<std::pair<std::string, std::string>> names{
         {"{{family}}", family}, {"{{name}}", name}, {"{{Name}}", as_type(name)}, {"{{type}}", wanted.name}, {"{{folder}}", library}};
-    for (const auto& [file, text] : files) {
+    for (const auto& [file, text] : wanted.python ? script : plugin) {
         std::ofstream out(folder / file, std::ios::binary);
         out << filled(new_node_texts().at(text), names) << std::flush;
         if (!out) return complain(fmt::format("cannot write {}", (folder / file).string()), exit_code::node_failed);
     }
-    std::fputs(fmt::format("{}: a complete plugin with the {} {}, ready to build; its README.md says how\n", folder.string(), kind, wanted.name).c_str(),
-               stdout);
+    if (wanted.python)
+        std::fputs(fmt::format("{}: an energy in Python with its test and a pipeline; its README.md says how to run it\n", folder.string()).c_str(), stdout);
+    else
+        std::fputs(fmt::format("{}: a complete plugin with the {} {}, ready to build; its README.md says how\n", folder.string(), kind, wanted.name).c_str(),
+                   stdout);
     return exit_code::done;
 }
 

@@ -20,6 +20,18 @@ TEST_CASE("a module is opened once, whoever asks first") {
     CHECK(std::set<const void*>(tables.begin(), tables.end()).size() == 1);
 }
 
+TEST_CASE("a folder that comes with the program is found beside it, and else told with the places where it was looked for") {
+    CHECK(std::filesystem::exists(std::filesystem::path(shared_folder("python")) / "fluidcarve/worker.py"));
+    const auto home = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    try {
+        shared_folder("nonsense");
+        FAIL("found");
+    } catch (const Failure& failure) {
+        CHECK(std::string(failure.what()) == "there is no folder 'nonsense' of files that come with the program; looked for " + (home / "nonsense").string() +
+                                                 ", " + (home.parent_path() / "share/fluidcarve/nonsense").string() + "; build or install it with the program");
+    }
+}
+
 TEST_CASE("a module that is not there is told with the places where it was looked for") {
     const auto home = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
     const auto parent = std::filesystem::path(home).parent_path().string();

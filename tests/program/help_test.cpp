@@ -71,8 +71,8 @@ TEST_CASE("bash completes verbs, options, choices and node types") {
     CHECK(complete("fluidcarve st", 1) == "status\n");
     CHECK(complete("fluidcarve run --to", 2) == "--to\n");
     CHECK(complete("fluidcarve graph --format s", 3) == "svg\n");
-    CHECK(complete("fluidcarve nodes seam.p", 2) == "seam.pyramid\n");
-    CHECK(complete("fluidcarve nodes rig", 2) == "rig rig.advect rig.circle rig.curve rig.points rig.transform\n");
+    CHECK(complete("fluidcarve nodes seam.p", 2) == "seam.pyramid seam.python\n");
+    CHECK(complete("fluidcarve nodes rig", 2) == "rig rig.advect rig.circle rig.curve rig.points rig.python rig.transform\n");
     CHECK(complete("fluidcarve diff --pi", 2) == "--picture\n");
     CHECK(complete("fluidcarve run pipelines/plume_w", 2) == "pipelines/plume_wide.yaml\n");
 }

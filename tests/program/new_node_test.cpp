@@ -108,6 +108,27 @@ TEST_CASE("what new-node writes builds against an installed fluidcarve, passes i
     fs::remove_all(root);
 }
 
+TEST_CASE("what new-node writes in Python passes its test and runs") {
+    const Scratch scratch;
+    const auto folder = scratch / "glow";
+    must(FLUIDCARVE_PROGRAM " new-node acme.glow --python --folder " + folder);
+    must("cd " + folder + " && /usr/bin/python3 -m unittest glow_test");
+    const auto run = std::string("FLUIDCARVE_PYTHON=/usr/bin/python3 " FLUIDCARVE_PROGRAM " run --progress none ") + folder +
+                     "/example.yaml --set volumes=" TEST_DATA "/plume/plume.####.vdb --set frames=51 --set out=" + folder + "/out.####.vdb";
+    const auto refused = call_shell(run);
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find(
+              "example.yaml:14:18: energy.python runs code that the pipeline names, with your rights, and nobody allowed that; if you trust it, give "
+              "--allow-plugins\n") != std::string::npos);
+    must(run + " --allow-plugins");
+    CHECK(fs::exists(folder + "/out.0051.vdb"));
+    CHECK(must(FLUIDCARVE_PROGRAM " explain " + folder + "/out.0051.vdb").out.find(" --allow-plugins") != std::string::npos);
+    const auto outside =
+        call_shell("mkdir " + (scratch / "elsewhere") + "; " + run + " --allow-plugins --confine tests/data --confine " + (scratch / "elsewhere"));
+    CHECK(outside.code == 2);
+    CHECK(outside.err.find("energy.python parameter 'script': " + folder + "/glow.py leads ") != std::string::npos);
+}
+
 TEST_CASE("new-node overwrites nothing, and refuses names that can't be") {
     const Scratch scratch;
     const auto called = [&](const std::string& arguments) { return replaced(fluidcarve_program("new-node " + arguments).err, scratch.path() + "/", ""); };

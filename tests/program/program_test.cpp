@@ -241,7 +241,7 @@ TEST_CASE("pages name verbs, options and node types that there are", "[long]") {
         return called.out + " --help ";
     };
     int commands = 0, options = 0, nodes = 0;
-    for (const std::string page : {"README.md", "nodes/README.md", "pipelines/README.md", "runtime/README.md"}) {
+    for (const std::string page : {"README.md", "nodes/README.md", "pipelines/README.md", "python/README.md", "runtime/README.md"}) {
         const auto text = std::regex_replace(Scratch::read(SOURCE_ROOT "/" + page), std::regex(R"(\\\n *)"), "");
         all(text, R"([/`]fluidcarve ([a-z-]+)([^`#\n]*))", [&](const std::smatch& command) {
             INFO(page << ": " << command.str());

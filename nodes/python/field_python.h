@@ -1,0 +1,9 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+
+namespace fluidcarve {
+
+NodeType field_python();
+
+}  // namespace fluidcarve

@@ -1,0 +1,52 @@
+#include "nodes/python/python_value.h"
+
+#include "graph/text/yaml_text.h"
+
+#include <charconv>
+#include <cstdint>
+
+namespace fluidcarve {
+namespace {
+
+nlohmann::json json_of(const std::string& text) {
+    if (text == "true" || text == "false") return text == "true";
+    std::int64_t whole = 0;
+    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole); error == std::errc{} && end == text.data() + text.size())
+        return whole;
+    if (const auto number = parse_number(text)) return *number;
+    return text;
+}
+
+}  // namespace
+
+nlohmann::json PythonValue::json() const {
+    if (!list) return json_of(items.front());
+    auto out = nlohmann::json::array();
+    for (const auto& item : items) out.push_back(json_of(item));
+    return out;
+}
+
+Shape ParamTraits<PythonValue>::shape() {
+    const Shape number{Shape::Kind::number, {}, {}}, truth{Shape::Kind::boolean, {}, {}}, text{Shape::Kind::text, {}, {}};
+    return {Shape::Kind::any_of, {}, {number, truth, text, {Shape::Kind::list, {}, {text}}}};
+}
+
+std::optional<PythonValue> ParamTraits<PythonValue>::parse(const Value& value, ValueReader& reader) {
+    if (value.kind == Value::Kind::scalar) return PythonValue{false, {value.text}};
+    if (value.kind != Value::Kind::list) return reader.unwanted(value, to_text(shape())), std::nullopt;
+    PythonValue out{true, {}};
+    for (const auto& item : value.items) {
+        if (item.kind != Value::Kind::scalar) return reader.unwanted(item, "a number, or a text"), std::nullopt;
+        out.items.push_back(item.text);
+    }
+    return out;
+}
+
+std::string ParamTraits<PythonValue>::text(const PythonValue& value) {
+    if (!value.list) return yaml_scalar(value.items.front());
+    std::string out;
+    for (const auto& item : value.items) out += (out.empty() ? "" : ", ") + yaml_scalar(item);
+    return "[" + out + "]";
+}
+
+}  // namespace fluidcarve

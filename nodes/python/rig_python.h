@@ -1,0 +1,9 @@
+#pragma once
+
+#include "graph/types/node_type.h"
+
+namespace fluidcarve {
+
+NodeType rig_python();
+
+}  // namespace fluidcarve

@@ -1,0 +1,73 @@
+#pragma once
+
+#include "nodes/python/shared_memory.h"
+
+#include <nlohmann/json.hpp>
+
+#include <sys/types.h>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace fluidcarve {
+
+/// What a worker tells while it works, and what it asks.
+struct WorkerHost {
+    std::function<bool()> cancelled = [] { return false; };
+    std::function<void(const std::string&)> warn = [](const std::string&) {};
+    std::function<void(double)> progress = [](double) {};
+};
+
+/// A process of Python that runs the functions of one script: python/fluidcarve/worker.py. The two talk by lines of JSON over a socket, and hand arrays over in
+/// shared memory. It ends with this object, and with this program, however that ends.
+class Worker {
+public:
+    /// Starts the process, and imports the script.
+    /// @param interpreter  a path, or a name on PATH
+    /// @param seconds      that the import may take
+    /// @throws Failure with the script's traceback; or if the interpreter can't be started or has no numpy
+    /// @throws Cancelled
+    Worker(const std::string& interpreter, const std::string& script, double seconds, const WorkerHost& host);
+    ~Worker();
+    Worker(const Worker&) = delete;
+    Worker& operator=(const Worker&) = delete;
+
+    /// Sends a request, and waits for its answer.
+    /// @param seconds  that the answer may take; after that the process is ended
+    /// @throws Failure with the script's traceback, or with its place if the process ended or was ended
+    /// @throws Cancelled
+    nlohmann::json call(nlohmann::json request, double seconds, const WorkerHost& host);
+    /// Whether it can be called again.
+    bool alive() const { return process_ > 0; }
+
+    SharedMemory given, answered;  ///< written by this program, and by the worker
+    std::vector<int> frames;       ///< the frames of the sequence, as the worker knows them
+    std::string found;             ///< what `finish` of the script found, as the worker knows it
+
+private:
+    void start();
+    void send(const std::string& line);
+    /// Moves a line that has come to `line`. @return false if there is none yet
+    bool next_line(std::string& line);
+    /// Waits a moment for more. @return false if the process has closed the socket
+    bool receive();
+    /// Ends the process. @param going  it has begun to end by itself
+    void end(bool going = false);
+    /// What the script printed since the last call.
+    std::string printed();
+    /// Why the process is gone, with the place in the script.
+    std::string last_words();
+
+    std::string interpreter_, script_;
+    pid_t process_ = -1;
+    int socket_ = -1;
+    int life_ = -1;  ///< the process ends once this is closed
+    int log_ = -1;   ///< what the process prints
+    int status_ = 0;
+    bool ready_ = false;
+    double seconds_ = 0;  ///< of the last call
+    std::string read_;
+};
+
+}  // namespace fluidcarve
