@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/DelayedLoadMetadata.h>
-#include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
@@ -411,6 +410,11 @@ std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) 
     return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;
 }
 
+/// What openvdb::io::File writes, into a stream of the caller: File takes no notice of what the system refuses.
+struct Writer : openvdb::io::Archive {
+    using Archive::write;
+};
+
 std::string name(Codec codec, const Volume& volume) {
     switch (codec) {
         case Codec::as_read: break;
@@ -469,9 +473,11 @@ VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec, 
                             path, grid->getName(), grid->type()));
     }
     try {
-        openvdb::io::File file(output.aside());
-        file.setCompression(file_flags);
-        file.write(grids, volume.metadata);
+        Writer writer;
+        writer.setCompression(file_flags);
+        std::ofstream out(output.aside(), std::ios::binary);
+        writer.write(out, grids, /*seekable=*/true, volume.metadata);
+        output.close(out);
     } catch (const openvdb::Exception& error) {
         throw Failure(fmt::format("cannot write {}: {}", path, error.what()));
     }

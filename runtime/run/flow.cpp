@@ -479,8 +479,15 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
         for (const auto reader : wiring.readers[n]) flow::make_edge(flow::output_port<0>(*units[n]), *units[reader]);
         if (wiring.readers[n].empty() && !gathers[n].add) flow::make_edge(flow::output_port<0>(*units[n]), retire);
     }
-    source.activate();
-    graph.wait_for_all();
+    try {
+        source.activate();
+        graph.wait_for_all();
+    } catch (...) {
+        // The nodes go before the graph does, so nothing may be left that runs in them.
+        graph.cancel();
+        graph.wait_for_all();
+        throw;
+    }
 
     for (const auto n : pass.gatherers) {
         if (self.stopped()) return;

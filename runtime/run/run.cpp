@@ -1,4 +1,5 @@
 #include "runtime/run/run.h"
+#include "graph/text/json_text.h"
 #include "runtime/keep/work_folder.h"
 
 #include "graph/output_file.h"
@@ -11,6 +12,7 @@
 #include "runtime/run/prerequisites.h"
 #include "runtime/run/status.h"
 #include "runtime/run/steps.h"
+#include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
@@ -110,8 +112,7 @@ int save(Manifest& manifest, const RunRequest& request) {
 /// Writes the report, the page and the profile, if requested. @return the exit code
 int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
               std::filesystem::file_time_type start, int code) {
-    if (!request.report_path.empty())
-        code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
+    if (!request.report_path.empty()) code = write_file("report", request.report_path, json_text(summary, 2) + "\n", code);
     if (!request.profile_path.empty()) code = write_file("profile", request.profile_path, profile.text(), code);
     if (request.html_path.empty()) return code;
     const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start, request.html_path);
@@ -211,7 +212,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     auto as_json = to_json(forecast);
     if (json) as_json["steps"] = to_json(steps_of(pipeline, registry, prepared, history, request.options));
-    std::fputs(json ? (as_json.dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
+    std::fputs(json ? (json_text(as_json, 2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     if (request.verbose && !json) std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);
     return exit_code::done;
 }
@@ -226,6 +227,11 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         } catch (const Failure& failure) {
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
+    }
+    try {
+        require_threads(request.options.threads);
+    } catch (const Failure& failure) {
+        return tell(fmt::format("failed: {}", failure.what())), exit_code::node_failed;
     }
     const auto record = request.task.empty() ? std::string() : task_record(request.options.work_folder, request.task, request.deliver);
     std::optional<Manifest> manifest;
