@@ -168,6 +168,20 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
     }
 }
 
+/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, could not be kept. @return whether they could
+bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared, const RunRequest& request, Report& report) {
+    const auto fault = prepared.cache().fault();
+    if (request.wish.to.empty() || fault.empty()) return true;
+    const auto& plan = prepared.plan();
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (plan.digested[n] || (plan.targets[n] && !pipeline.writes(n))) {
+            const auto& node = pipeline.nodes[n];
+            report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
+            return false;
+        }
+    return true;
+}
+
 /// Stores the state of all nodes in the history, so that a later forecast can say what changed.
 void remember(const Pipeline& pipeline, const Preparation& prepared, const std::vector<Share>& shares, History& history) {
     if (!history.on()) return;
@@ -188,11 +202,11 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
 }
 
 /// Warns of damaged or unwritable cache entries.
-void tell_of_cache(const Cache& cache) {
+void tell_of_cache(const Cache& cache, const Report& report) {
     if (cache.damaged() > 0)
         tell(fmt::format("warning: {} damaged {} in the work folder {} computed again", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
-    if (!cache.fault().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
+    if (!cache.fault().empty() && report.faults().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
 }  // namespace
@@ -297,6 +311,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             stopped =
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
+            if (report.faults().empty() && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.frames(), to_do, report);
@@ -311,7 +326,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (code != exit_code::done && !record.empty()) StatusFile::record_failure(record, pipeline.name, delivered, report, code);
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
-    if (!request.quiet) tell_of_cache(prepared.cache());
+    if (!request.quiet) tell_of_cache(prepared.cache(), report);
     tell_outcome(report, request, summary, told, done_text({delivered.size(), summary["wall_s"].get<double>(), idle, written}));
     return write_all(pipeline, registry, request, summary, profile, start, code);
 }

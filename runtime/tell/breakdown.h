@@ -16,7 +16,7 @@ void end_without_signal();
 /// Ends the program with a message where a limit of the system is so small that libraries would crash. Called before they are initialised.
 void require_room();
 
-/// @throws Failure if the system does not grant a number of threads
+/// Makes sure that a number of threads can be started. @throws Failure if the system does not grant them @throws std::bad_alloc
 void require_threads(int count);
 
 }  // namespace fluidcarve
