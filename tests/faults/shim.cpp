@@ -154,6 +154,12 @@ STAND_BEFORE(ssize_t, pread64, (int file, void* into, size_t bytes, off64_t from
 STAND_BEFORE(ssize_t, readv, (int file, const iovec* into, int count), (file, into, count), kind_read, -1)
 STAND_BEFORE(size_t, fread, (void* into, size_t size, size_t count, FILE* file), (into, size, count, file), kind_read, 0)
 
+// What the same functions are called where the compiler knows the size of the buffer.
+STAND_BEFORE(ssize_t, __read_chk, (int file, void* into, size_t bytes, size_t most), (file, into, bytes, most), kind_read, -1)
+STAND_BEFORE(ssize_t, __pread_chk, (int file, void* into, size_t bytes, off_t from, size_t most), (file, into, bytes, from, most), kind_read, -1)
+STAND_BEFORE(ssize_t, __pread64_chk, (int file, void* into, size_t bytes, off64_t from, size_t most), (file, into, bytes, from, most), kind_read, -1)
+STAND_BEFORE(size_t, __fread_chk, (void* into, size_t most, size_t size, size_t count, FILE* file), (into, most, size, count, file), kind_read, 0)
+
 STAND_BEFORE(ssize_t, pwrite, (int file, const void* from, size_t bytes, off_t to), (file, from, bytes, to), kind_write, -1)
 STAND_BEFORE(ssize_t, pwrite64, (int file, const void* from, size_t bytes, off64_t to), (file, from, bytes, to), kind_write, -1)
 STAND_BEFORE(ssize_t, writev, (int file, const iovec* from, int count), (file, from, count), kind_write, -1)
