@@ -131,3 +131,26 @@ TEST_CASE("JSON is valid whatever bytes a name has") {
         CHECK(is_json(call_shell(FLUIDCARVE_PROGRAM " " + verb + " '" + (shot.scratch / "in\xff.0001.vdb") + "'").out));
     }
 }
+
+TEST_CASE("a result that --to asks for and that can't be kept fails the run, as nothing else is there") {
+    const Scratch scratch;
+    fs::copy_file(TEST_DATA "/vdb/gaffer_arnold_sphere.vdb", scratch / "in.0001.vdb");
+    const auto pipeline = scratch.write("p.yaml",
+                                        "fluidcarve: 1\nframes: 1\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb, grids: {density: float}}\n"
+                                        "  energy: {type: energy.gradient, field: sim.density}\n"
+                                        "  out: {type: vdb.write, source: energy, path: \"" +
+                                            (scratch / "out.####.vdb") + "\"}\n");
+    fs::create_directories(scratch / "work");
+    scratch.write("work/cache", "a file in the place of the folder");
+    const auto run = [&](const std::string& options) {
+        return call_shell("FLUIDCARVE_WORK=" + (scratch / "work") + " " FLUIDCARVE_PROGRAM " run --progress none " + pipeline + options);
+    };
+    const auto asked = run(" --to energy");
+    CHECK_THAT(asked.err, Catch::StartsWith("failed: energy (energy.gradient): its results could not be kept for other runs: cannot write "));
+    CHECK(asked.code == 1);
+    const auto written = run("");
+    CHECK_THAT(written.err, Catch::Contains("warning: results could not be kept for other runs: cannot write "));
+    CHECK(written.code == 0);
+    CHECK(fs::exists(scratch / "out.0001.vdb"));
+    CHECK(Scratch::read(scratch / "work/cache") == "a file in the place of the folder");
+}

@@ -1,5 +1,6 @@
 // Gives the parsers of this project bytes that libFuzzer chooses by what they make a parser do:
-//   guided --parser=NAME [OPTION OF LIBFUZZER]... [CORPUS]
+//   guided --list
+//   guided --parser=NAME [OPTION OF LIBFUZZER]... [FOLDER]...
 // A parser refuses what is damaged by a Failure or a problem. All else that it throws, and all that sanitizers find, ends the program.
 
 #include "graph/document.h"
@@ -120,11 +121,13 @@ Parser chosen;
 extern "C" int LLVMFuzzerInitialize(int* count, char*** words) {
     constexpr std::string_view option = "--parser=";
     const std::string_view word = *count > 1 ? (*words)[1] : "";
+    if (word == "--list") {
+        for (const auto& [name, parser] : parsers()) std::puts(name.c_str());
+        std::exit(0);
+    }
     const auto found = word.starts_with(option) ? parsers().find(std::string(word.substr(option.size()))) : parsers().end();
     if (found == parsers().end()) {
-        std::fputs("guided --parser=NAME, one of:", stderr);
-        for (const auto& [name, parser] : parsers()) std::fprintf(stderr, " %s", name.c_str());
-        std::fputs("\n", stderr);
+        std::fputs("guided --list, or guided --parser=NAME\n", stderr);
         std::exit(2);
     }
     chosen = found->second();
