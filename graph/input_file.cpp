@@ -99,6 +99,23 @@ std::size_t InputFile::read_some(std::uint64_t at, char* into, std::size_t bytes
     return done;
 }
 
+std::string text_of_own_file(const std::string& path) {
+    constexpr std::uint64_t most = std::uint64_t{1} << 30;
+    try {
+        return InputFile(path, {.what = "a record", .most = most}).whole();
+    } catch (const Failure&) {
+        return {};
+    }
+}
+
+bool begins_with(const std::string& path, std::string_view bytes) {
+    try {
+        return InputFile(path, {.what = "a record"}).head(bytes.size()) == bytes;
+    } catch (const Failure&) {
+        return false;
+    }
+}
+
 void InputFile::changed(std::uint64_t now) const {
     throw Unreadable(path_, fmt::format("had {} bytes when it was opened and has {} now; read it again when its writer is done", size_, now));
 }

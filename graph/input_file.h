@@ -64,4 +64,10 @@ private:
     int file_ = -1;
 };
 
+/// The text of a file that this program writes for itself, such as a record in a work folder. Empty if there is none that can be read: no
+/// regular file, one that is larger than any of ours, one outside of --confine.
+std::string text_of_own_file(const std::string& path);
+/// Whether a file that can be read, a regular one, begins with some bytes.
+bool begins_with(const std::string& path, std::string_view bytes);
+
 }  // namespace fluidcarve

@@ -147,9 +147,7 @@ void OutputFile::write(const std::string& path, std::string_view text) {
         OutputFile file(path);
         std::ofstream out(file.aside(), std::ios::binary);
         out << text;
-        out.close();
-        if (!out) throw Failure(fmt::format("cannot write {}: is the disk full?", path));
-        return file.commit();
+        return file.commit(out);
     }
     const int file = open_stream(path);
     while (!text.empty()) {
@@ -157,12 +155,12 @@ void OutputFile::write(const std::string& path, std::string_view text) {
         if (wrote < 0 && errno == EINTR) continue;
         const auto fault = wrote > 0 ? std::string() : fmt::format("cannot write {}: {}", path, std::strerror(errno));
         if (wrote <= 0) {
-            close(file);
+            ::close(file);
             throw Failure(fault);
         }
         text.remove_prefix(static_cast<std::size_t>(wrote));
     }
-    close(file);
+    if (::close(file) != 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
 }
 
 void OutputFile::require_writable(const std::string& path) {
@@ -185,6 +183,9 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     std::filesystem::create_directories(folder, error);
     if (error) throw Failure(fmt::format("cannot write {}: the folder {} cannot be made: {}", path_, folder.string(), error.message()));
     if (std::filesystem::is_directory(target, error)) throw Failure(fmt::format("cannot write {}: it is a folder", path_));
+    if (std::filesystem::is_symlink(target, error) && !is_stream(target))
+        throw Failure(fmt::format("cannot write {}: it is a link to {}, which a file must not replace; remove the link, or name another path", path_,
+                                  std::filesystem::read_symlink(target, error).string()));
     if (is_stream(target)) throw Failure(fmt::format("cannot write {}: it is a device or a pipe, which a file must not replace; name a regular file", path_));
     const std::lock_guard lock(unfinished_mutex);
     remove_orphans(folder);
@@ -198,7 +199,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     if (file < 0) throw Failure(fmt::format("cannot write {}: no file can be made in the folder {}: {}", path_, folder.string(), std::strerror(errno)));
     // A link may have changed since the path was looked at.
     const auto refusal = Confinement::of_program().refusal_of_open(file);
-    close(file);
+    ::close(file);
     if (!refusal.empty()) {
         std::filesystem::remove(aside_, error);
         throw refused(path_, refusal);
@@ -233,9 +234,16 @@ void OutputFile::commit() {
 void OutputFile::sync_commits(bool on) { synced = on; }
 
 void OutputFile::commit(std::ofstream& stream) {
-    stream.close();
-    if (!stream) throw not_whole();
+    close(stream);
     commit();
+}
+
+void OutputFile::close(std::ofstream& stream) const {
+    const bool whole = stream.good();
+    errno = 0;
+    stream.close();
+    if (whole && !stream && errno != 0) throw Failure(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+    if (!stream) throw not_whole();
 }
 
 Failure OutputFile::not_whole() const { return Failure(fmt::format("cannot write {}: the file did not come out whole; is the disk full?", path_)); }

@@ -26,6 +26,8 @@ public:
     void commit();
     /// Closes a stream into the temporary file, then commits. @throws Failure also if the stream did not take all
     void commit(std::ofstream& stream);
+    /// Closes a stream into the temporary file. @throws Failure if the stream did not take all, or the system refuses it now
+    void close(std::ofstream& stream) const;
     /// What a writer throws that finds its temporary file cut off.
     Failure not_whole() const;
 

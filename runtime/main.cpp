@@ -1,5 +1,6 @@
 #include "nodes/catalogue.h"
 #include "runtime/run/run.h"
+#include "runtime/tell/breakdown.h"
 #include "runtime/verbs/commands.h"
 
 #include <fcntl.h>
@@ -16,6 +17,13 @@ void open_standard_streams() {
         if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));
 }
 
+/// Runs before the libraries are initialised: some start threads and allocate then.
+void begin() {
+    fluidcarve::require_room();
+    fluidcarve::end_without_signal();
+}
+[[gnu::section(".preinit_array"), gnu::used]] void (*const first)() = begin;
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -24,9 +32,9 @@ int main(int argc, char** argv) {
     try {
         code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "failed: %s\nThis is a fault of fluidcarve itself; please report it with the command and the pipeline.\n", error.what());
+        std::fputs(fluidcarve::breakdown_text(&error).c_str(), stderr);
     }
-    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+    if (std::ferror(stdout) == 0 && std::fclose(stdout) == 0) return code;
     std::fputs("failed: the results could not be written; is the disk full?\n", stderr);
     return code == fluidcarve::exit_code::done ? fluidcarve::exit_code::node_failed : code;
 }

@@ -1,5 +1,6 @@
 #include "graph/text/problem.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/one_line.h"
 
 #include <fmt/format.h>
@@ -83,7 +84,7 @@ std::string to_json(const Problems& problems) {
         if (!problem.also.empty()) entry["also"] = json_of(problem.also_at, problem.also);
         out.push_back(std::move(entry));
     }
-    return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 std::string nearest(std::string_view name, const std::vector<std::string>& candidates) {

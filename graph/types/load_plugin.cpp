@@ -1,6 +1,7 @@
 #include "graph/types/load_plugin.h"
 
 #include "graph/confinement.h"
+#include "graph/input_file.h"
 #include "graph/types/plugin.h"
 
 #include <dlfcn.h>
@@ -137,6 +138,8 @@ std::vector<std::string> trusted_plugin_folders() {
 void load_plugin(const std::string& file, Registry& registry, PluginFiles& files) {
     for (const auto& [type, loaded] : files)
         if (loaded == file) return;
+    // The loader would wait for the writer of a pipe.
+    static_cast<void>(InputFile(file, {.what = "a plugin", .anywhere = true}));
     // The path must be absolute: for a bare name dlopen searches the system's folders. RTLD_NOW finds missing symbols now; found later,
     // they would end the program.
     void* const library = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);

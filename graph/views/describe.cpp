@@ -1,5 +1,7 @@
 #include "graph/views/describe.h"
 
+#include "graph/text/json_text.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -288,20 +290,20 @@ std::string to_markdown(const Registry& registry) {
     return out;
 }
 
-std::string to_json(const Registry& registry, const NodeType& type) { return json_of(registry, type).dump(2) + "\n"; }
+std::string to_json(const Registry& registry, const NodeType& type) { return json_text(json_of(registry, type), 2) + "\n"; }
 
 std::string family_to_json(const Registry& registry, const std::string& family) {
     Json out{{"nodes", Json::array()}};
     for (const auto& [name, type] : registry.nodes())
         if (family_of(name) == family) out["nodes"].push_back(json_of(registry, type));
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 std::string to_json(const Registry& registry) {
     Json out{{"nodes", Json::array()}, {"types", Json::array()}};
     for (const auto& [name, type] : registry.nodes()) out["nodes"].push_back(json_of(registry, type));
     for (const auto& payload : travelling(registry)) out["types"].push_back({{"name", payload.name}, {"doc", payload.doc}});
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 }  // namespace fluidcarve

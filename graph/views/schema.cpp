@@ -1,5 +1,6 @@
 #include "graph/views/schema.h"
 
+#include "graph/text/json_text.h"
 #include "graph/types/file_fields.h"
 
 #include <fmt/format.h>
@@ -216,7 +217,7 @@ std::string schema(const Registry& registry) {
                    {"then", {{"properties", {{"params", map_of("param_change")}, {"nodes", map_of("node_change")}}}}},
                    {"else", {{"required", {"fluidcarve", "nodes"}}, {"properties", {{"params", map_of("param")}, {"nodes", map_of("node")}}}}},
                    {"definitions", std::move(definitions)}};
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,6 @@
 #include "graph/views/value_sources.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/one_line.h"
 #include "graph/text/yaml_text.h"
 
@@ -15,8 +16,6 @@ namespace fluidcarve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string dump(const Json& json, int indent = -1) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
 /// Finds the sources of values in a document.
 class Finder {
@@ -126,7 +125,7 @@ std::string to_json(const ValueSources& sources) {
         entry = {{"path", file.path}, {"writes", file.writes}};
         if (!file.writes) entry["found"] = file.found;
     }
-    return dump(out, 2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 }  // namespace fluidcarve

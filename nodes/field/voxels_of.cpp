@@ -9,7 +9,7 @@ void check_voxels(const Auto<double>& voxel_size, NodeCheck& check) {
 }
 
 openvdb::math::Transform::Ptr voxels_of(const std::shared_ptr<const AnyGrid>& like, const Auto<double>& voxel_size) {
-    return like ? like->grid->transform().copy() : openvdb::math::Transform::createLinearTransform(*voxel_size);
+    return like ? like->grid->transform().copy() : cubes_of(*voxel_size);
 }
 
 }  // namespace fluidcarve

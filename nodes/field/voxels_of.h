@@ -2,6 +2,7 @@
 
 #include "graph/types/node_check.h"
 #include "graph/types/param.h"
+#include "nodes/field/cubes.h"
 #include "nodes/payloads.h"
 
 #include <memory>

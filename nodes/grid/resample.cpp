@@ -100,7 +100,7 @@ NodeType grid_resample() {
                              "Puts grids on other voxels: larger or smaller ones, upright cubes in place of turned ones, or those of another grid.")
         .input("source", &Resample::Ports::source, "The grids, or one grid.")
         .input("like", &Resample::Ports::like, "The grids take the voxels of this grid. Only its transform counts.")
-        .param("voxel_size", &Resample::Params::voxel_size, Unit::world, between(1e-9, 1e9),
+        .param("voxel_size", &Resample::Params::voxel_size, Unit::world, between(least_voxel, 1e9),
                "Edge of a voxel, instead of `like`. A voxel centre is at the world's origin, and voxels stand along the world's axes.")
         .output("volume", &Resample::Ports::volume,
                 "The same grids. Floats and vectors are read linearly, whole numbers and states from the nearest voxel; level sets keep their narrow band. "

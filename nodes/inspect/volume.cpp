@@ -75,9 +75,12 @@ Json points_of(const PointDataGrid& grid) {
 
 Json list(const openvdb::Coord& at) { return {at.x(), at.y(), at.z()}; }
 
+constexpr std::size_t most_entries = 1000;  ///< of metadata that are listed
+
 Json metadata_of(const openvdb::MetaMap& map) {
     auto out = Json::object();
-    for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) out[one_line(entry->first)] = one_line(entry->second->str());
+    for (auto entry = map.beginMeta(); entry != map.endMeta() && out.size() < most_entries; ++entry)
+        out[one_line(entry->first)] = one_line(entry->second->str());
     return out;
 }
 
@@ -126,10 +129,16 @@ private:
     std::vector<std::pair<std::string, std::vector<std::string>>> all_;
 };
 
+/// @param say  takes a note
+void note_metadata(const openvdb::MetaMap& map, const auto& say) {
+    if (map.metaCount() > most_entries) say(fmt::format("{} entries of metadata, of which the first {} are listed", map.metaCount(), most_entries));
+}
+
 void note_grid(const GridBase& grid, const Json& facts, const Conventions* conventions, Oddities& out) {
     const auto say = [&](const std::string& text) { out.add(text, facts["name"].get<std::string>()); };
     const bool blender = conventions && conventions->name == "blender";
     const auto size = grid.voxelSize();
+    note_metadata(grid, say);
 
     if (RawGrid::of(grid)) return say(fmt::format("of type {}, which OpenVDB does not know: kept as it is, but can't be looked at or carved", grid.type()));
     if (grid.activeVoxelCount() == 0) say("no active voxels");
@@ -179,6 +188,7 @@ void note_between(const Volume& volume, const Json& grids, Oddities& out) {
 }
 
 void note_file(const Volume& volume, const VdbHeader& header, const Conventions* conventions, Oddities& out) {
+    note_metadata(volume.metadata, [&](const std::string& text) { out.add(text); });
     if (volume.grids.empty()) return out.add("no grids");
     if (conventions && conventions->name == "blender" && volume.grids[0]->transform().indexToWorld(openvdb::Vec3d(0)).isZero())
         out.add("the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back");

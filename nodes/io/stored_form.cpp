@@ -1,5 +1,10 @@
 #include "nodes/io/stored_form.h"
 
+#include "graph/text/problem.h"
+#include "nodes/field/cubes.h"
+
+#include <fmt/format.h>
+
 namespace fluidcarve {
 namespace {
 
@@ -23,10 +28,20 @@ protected:
     void writeValue(std::ostream&) const override {}
 };
 
+/// @throws Failure if OpenVDB takes no voxels of the new size
+void scale(openvdb::math::Transform& transform, double factor) {
+    try {
+        transform.postScale(factor);
+    } catch (const openvdb::ArithmeticError&) {
+        throw Failure(fmt::format("with a scale of {:g}, voxels of {:g} world units get smaller than {:g}, the least; choose another 'scale'", factor,
+                                  transform.voxelSize()[0], least_voxel));
+    }
+}
+
 openvdb::math::Transform::Ptr inverse(const openvdb::math::Transform& in_world, const Placement& placement) {
     auto out = in_world.copy();
     out->postTranslate(-placement.translate);
-    out->postScale(1 / placement.scale);
+    scale(*out, 1 / placement.scale);
     if (!placement.offset.isZero()) out->preTranslate(-placement.offset);
     return out;
 }
@@ -36,7 +51,7 @@ openvdb::math::Transform::Ptr inverse(const openvdb::math::Transform& in_world, 
 openvdb::math::Transform::Ptr placed(const openvdb::math::Transform& in_file, const Placement& placement) {
     auto out = in_file.copy();
     if (!placement.offset.isZero()) out->preTranslate(placement.offset);
-    out->postScale(placement.scale);
+    scale(*out, placement.scale);
     out->postTranslate(placement.translate);
     return out;
 }

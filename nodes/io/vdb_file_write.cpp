@@ -6,10 +6,11 @@
 #include "nodes/io/vdb_file.h"
 
 #include <fmt/format.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/Compression.h>
-#include <openvdb/io/File.h>
 
 #include <algorithm>
+#include <fstream>
 
 namespace fluidcarve {
 namespace {
@@ -26,6 +27,11 @@ std::uint32_t flags_of_grid(std::uint32_t flags, const openvdb::GridBase& grid) 
     const bool unzipped = grid.getGridClass() == openvdb::GRID_LEVEL_SET || grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
     return unzipped ? flags & ~static_cast<std::uint32_t>(openvdb::io::COMPRESS_ZIP) : flags;
 }
+
+/// What openvdb::io::File writes, into a stream of the caller: File takes no notice of what the system refuses.
+struct Writer : openvdb::io::Archive {
+    using Archive::write;
+};
 
 std::string name(Codec codec, const Volume& volume) {
     switch (codec) {
@@ -58,9 +64,11 @@ VdbHeader write_vdb(const std::string& path, const Volume& volume, Codec codec, 
                             path, grid->getName(), grid->type()));
     }
     try {
-        openvdb::io::File file(output.aside());
-        file.setCompression(file_flags);
-        file.write(grids, volume.metadata);
+        Writer writer;
+        writer.setCompression(file_flags);
+        std::ofstream out(output.aside(), std::ios::binary);
+        writer.write(out, grids, /*seekable=*/true, volume.metadata);
+        output.close(out);
     } catch (const openvdb::Exception& error) {
         throw Failure(fmt::format("cannot write {}: {}", path, error.what()));
     }

@@ -1,6 +1,7 @@
 #include "nodes/lattice/extension.h"
 
 #include "graph/text/words.h"
+#include "nodes/field/cubes.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +27,7 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
     };
     const auto folds = count_folds(whole, extent[0], extent[1]);
     note(folds_, folds.cells, count_folds(lattice, lattice.shape[0], lattice.shape[1]).cells, folds.plane);
-    const auto cubes = openvdb::math::Transform::createLinearTransform(lattice.spacing);
+    const auto cubes = cubes_of(lattice.spacing);
     const auto overlap = count_overlap(Mapping(whole, extent), *cubes);
     if (overlap.voxels > 0) note(overlap_, overlap.voxels, count_overlap(Mapping(lattice), *cubes).voxels, overlap.plane);
 }

@@ -1,6 +1,7 @@
 #include "nodes/lattice/lattice_node.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/cubes.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -64,7 +65,7 @@ void LatticeNode::make_equal(const LatticeSpec& spec, const Context& context) {
 }
 
 void LatticeNode::count_overlaps(const Context& context) {
-    const auto cubes = openvdb::math::Transform::createLinearTransform(built_.front().lattice.spacing);
+    const auto cubes = cubes_of(built_.front().lattice.spacing);
     for (const auto& built : built_) {
         context.check_cancelled();
         overlaps_.push_back(count_overlap(Mapping(built.lattice), *cubes));

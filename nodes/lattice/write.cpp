@@ -71,9 +71,7 @@ void write_wireframe(const std::string& path, const Lattice& lattice, const std:
                 if ((along == 2 && lattice.closed) || (along == 1 && lattice.around)) out << "l " << last << ' ' << first << '\n';
             }
     }
-    out.close();
-    if (!out) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
-    file.commit();
+    file.commit(out);
 }
 
 NodeType lattice_write() {

@@ -1,5 +1,6 @@
 #include "nodes/page/page_html.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/problem.h"
 #include "graph/text/xml_text.h"
 #include "nodes/page/page_texts.h"
@@ -77,7 +78,7 @@ std::string page_html(const std::string& title, std::vector<Json> scenes) {
             if (fresh) texts.push_back(std::move(text));
             text = place->second;
         });
-    auto data = Json{{"title", title}, {"packed", std::move(texts)}, {"scenes", std::move(scenes)}}.dump();
+    auto data = json_text(Json{{"title", title}, {"packed", std::move(texts)}, {"scenes", std::move(scenes)}});
     // Nothing in a text may end the element that holds the data.
     for (auto at = data.find('<'); at != std::string::npos; at = data.find('<', at)) data.replace(at, 1, "\\u003c");
     const auto& files = page_texts();

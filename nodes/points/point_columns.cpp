@@ -1,6 +1,7 @@
 #include "nodes/points/point_grid.h"
 
 #include "graph/text/problem.h"
+#include "nodes/field/cubes.h"
 
 #include <fmt/format.h>
 #include <openvdb/points/PointDataGrid.h>
@@ -123,8 +124,8 @@ openvdb::math::Transform::Ptr transform_around(const std::vector<Vec3d>& positio
     if (positions.empty()) return openvdb::math::Transform::createLinearTransform(1);
     openvdb::BBoxd box;
     for (const auto& at : positions) box.expand(at);
-    const double voxel = voxel_size_of(box.extents(), positions.size());
-    const auto out = openvdb::math::Transform::createLinearTransform(voxel);
+    const double voxel = std::max(least_voxel, voxel_size_of(box.extents(), positions.size()));
+    const auto out = cubes_of(voxel);
     const auto middle = box.getCenter() / voxel;
     out->postTranslate(voxel * Vec3d(std::round(middle.x()), std::round(middle.y()), std::round(middle.z())));
     return out;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -34,6 +35,12 @@ std::optional<Canvas::Line> cut(const Canvas::Line& line, const Canvas::Rect& wi
     }
     if (first > last) return std::nullopt;
     return Canvas::Line{x0 + first * (x1 - x0), y0 + first * (y1 - y0), x0 + last * (x1 - x0), y0 + last * (y1 - y0)};
+}
+
+/// Writes bytes for cairo. @param to  std::ofstream
+cairo_status_t put_bytes(void* to, const unsigned char* bytes, unsigned count) {
+    auto& out = *static_cast<std::ofstream*>(to);
+    return out.write(reinterpret_cast<const char*>(bytes), count) ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
 }  // namespace
@@ -172,8 +179,11 @@ void Canvas::write_png(const std::string& path, const Provenance& provenance) co
     // The context keeps the first error of all drawing calls.
     auto status = cairo_status(page_->context.get());
     OutputFile file(path);
-    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png(page_->surface.get(), file.aside().c_str());
-    if (status != CAIRO_STATUS_SUCCESS) throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+    std::ofstream out(file.aside(), std::ios::binary);
+    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png_stream(page_->surface.get(), put_bytes, &out);
+    if (status != CAIRO_STATUS_SUCCESS && status != CAIRO_STATUS_WRITE_ERROR)
+        throw Failure(fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+    file.close(out);
     add_provenance(file.aside(), provenance);
     file.commit();
 }

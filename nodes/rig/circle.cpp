@@ -53,7 +53,7 @@ struct RigCircle {
 
 private:
     static Rig rig_of(const Params& params) {
-        return circle_rig(Vec3d(params.center.data()), Vec3d(params.normal.data()), params.radius.of, params.start * M_PI / 180);
+        return circle_rig(Vec3d(params.center.data()), Vec3d(params.normal.data()), params.radius.of, std::fmod(params.start, 360) * M_PI / 180);
     }
 };
 

@@ -177,7 +177,7 @@ NodeType sdf_from_mesh() {
     return Declare<SdfFromMesh>("sdf.from_mesh", "Distances to the faces of a mesh, in a narrow band: a level set if the mesh is closed.")
         .input("mesh", &Ports::mesh, "Any mesh. Distances are negative inside a closed mesh; any other mesh has no inside (see `thickness`).")
         .input("like", &Ports::like, "The result takes the voxels of this grid, instead of `voxel_size`. Only its transform counts.")
-        .param("voxel_size", &Params::voxel_size, Unit::world, at_least(1e-6), "Edge of a voxel. A voxel centre is at the world's origin.")
+        .param("voxel_size", &Params::voxel_size, Unit::world, at_least(least_voxel), "Edge of a voxel. A voxel centre is at the world's origin.")
         .param("band", &Params::band, Unit::voxels, between(2, 1000),
                "Half width of the narrow band: distances are known this far from the faces, on each side.")
         .param("thickness", &Params::thickness, Unit::world, at_least(1e-6),

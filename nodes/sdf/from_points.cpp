@@ -68,7 +68,7 @@ NodeType sdf_from_points() {
     return Declare<FromPoints>("sdf.from_points", "The surface of particles: the distance to balls around them, as a level set.")
         .input("points", &FromPoints::Ports::points, "The particles. A frame without particles has no surface.")
         .input("like", &FromPoints::Ports::like, "The surface takes the voxels of this grid, such as the particles' velocity. Only its transform counts.")
-        .param("voxel_size", &FromPoints::Params::voxel_size, Unit::world, between(1e-9, 1e9),
+        .param("voxel_size", &FromPoints::Params::voxel_size, Unit::world, between(least_voxel, 1e9),
                "Edge of a voxel, instead of `like`. A voxel centre is at the world's origin.")
         .param("radius", &FromPoints::Params::radius, Unit::voxels, between(0.5, 100),
                "Radius of the balls. If particles are about half a voxel apart, as in most liquids, 1 to 2 gives a closed surface.")

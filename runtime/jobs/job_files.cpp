@@ -1,24 +1,19 @@
 #include "runtime/jobs/job_files.h"
 
+#include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 namespace fluidcarve {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool bears_mark(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return text.find(job_mark) != std::string::npos;
-}
+bool bears_mark(const fs::path& path) { return text_of_own_file(path).find(job_mark) != std::string::npos; }
 
 }  // namespace
 

@@ -1,6 +1,8 @@
 #include "runtime/jobs/job_status.h"
 
+#include "graph/input_file.h"
 #include "graph/output_file.h"
+#include "graph/text/json_text.h"
 #include "graph/text/words.h"
 #include "runtime/keep/work_folder.h"
 #include "runtime/run/forecast.h"
@@ -107,8 +109,7 @@ std::vector<Json> jobs_in(const std::string& work_folder) {
     for (fs::directory_iterator each(work_folder + "/jobs", error), end; !error && each != end; each.increment(error)) folders.push_back(each->path());
     std::ranges::sort(folders);
     for (const auto& folder : folders) {
-        std::ifstream in(folder / "job.json");
-        const auto job = Json::parse(in, nullptr, false);
+        const auto job = Json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
         if (is_job(job)) out.push_back(about(job, folder.string()));
     }
     return out;
@@ -135,7 +136,8 @@ std::string text_of(const Json& job) {
         const auto task = failure["task"].get<std::string>();
         const auto& messages = failure["messages"];
         if (messages.empty()) out += fmt::format("{}: {} on {}\n", failure["state"].get<std::string>(), task, failure["host"].get<std::string>());
-        for (const auto& message : messages) out += fmt::format("failed: {}: {}\n", task, message.is_string() ? message.get<std::string>() : message.dump());
+        for (const auto& message : messages)
+            out += fmt::format("failed: {}: {}\n", task, message.is_string() ? message.get<std::string>() : json_text(message));
     }
     if (job["state"] != "done") out += fmt::format("to go on, type: {}\n", job["again"].get<std::string>());
     return out;
@@ -147,7 +149,7 @@ void record_job(const FarmJob& job, const std::string& engine) {
     WorkFolder(job.work).make();
     auto about = to_json(job);
     about["engine"] = engine;
-    OutputFile::write(job_folder(job.work, job.name) + "/job.json", about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    OutputFile::write(job_folder(job.work, job.name) + "/job.json", json_text(about, 1) + "\n");
 }
 
 std::string job_status_text(const std::string& work_folder, bool json) {
@@ -155,7 +157,7 @@ std::string job_status_text(const std::string& work_folder, bool json) {
     if (json) {
         auto out = Json(jobs);
         for (auto& run : recorded_runs(work_folder + "/runs")) out.push_back(std::move(run));
-        return out.dump(2) + "\n";
+        return json_text(out, 2) + "\n";
     }
     std::string out;
     for (const auto& job : jobs) out += text_of(job) + "\n";

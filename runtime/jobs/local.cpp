@@ -1,5 +1,6 @@
 #include "runtime/jobs/local.h"
 
+#include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/shell_word.h"
 #include "graph/text/words.h"
@@ -18,8 +19,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <optional>
+#include <sstream>
 #include <thread>
 
 namespace fluidcarve {
@@ -79,7 +80,7 @@ pid_t start(const std::vector<std::string>& words, const std::string& log) {
 std::vector<std::string> failures_in(const std::string& log) {
     std::vector<std::string> out;
     std::string last;
-    std::ifstream in(log);
+    std::istringstream in(text_of_own_file(log));
     for (std::string line; std::getline(in, line);) {
         if (line.starts_with("failed: ")) out.push_back(line.substr(std::strlen("failed: ")));
         if (!line.empty()) last = line;

@@ -2,6 +2,7 @@
 
 #include "graph/confinement.h"
 #include "graph/output_file.h"
+#include "graph/text/json_text.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 #include "runtime/keep/work_folder.h"
@@ -12,10 +13,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <istream>
 #include <ostream>
 #include <span>
@@ -94,8 +95,15 @@ T number_at(const char* data) {
     return out;
 }
 
-/// Opens an entry for reading. @return below 0 if it is not there, or lies outside of --confine
-int open_entry(const std::string& path) { return Confinement::of_program().refusal(path).empty() ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1; }
+/// Opens an entry for reading. @return below 0 if it is not there, is no regular file, or lies outside of --confine
+int open_entry(const std::string& path) {
+    if (!Confinement::of_program().refusal(path).empty()) return -1;
+    const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    struct stat about {};
+    if (file < 0 || (fstat(file, &about) == 0 && S_ISREG(about.st_mode))) return file;
+    close(file);
+    return -1;
+}
 
 bool read_all(int file, char* into, std::size_t size) {
     while (size > 0) {
@@ -105,16 +113,6 @@ bool read_all(int file, char* into, std::size_t size) {
         size -= static_cast<std::size_t>(got);
     }
     return true;
-}
-
-void write_all(const std::string& path, std::span<const std::span<const char>> parts) {
-    const Descriptor file{open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC)};
-    for (auto part : parts)
-        while (!part.empty()) {
-            const auto wrote = write(file.number, part.data(), part.size());
-            if (wrote <= 0) throw Failure(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
-            part = part.subspan(static_cast<std::size_t>(wrote));
-        }
 }
 
 /// Where the header of an entry ends; nothing if the prefix or the size is wrong. @param size  bytes of the entry
@@ -246,7 +244,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
             type.write(output, out);
             header["outputs"].push_back({{"type", type.name}, {"version", type.version}, {"bytes", body.size() - begin}});
         }
-        const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
+        const auto text = json_text(header);
         std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
         append(head, static_cast<std::uint64_t>(text.size()));
         append(head, static_cast<std::uint64_t>(body.size()));
@@ -266,8 +264,9 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
             return true;
         }
         OutputFile file(path_of(key));
-        write_all(file.aside(), parts);
-        file.commit();
+        std::ofstream stream(file.aside(), std::ios::binary);
+        for (const auto& part : parts) stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+        file.commit(stream);
         return true;
     } catch (const std::exception& error) {
         const std::lock_guard lock(mutex_);

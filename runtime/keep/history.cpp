@@ -1,7 +1,9 @@
 #include "runtime/keep/history.h"
 
 #include "graph/confinement.h"
+#include "graph/input_file.h"
 #include "graph/output_file.h"
+#include "graph/text/json_text.h"
 #include "graph/text/words.h"
 #include "runtime/keep/work_folder.h"
 
@@ -184,10 +186,10 @@ History::History(const std::string& folder, const std::string& pipeline) {
         path_.clear();
         return;
     }
-    std::ifstream in(path_);
-    auto read = json::parse(in, nullptr, false);
+    std::error_code none;
+    auto read = json::parse(text_of_own_file(path_), nullptr, false);
     const bool whole = read.is_object() && std::ranges::all_of(read, [](const json& node) { return node.is_object(); });
-    foreign_ = in.is_open() && !whole && !WorkFolder(folder).marked();
+    foreign_ = std::filesystem::exists(path_, none) && !whole && !WorkFolder(folder).marked();
     if (read.is_object()) nodes_ = std::move(read);
 }
 
@@ -258,9 +260,8 @@ void History::save() const {
     try {
         OutputFile file(path_);
         std::ofstream out(file.aside(), std::ios::binary);
-        out << nodes_.dump(1, ' ', false, json::error_handler_t::replace) << "\n";
-        out.close();
-        if (out) file.commit();
+        out << json_text(nodes_, 1) << "\n";
+        file.commit(out);
     } catch (const Failure&) {
         // Without the file a forecast only lacks reasons and estimates.
     }

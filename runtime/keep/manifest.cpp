@@ -1,5 +1,6 @@
 #include "runtime/keep/manifest.h"
 
+#include "graph/confinement.h"
 #include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "runtime/keep/descriptor.h"
@@ -133,16 +134,22 @@ public:
 private:
     /// @return false if another process has the lock
     bool take() {
-        file_.reset(new Descriptor{open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)});
-        if (file_->number < 0) throw Failure(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+        const auto refuse = [this](const std::string& fault) { throw Failure(fmt::format("cannot lock {}: {}", path_, fault)); };
+        const auto& confinement = Confinement::of_program();
+        if (const auto refusal = confinement.refusal(path_); !refusal.empty()) refuse("it " + refusal);
+        file_.reset(new Descriptor{open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666)});
+        if (file_->number < 0) refuse(errno == ELOOP ? "it is a link; remove it" : std::strerror(errno));
+        struct stat locked {
+        }, there{};
+        // The lock is empty, and removed at the end. What is not may be of others.
+        if (fstat(file_->number, &locked) != 0 || !S_ISREG(locked.st_mode) || locked.st_size != 0) refuse("it is no lock of fluidcarve; remove or rename it");
+        if (const auto refusal = confinement.refusal_of_open(file_->number); !refusal.empty()) refuse("it " + refusal);
         if (flock(file_->number, LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK || errno == EINTR) return false;
             throw Failure(fmt::format("cannot lock {}: {}; keep the manifest on a disk with locks", path_, std::strerror(errno)));
         }
         // The process that had the lock before removed the file, which another may have made again.
-        struct stat locked {
-        }, there{};
-        return fstat(file_->number, &locked) == 0 && stat(path_.c_str(), &there) == 0 && locked.st_ino == there.st_ino && locked.st_dev == there.st_dev;
+        return stat(path_.c_str(), &there) == 0 && locked.st_ino == there.st_ino && locked.st_dev == there.st_dev;
     }
 
     const std::string path_;

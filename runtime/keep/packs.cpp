@@ -1,5 +1,6 @@
 #include "runtime/keep/packs.h"
 
+#include "graph/input_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
 
@@ -15,7 +16,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <random>
 #include <utility>
 
@@ -135,7 +135,7 @@ void Packs::add(const Key& key, std::span<const char> bytes) {
     }
     place = now;
     pack.end += record.size();
-    if (pack.end >= full) end_own();
+    if (pack.end >= full && !end_own()) throw Failure(fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
 }
 
 void Packs::drop(const Key& key) {
@@ -162,11 +162,7 @@ bool Packs::is_name(std::string_view name) {
     return Key::parse(digits) && (ending == closed || ending == opened);
 }
 
-bool Packs::is_pack(const fs::path& file) {
-    std::array<char, pack_magic.size()> first{};
-    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    return std::string_view(first.data(), first.size()) == pack_magic;
-}
+bool Packs::is_pack(const fs::path& file) { return begins_with(file, pack_magic); }
 
 void Packs::scan() {
     if (folder_.empty() || std::exchange(scanned_, true)) return;
@@ -226,10 +222,13 @@ bool Packs::claim(std::size_t n) {
     return false;
 }
 
-void Packs::end_own() {
-    if (own_file_ < 0) return;
-    close(std::exchange(own_file_, -1));
+bool Packs::end_own() {
+    if (own_file_ < 0) return true;
+    const bool good = close(std::exchange(own_file_, -1)) == 0;
+    const int code = errno;
     std::rename(path_of(packs_[own_], opened).c_str(), path_of(packs_[own_], closed).c_str());
+    errno = code;
+    return good;
 }
 
 }  // namespace fluidcarve

@@ -78,7 +78,7 @@ private:
     /// Finds a pack to append to, or makes one. @throws Failure
     void begin_own();
     bool claim(std::size_t pack);
-    void end_own();
+    bool end_own();
 
     const std::string folder_;
     mutable std::mutex mutex_;

@@ -1,6 +1,7 @@
 #include "runtime/keep/work_folder.h"
 
 #include "graph/confinement.h"
+#include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/content_hash.h"
@@ -12,7 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <fstream>
+#include <sstream>
 
 namespace fluidcarve {
 namespace {
@@ -70,7 +71,7 @@ std::vector<fs::path> temporary_files(const fs::path& folder) {
 /// Whether a file holds two hashes: that of an input file and a checksum, as earlier versions wrote them.
 bool is_file_hash(const fs::path& file) {
     std::string text, seal, more;
-    std::ifstream in(file);
+    std::istringstream in(text_of_own_file(file));
     in >> text >> seal;
     return Key::parse(text) && Key::parse(seal) && !(in >> more);
 }
@@ -78,8 +79,7 @@ bool is_file_hash(const fs::path& file) {
 /// Whether a file is of the form of History (`history`) or StatusFile (`runs`).
 bool is_record(const fs::path& file, bool run) {
     if (file.extension() != ".json") return false;
-    std::ifstream in(file);
-    const auto record = nlohmann::json::parse(in, nullptr, false);
+    const auto record = nlohmann::json::parse(text_of_own_file(file), nullptr, false);
     if (!record.is_object()) return false;
     if (run) return record.contains("pid") && record.contains("host") && record.contains("pipeline") && record.contains("nodes");
     return std::ranges::all_of(record, [](const auto& node) { return node.is_object() && node.contains("type") && node.contains("version"); });
@@ -91,13 +91,9 @@ std::vector<fs::path> files_of_job(const fs::path& folder) {
     std::vector<fs::path> out;
     for (const auto& file : files_in(folder / "tasks", 0))
         if (is_record(file, true) || OutputFile::is_aside(file.filename().string())) out.push_back(file);
-    for (const auto& file : files_in(folder / "logs", 0)) {
-        std::string first;
-        std::ifstream in(file);
-        if (file.extension() == ".log" && std::getline(in, first) && first.starts_with("$ ")) out.push_back(file);
-    }
-    std::ifstream in(folder / "job.json");
-    const auto job = nlohmann::json::parse(in, nullptr, false);
+    for (const auto& file : files_in(folder / "logs", 0))
+        if (file.extension() == ".log" && begins_with(file, "$ ")) out.push_back(file);
+    const auto job = nlohmann::json::parse(text_of_own_file(folder / "job.json"), nullptr, false);
     if (job.is_object() && job.contains("pipeline") && job.contains("engine") && job.contains("steps")) out.push_back(folder / "job.json");
     return out;
 }
@@ -121,7 +117,7 @@ void WorkFolder::make() const {
 }
 
 bool WorkFolder::marked() const {
-    std::ifstream in(path_ + "/" + mark_name);
+    std::istringstream in(text_of_own_file(path_ + "/" + mark_name));
     for (std::string line; std::getline(in, line);)
         if (line.starts_with(mark_line)) return true;
     return false;
@@ -153,11 +149,7 @@ std::string WorkFolder::refusal() const {
     return out;
 }
 
-bool WorkFolder::is_entry(const fs::path& file) {
-    std::array<char, 16> first{};
-    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    return std::string_view(first.data(), first.size()) == entry_magic || Packs::is_pack(file);
-}
+bool WorkFolder::is_entry(const fs::path& file) { return begins_with(file, entry_magic) || Packs::is_pack(file); }
 
 std::vector<WorkFolder::Entry> WorkFolder::entries() const {
     std::vector<Entry> out;
@@ -209,8 +201,10 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     Cleaned out;
     std::error_code error, ignored;
     std::size_t all = 0;
-    for (fs::recursive_directory_iterator each(root, ignored), end; each != end; each.increment(ignored))
+    for (fs::recursive_directory_iterator each(root, error), end; !error && each != end; each.increment(error))
         all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
+    // Else the mark would go, though there may be more files.
+    if (error) throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
     for (const auto& file : ours) {
         if (wish.older && !older(file, *wish.older)) {
             ++out.kept;

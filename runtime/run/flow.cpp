@@ -1,6 +1,7 @@
 #include "runtime/run/flow.h"
 
 #include "runtime/plan/frame_run.h"
+#include "runtime/run/end_of_graph.h"
 #include "runtime/run/file_provenance.h"
 #include "runtime/run/out_of_memory.h"
 #include "runtime/run/ports.h"
@@ -420,7 +421,6 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     std::vector<std::size_t> places;
     for (std::size_t place = 0; place < frames_of_pass.size(); ++place)
         if (!frames_of_pass[place].empty()) places.push_back(place);
-
     auto [read, written] = files_of(self.store, wiring, frames_of_pass, places);
     ReadAhead ahead(std::move(read), std::move(written), static_cast<std::size_t>(self.options.in_flight), self.options.memory);
     flow::graph graph;
@@ -455,7 +455,6 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
     });
     flow::make_edge(source, limiter);
     flow::make_edge(limiter, admit);
-
     using Unit = flow::multifunction_node<Token, std::tuple<Token>>;
     struct Gather {
         std::unique_ptr<flow::sequencer_node<Token>> order;
@@ -489,6 +488,7 @@ void Flow::Self::run_pass(std::size_t p, const Plan& plan, const Schedule& sched
         for (const auto reader : wiring.readers[n]) flow::make_edge(flow::output_port<0>(*units[n]), *units[reader]);
         if (wiring.readers[n].empty() && !gathers[n].add) flow::make_edge(flow::output_port<0>(*units[n]), retire);
     }
+    const EndOfGraph end(graph);
     source.activate();
     graph.wait_for_all();
 

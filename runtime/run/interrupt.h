@@ -24,9 +24,7 @@ private:
     void watch();
     const std::string last_words_;
     const int grace_ms_;
-    std::atomic<bool> asked_{false};
-    int signals_ = -1;
-    int ended_ = -1;
+    std::atomic<bool> asked_{false}, ended_{false};
     std::thread thread_;
 };
 

@@ -1,4 +1,5 @@
 #include "runtime/run/run.h"
+#include "graph/text/json_text.h"
 #include "runtime/keep/work_folder.h"
 
 #include "graph/output_file.h"
@@ -11,6 +12,7 @@
 #include "runtime/run/prerequisites.h"
 #include "runtime/run/status.h"
 #include "runtime/run/steps.h"
+#include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/terminal.h"
 
@@ -110,8 +112,7 @@ int save(Manifest& manifest, const RunRequest& request) {
 /// Writes the report, the page and the profile, if requested. @return the exit code
 int write_all(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, const nlohmann::ordered_json& summary, const RunProfile& profile,
               std::filesystem::file_time_type start, int code) {
-    if (!request.report_path.empty())
-        code = write_file("report", request.report_path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", code);
+    if (!request.report_path.empty()) code = write_file("report", request.report_path, json_text(summary, 2) + "\n", code);
     if (!request.profile_path.empty()) code = write_file("profile", request.profile_path, profile.text(), code);
     if (request.html_path.empty()) return code;
     const auto files = written_files(pipeline, summary["frames"].get<std::vector<int>>(), summary, start, request.html_path);
@@ -168,6 +169,20 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
     }
 }
 
+/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, could not be kept. @return whether they could
+bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared, const RunRequest& request, Report& report) {
+    const auto fault = prepared.cache().fault();
+    if (request.wish.to.empty() || fault.empty()) return true;
+    const auto& plan = prepared.plan();
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
+        if (plan.digested[n] || (plan.targets[n] && !pipeline.writes(n))) {
+            const auto& node = pipeline.nodes[n];
+            report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
+            return false;
+        }
+    return true;
+}
+
 /// Stores the state of all nodes in the history, so that a later forecast can say what changed.
 void remember(const Pipeline& pipeline, const Preparation& prepared, const std::vector<Share>& shares, History& history) {
     if (!history.on()) return;
@@ -188,11 +203,11 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
 }
 
 /// Warns of damaged or unwritable cache entries.
-void tell_of_cache(const Cache& cache) {
+void tell_of_cache(const Cache& cache, const Report& report) {
     if (cache.damaged() > 0)
         tell(fmt::format("warning: {} damaged {} in the work folder {} computed again", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
-    if (!cache.fault().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
+    if (!cache.fault().empty() && report.faults().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
 }  // namespace
@@ -212,7 +227,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     auto as_json = to_json(forecast);
     if (json) as_json["steps"] = to_json(steps_of(pipeline, registry, prepared, history, request.options));
-    std::fputs(json ? (as_json.dump(2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
+    std::fputs(json ? (json_text(as_json, 2) + "\n").c_str() : to_text(forecast).c_str(), stdout);
     if (request.verbose && !json) std::fputs(("\n" + to_text(file_places(pipeline))).c_str(), stdout);
     return exit_code::done;
 }
@@ -227,6 +242,11 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
         } catch (const Failure& failure) {
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
+    }
+    try {
+        require_threads(request.options.threads);
+    } catch (const Failure& failure) {
+        return tell(fmt::format("failed: {}", failure.what())), exit_code::node_failed;
     }
     const auto record = request.task.empty() ? std::string() : task_record(request.options.work_folder, request.task, request.deliver);
     std::optional<Manifest> manifest;
@@ -292,6 +312,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             stopped =
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
+            if (report.faults().empty() && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.inputs().timelines, to_do, report);
@@ -306,7 +327,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
     if (code != exit_code::done && !record.empty()) StatusFile::record_failure(record, pipeline.name, delivered, report, code);
     if (manifest && code == exit_code::done) code = save(*manifest, request);
     const auto summary = report.to_json(delivered, code);
-    if (!request.quiet) tell_of_cache(prepared.cache());
+    if (!request.quiet) tell_of_cache(prepared.cache(), report);
     tell_outcome(report, request, summary, told, done_text({delivered.size(), summary["wall_s"].get<double>(), idle, written}));
     return write_all(pipeline, registry, request, summary, profile, start, code);
 }

@@ -1,6 +1,8 @@
 #include "runtime/run/status.h"
 
+#include "graph/input_file.h"
 #include "graph/output_file.h"
+#include "graph/text/json_text.h"
 #include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
@@ -12,7 +14,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 namespace fluidcarve {
@@ -63,7 +64,7 @@ void sign(Json& about) {
 
 void write_status(const std::string& path, const Json& about) {
     try {
-        OutputFile::write(path, about.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+        OutputFile::write(path, json_text(about, 1) + "\n");
     } catch (const Failure&) {
         // The run goes on without a status file.
     }
@@ -166,8 +167,7 @@ void StatusFile::write(const int* exit_code) const {
 }
 
 void StatusFile::record_failure(const std::string& record, const std::string& pipeline, const std::vector<int>& frames, const Report& report, int exit_code) {
-    std::ifstream in(record);
-    auto about = Json::parse(in, nullptr, false);
+    auto about = Json::parse(text_of_own_file(record), nullptr, false);
     if (!well_formed(about) || about["pid"] != getpid() || about["host"] != host()) {
         about = {{"pipeline", pipeline}, {"frames", frames}, {"nodes", Json::object()}};
         sign(about);
@@ -196,8 +196,7 @@ std::vector<Json> recorded_runs(const std::string& folder) {
     std::error_code error;
     for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
         if (each->path().extension() != ".json" || each->path().filename().string().starts_with('.')) continue;
-        std::ifstream in(each->path());
-        auto about = Json::parse(in, nullptr, false);
+        auto about = Json::parse(text_of_own_file(each->path()), nullptr, false);
         if (!well_formed(about)) continue;
         about["state"] = state_of(about);
         about["file"] = each->path().string();

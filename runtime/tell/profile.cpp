@@ -1,5 +1,7 @@
 #include "runtime/tell/profile.h"
 
+#include "graph/text/json_text.h"
+
 #include <nlohmann/json.hpp>
 
 namespace fluidcarve {
@@ -31,7 +33,7 @@ std::string RunProfile::text() const {
                           {"tid", event.thread},
                           {"args", std::move(args)}});
     }
-    return Json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(Json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}) + "\n";
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,7 @@
 #include "runtime/tell/progress.h"
 
+#include "graph/text/json_text.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -154,14 +156,13 @@ void Progress::show(bool always) {
     const double wall = std::chrono::duration<double>(now - start_).count();
     const double fraction = advance(), seconds_left = left();
     if (style_ == ProgressStyle::json) {
-        put(nlohmann::ordered_json{{"event", "progress"},
-                                   {"pass", pass_ + 1},
-                                   {"passes", passes_},
-                                   {"fraction", std::round(fraction * 1000) / 1000},
-                                   {"elapsed_s", std::round(wall * 10) / 10},
-                                   {"left_s", std::round(seconds_left * 10) / 10},
-                                   {"at", current_}}
-                .dump() +
+        put(json_text(nlohmann::ordered_json{{"event", "progress"},
+                                             {"pass", pass_ + 1},
+                                             {"passes", passes_},
+                                             {"fraction", std::round(fraction * 1000) / 1000},
+                                             {"elapsed_s", std::round(wall * 10) / 10},
+                                             {"left_s", std::round(seconds_left * 10) / 10},
+                                             {"at", current_}}) +
             "\n");
         return;
     }

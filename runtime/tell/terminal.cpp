@@ -1,5 +1,7 @@
 #include "runtime/tell/terminal.h"
 
+#include "graph/text/json_text.h"
+
 #include <nlohmann/json.hpp>
 
 #include <unistd.h>
@@ -30,7 +32,7 @@ void tell_event(const std::string& text, const std::string& otherwise) {
             rest = text.substr(word.size());
         }
     while (rest.ends_with('\n')) rest.pop_back();
-    const auto line = nlohmann::ordered_json{{"event", kind}, {"text", rest}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    const auto line = json_text(nlohmann::ordered_json{{"event", kind}, {"text", rest}}) + "\n";
     std::fputs(line.c_str(), stderr);
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/verbs/diff.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/one_line.h"
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
@@ -198,7 +199,7 @@ private:
             text += fmt::format("only in {}: {}\n", side, sequence);
             all["alone"].push_back({{"in", side}, {"path", sequence}});
         }
-        if (request_.json) text = all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+        if (request_.json) text = json_text(all, 2) + "\n";
         std::fwrite(text.data(), 1, text.size(), stdout);
         std::fflush(stdout);
         for (const auto& fault : faults_) complain_of(fault);

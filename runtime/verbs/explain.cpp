@@ -1,5 +1,6 @@
 #include "runtime/verbs/explain.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/one_line.h"
 #include "runtime/tell/exit_codes.h"
 #include "runtime/verbs/read_confined.h"
@@ -29,7 +30,7 @@ int explain_file(const std::string& path, bool json, std::uint64_t memory, const
     if (json) {
         Json out{{"file", path}, {"provenance", found && !found->empty() ? *found : Json()}};
         if (!found) out["error"] = fault;
-        std::fputs((out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stdout);
+        std::fputs((json_text(out, 2) + "\n").c_str(), stdout);
     } else if (!found) {
         std::fputs(fmt::format("failed: {}\n", one_line(fault)).c_str(), stderr);
     } else if (found->empty()) {

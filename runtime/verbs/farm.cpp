@@ -1,5 +1,6 @@
 #include "runtime/verbs/farm.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/shell_word.h"
 #include "graph/text/words.h"
 #include "graph/views/provenance.h"
@@ -141,7 +142,7 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
     const auto job = plan_farm(pipeline, registry, *request, chunking, shared);
     if (!job) return exit_code::input;
-    if (arguments.dry_run) return print(arguments.json ? to_json(*job).dump(2) + "\n" : to_text(*job)), exit_code::done;
+    if (arguments.dry_run) return print(arguments.json ? json_text(to_json(*job), 2) + "\n" : to_text(*job)), exit_code::done;
     try {
         record_job(*job, engine.name);
         auto asked = arguments.request;

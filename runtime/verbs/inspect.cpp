@@ -1,5 +1,6 @@
 #include "runtime/verbs/inspect.h"
 
+#include "graph/text/json_text.h"
 #include "graph/text/one_line.h"
 #include "graph/text/words.h"
 #include "runtime/run/run.h"
@@ -65,7 +66,7 @@ public:
     /// Compares the files that are alone, and prints what is left. @return an exit code
     int finish() {
         for (const auto& inspector : registry_.inspectors()) note(inspector, alone_[&inspector]);
-        if (json_) tell(stdout, all_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        if (json_) tell(stdout, json_text(all_, 2) + "\n");
         return code_;
     }
 

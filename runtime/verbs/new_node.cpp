@@ -89,7 +89,8 @@ int write_new_node(const NewNode& wanted, const Registry& registry) {
         {"{{family}}", family}, {"{{name}}", name}, {"{{Name}}", as_type(name)}, {"{{type}}", wanted.name}, {"{{folder}}", library}};
     for (const auto& [file, text] : wanted.python ? script : plugin) {
         std::ofstream out(folder / file, std::ios::binary);
-        out << filled(new_node_texts().at(text), names) << std::flush;
+        out << filled(new_node_texts().at(text), names);
+        out.close();
         if (!out) return complain(fmt::format("cannot write {}", (folder / file).string()), exit_code::node_failed);
     }
     if (wanted.python)

@@ -1,5 +1,6 @@
 #include "runtime/verbs/read_confined.h"
 
+#include "graph/text/json_text.h"
 #include "runtime/verbs/confined.h"
 
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ std::vector<ReadFile> read_confined(std::span<const std::string> paths, const Re
         [&] {
             auto all = Json::array();
             for (const auto& path : paths) all.push_back(answer_of(path, read));
-            return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+            return json_text(all);
         },
         memory, seconds);
     std::vector<ReadFile> out;

@@ -1,5 +1,6 @@
 #include "runtime/verbs/summary.h"
 
+#include "graph/text/json_text.h"
 #include "graph/types/frames.h"
 
 #include <fmt/format.h>
@@ -103,7 +104,7 @@ private:
     static std::string by_value(const Seen& values, const std::string& key) {
         std::vector<std::pair<std::string, Seen>> groups;
         for (const auto& each : values) {
-            const auto text = each.second->is_string() ? each.second->get<std::string>() : each.second->dump();
+            const auto text = each.second->is_string() ? each.second->get<std::string>() : json_text(*each.second);
             auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& other) { return other.first == text; });
             if (group == groups.end()) group = groups.insert(groups.end(), {text, {}});
             group->second.push_back(each);

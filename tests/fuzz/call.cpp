@@ -70,6 +70,7 @@ Ended call(const std::vector<std::string>& words, const std::string& folder, dou
 std::string fault_of(const Ended& ended) {
     if (ended.hung) return "hangs";
     if (ended.signal) return fmt::format("crashes with signal {}", ended.signal);
+    if (ended.errors.find("This is a fault of fluidcarve itself") != std::string::npos) return "calls it a fault of its own: " + ended.errors;
     if (ended.code == 0 || ended.code == 2 || ended.code == 3) return {};
     bool failed = false;
     std::istringstream lines(ended.errors);

@@ -51,6 +51,8 @@ ExpressionFault fault_of(const std::string& message) {
     out.line = std::atoi(message.c_str() + space + 1);
     out.column = std::atoi(message.c_str() + colon + 1);
     out.message.resize(space);
+    // The parser takes the first 14 letters of each message for "syntax error, ", those of "memory exhausted" too.
+    if (out.message == "ed") out.message = "nested too deep";
     if (out.message.starts_with("unexpected ")) name_tokens(out.message);
     replace_all(out.message, " \ncandidates are: \n", "; known: ");
     replace_all(out.message, "\n", ", ");

@@ -4,6 +4,7 @@
 #include "graph/types/module.h"
 #include "nodes/image/image.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <half.h>
@@ -14,6 +15,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -294,8 +296,15 @@ void write(const std::string& path, const Image& image, int quality) {
         });
         offset += type.size();
     }
+    // Into memory: not all of its writers notice what the system refuses.
+    OIIO::Filesystem::IOVecOutput encoded;
+    file->set_ioproxy(&encoded);
     const bool done = file->open(path, spec) && file->write_image(TypeDesc::UNKNOWN, bytes.data());
     if (!(file->close() && done) || file->has_error()) throw Failure(file->geterror());
+    std::ofstream out(path, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(encoded.buffer().data()), static_cast<std::streamsize>(encoded.buffer().size()));
+    out.close();
+    if (!out) throw Failure("the file did not come out whole; is the disk full?");
 }
 
 const ImageModule* images() {

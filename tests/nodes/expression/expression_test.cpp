@@ -384,6 +384,8 @@ TEST_CASE("what the parser and the compiler say bears its place") {
     std::string deep = "@energy = ";
     for (int n = 0; n < 4000; ++n) deep += "1+";
     CHECK_THAT(faults_of(deep + "1;"), Catch::Contains("nested more than 100 levels deep"));
+    // More than the parser itself takes.
+    CHECK_THAT(faults_of("@energy = " + std::string(12'000, '(') + "1;"), Catch::EndsWith(" nested too deep"));
 }
 
 TEST_CASE("a program that reads an input as what it is not, or inputs of several transforms, fails with their names") {

@@ -129,3 +129,24 @@ TEST_CASE("several files are compared: grids whose voxels or domain change are t
               "density, heat: voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 8] in a, but voxels of 0.1, 0.1, 0.1 in a domain of [8, 8, 9] in b: if "
               "these are frames of one sequence, its domain is adaptive, and no lattice fits"});
 }
+
+TEST_CASE("of very many entries of metadata the first are listed, and their number is told") {
+    const Scratch scratch;
+    Volume volume;
+    const auto grid = named(FloatGrid::create(), "density");
+    for (int n = 0; n < 1234; ++n) {
+        grid->insertMeta("entry" + std::to_string(n), openvdb::StringMetadata("text"));
+        volume.metadata.insertMeta("entry" + std::to_string(n), openvdb::StringMetadata("text"));
+    }
+    volume.grids = {grid};
+    const auto facts = look_at(scratch, volume);
+    CHECK(facts["metadata"].size() == 1000);
+    CHECK(facts["grids"][0]["metadata"].size() == 1000);
+    const auto lines = oddities(facts);
+    const auto tells = [&](const std::string& start) {
+        return std::ranges::any_of(
+            lines, [&](const auto& line) { return line.starts_with(start) && line.ends_with("entries of metadata, of which the first 1000 are listed"); });
+    };
+    CHECK(tells("1234"));
+    CHECK(tells("density: 12"));
+}

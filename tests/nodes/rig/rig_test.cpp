@@ -100,6 +100,11 @@ TEST_CASE("rig.circle runs clockwise seen from its normal's tip, from x towards 
     CHECK(started.up == Vec3d(0, 1, 0));
     CHECK((started.points.front() - Vec3d(0, 0, 1)).length() < 1e-15);
     CHECK((started.points[started.points.size() / 4] - Vec3d(-2, 0, 0)).length() < 1e-12);
+    // At any angle, neighbours stand as far apart.
+    for (const std::string start : {"-1e9", "1e20", "1e308"}) {
+        const auto turned = made(NodeBench(rig_circle(), "{center: [0, 0, 0], radius: 2, start: " + start + "}"));
+        CHECK((turned.points[1] - turned.points[0]).length() == Approx((rig.points[1] - rig.points[0]).length()));
+    }
     CHECK((made(NodeBench(rig_circle(), "{center: [0, 0, 0], normal: [-1, 0, 0], radius: 1}")).points.front() - Vec3d(0, 1, 0)).length() < 1e-15);
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace fluidcarve {
+
+/// A JSON value as text that every reader takes: bytes that are no UTF-8, as names of files may hold, become U+FFFD.
+/// @param indent  spaces per level; below 0: one line
+template <class Json>
+std::string json_text(const Json& json, int indent = -1) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace fluidcarve
