@@ -275,6 +275,15 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
     }
 }
 
+void Cache::finish() {
+    try {
+        packs_.finish();
+    } catch (const Failure& failure) {
+        const std::lock_guard lock(mutex_);
+        fault_ = failure.what();
+    }
+}
+
 std::string Cache::fault() const {
     const std::lock_guard lock(mutex_);
     return fault_;

@@ -50,6 +50,8 @@ public:
     bool whole(const Key& key);
     /// Writes an entry. @return false if it can't be written; later calls then store nothing, and `fault` says why
     bool store(const Key& key, nlohmann::ordered_json header, const std::vector<Payload>& outputs);
+    /// To be called when nothing more is stored. What the system has lost of it is then a fault.
+    void finish();
     std::string fault() const;
     /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_ + packs_.damaged(); }

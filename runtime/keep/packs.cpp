@@ -138,6 +138,11 @@ void Packs::add(const Key& key, std::span<const char> bytes) {
     if (pack.end >= full && !end_own()) throw Failure(fmt::format("cannot write {}: {}", path_of(pack, opened), std::strerror(errno)));
 }
 
+void Packs::finish() {
+    const std::lock_guard lock(mutex_);
+    if (!end_own()) throw Failure(fmt::format("cannot write {}: {}", path_of(packs_[own_], closed), std::strerror(errno)));
+}
+
 void Packs::drop(const Key& key) {
     const std::lock_guard lock(mutex_);
     if (const auto found = places_.find(key); found != places_.end()) found->second.size = 0;

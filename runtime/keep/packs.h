@@ -38,6 +38,8 @@ public:
     void look_again();
     /// Appends a record, which takes the place of earlier ones of its key. @throws Failure if it can't be written
     void add(const Key& key, std::span<const char> bytes);
+    /// Closes the pack that this process appends to. @throws Failure if the system has lost a part of it
+    void finish();
     /// Takes the record of a key for missing until another is added.
     void drop(const Key& key);
     /// Marks the pack with the record of a key as used now, once for each pack.

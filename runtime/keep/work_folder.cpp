@@ -204,7 +204,7 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     for (fs::recursive_directory_iterator each(root, error), end; !error && each != end; each.increment(error))
         all += !each->is_directory(ignored) && each->path() != root / mark_name ? 1 : 0;
     // Else the mark would go, though there may be more files.
-    if (error) throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
+    if (error && error != std::errc::no_such_file_or_directory) throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
     for (const auto& file : ours) {
         if (wish.older && !older(file, *wish.older)) {
             ++out.kept;

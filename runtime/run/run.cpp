@@ -312,6 +312,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             stopped =
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
+            prepared.cache().finish();
             if (report.faults().empty() && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
