@@ -1396,6 +1396,30 @@ class SeamsFamily:
         Writes seams or a warp to one .vdb file. Any smaller number of the seams can be carved from it later.
         """
 
+class TimeRetime(Node):
+    volume: Output
+
+class TimeFamily:
+    def retime(
+        self,
+        source: Source,
+        *,
+        name: str = ...,
+        velocity: Source = ...,
+        speed: float | Literal["auto"] | Param = ...,
+        frames: int | Literal["auto"] | Param = ...,
+        curve: Sequence[Sequence[float | Param] | Param] | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        scale: float | Literal["auto"] | Param = ...,
+        transport: Literal["mac_cormack", "semi_lagrangian"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeRetime:
+        """
+        The same sequence, faster, slower, backwards, held, or along a curve. Frames between those of the source are
+        moved there from both of their neighbours. What follows this node has the new frames.
+        """
+
 class UsdWrite(Node):
     ...
 
@@ -1529,6 +1553,8 @@ class Families:
     def seam(self) -> SeamFamily: ...
     @property
     def seams(self) -> SeamsFamily: ...
+    @property
+    def time(self) -> TimeFamily: ...
     @property
     def usd(self) -> UsdFamily: ...
     @property
