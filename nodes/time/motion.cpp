@@ -23,7 +23,7 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-constexpr float width = 1.5f;        ///< voxels: standard deviation of the window in which motion is alike
+constexpr float width = 1.5f;      ///< voxels: standard deviation of the window in which motion is alike
 constexpr int rounds = 5;          ///< of correction
 constexpr float most_step = 1.5f;  ///< voxels by which a round corrects at most
 /// Resistance against correction, as shares of the structure tensor's trace: of the largest one, and of the place's own.
@@ -178,6 +178,29 @@ public:
         }
     }
 
+    /// The same at half size: means of cubes of eight voxels.
+    Pair halved() const {
+        const auto half_of = [&](int size) { return (size + 1) / 2; };
+        Pair out(Box(CoordBBox(Coord(0), Coord(half_of(box_.size[0]) - 1, half_of(box_.size[1]) - 1, half_of(box_.size[2]) - 1))));
+        const auto mean = [&](const Numbers& from, Numbers& to, float by) {
+            to.resize(out.box_.count());
+            out.box_.each([&](std::size_t at, int x, int y, int z) {
+                float sum = 0;
+                for (int n = 0; n < 8; ++n) {
+                    const std::array place{2 * x + (n & 1), 2 * y + (n >> 1 & 1), 2 * z + (n >> 2)};
+                    std::ptrdiff_t fine = 0;
+                    for (std::size_t axis = 0; axis < 3; ++axis) fine += std::min(place[axis], box_.size[axis] - 1) * box_.stride[axis];
+                    sum += from[static_cast<std::size_t>(fine)];
+                }
+                to[at] = by * sum / 8;
+            });
+        };
+        mean(before_, out.before_, 1);
+        mean(after_, out.after_, 1);
+        for (std::size_t n = 0; n < 3; ++n) mean(displacement_[n], out.displacement_[n], 0.5f);
+        return out;
+    }
+
     double mismatch() const {
         const auto [from, to] = halfway();
         double sum = 0;
@@ -209,30 +232,7 @@ private:
         return out;
     }
 
-    Pair(const Box& box) : box_(box) {}
-
-    /// The same at half size: means of cubes of eight voxels.
-    Pair halved() const {
-        const auto half_of = [&](int size) { return (size + 1) / 2; };
-        Pair out(Box(CoordBBox(Coord(0), Coord(half_of(box_.size[0]) - 1, half_of(box_.size[1]) - 1, half_of(box_.size[2]) - 1))));
-        const auto mean = [&](const Numbers& from, Numbers& to, float by) {
-            to.resize(out.box_.count());
-            out.box_.each([&](std::size_t at, int x, int y, int z) {
-                float sum = 0;
-                for (int n = 0; n < 8; ++n) {
-                    const std::array place{2 * x + (n & 1), 2 * y + (n >> 1 & 1), 2 * z + (n >> 2)};
-                    std::ptrdiff_t fine = 0;
-                    for (std::size_t axis = 0; axis < 3; ++axis) fine += std::min(place[axis], box_.size[axis] - 1) * box_.stride[axis];
-                    sum += from[static_cast<std::size_t>(fine)];
-                }
-                to[at] = by * sum / 8;
-            });
-        };
-        mean(before_, out.before_, 1);
-        mean(after_, out.after_, 1);
-        for (std::size_t n = 0; n < 3; ++n) mean(displacement_[n], out.displacement_[n], 0.5f);
-        return out;
-    }
+    explicit Pair(const Box& box) : box_(box) {}
 
     /// Takes over a displacement that was found at half size.
     void take_from(const Pair& half) {
@@ -283,7 +283,10 @@ VectorGrid::Ptr motion_between(const MovingFrame& a, const MovingFrame& b, doubl
     return pair.grid(a.shown->transform());
 }
 
-double mismatch(const MovingFrame& a, const MovingFrame& b, double scale, std::uint64_t memory_budget) { return Pair(a, b, scale, memory_budget).mismatch(); }
+double mismatch(const MovingFrame& a, const MovingFrame& b, double scale, std::uint64_t memory_budget) {
+    // Half the size tells as much, eight times as fast.
+    return Pair(a, b, scale, memory_budget).halved().mismatch();
+}
 
 double typical_speed(const MovingFrame& frame) {
     if (!frame.velocity) return 0;

@@ -17,7 +17,7 @@ struct MovingFrame {
 /// @throws Failure as require_dense_fits
 VectorGrid::Ptr motion_between(const MovingFrame& a, const MovingFrame& b, double scale, std::uint64_t memory_budget);
 
-/// Root mean square difference of two frames, each moved by its velocity to the moment halfway. It is least at the right scale.
+/// Root mean square difference of two frames at half size, each moved by its velocity to the moment halfway. It is least at the right scale.
 double mismatch(const MovingFrame& a, const MovingFrame& b, double scale, std::uint64_t memory_budget);
 
 /// How far a velocity of 1 moves in voxels that show something, root mean square; 0 without any.

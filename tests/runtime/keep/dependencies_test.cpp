@@ -19,10 +19,10 @@ nodes:
 )");
     const auto pipeline = build_pipeline(read_document(path, {}, problems), registry, problems);
     REQUIRE(to_text(problems) == "");
-    const std::vector<int> frames{1, 2};
+    const Timelines timelines(pipeline, {});
     const std::map<std::size_t, std::map<int, int>> stands_in{{0, {{2, 1}}}}, nothing;
     FileHashes files("");
-    const Dependencies dependencies(pipeline, frames, stands_in, files);
+    const Dependencies dependencies(pipeline, timelines, stands_in, files);
 
     const auto of_load = dependencies.of(0), of_top = dependencies.of(1);
     CHECK(of_load.type == "toy.load");
@@ -46,7 +46,7 @@ nodes:
     CHECK(!dependencies.contents(0, 0));
     scratch.write("in.01", "7");
     FileHashes later("");
-    const Dependencies then(pipeline, frames, nothing, later);
+    const Dependencies then(pipeline, timelines, nothing, later);
     CHECK(then.contents(0, 0));
     CHECK(!then.contents(0, 1));
 }
