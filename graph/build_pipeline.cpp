@@ -83,7 +83,10 @@ public:
         for (auto& draft : drafts_) connect(draft);
         if (!order()) return out;
         infer_rates();
-        infer_frames(out);
+        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
+        std::vector<Node*> nodes;
+        for (auto& draft : drafts_) nodes.push_back(&draft.node);
+        out.frames = infer_timelines(nodes, out.frames, problems_);
         check_paths(out.frames);
         check_written(out.frames);
         if (const auto note = staggered_note(document_.frames.text); !note.empty()) out.notes.push_back("frames: " + note);
@@ -95,13 +98,6 @@ public:
     }
 
 private:
-    void infer_frames(Pipeline& out) {
-        if (document_.frames.text == "auto") out.holes = holes_in(out.frames);
-        std::vector<Node*> nodes;
-        for (auto& draft : drafts_) nodes.push_back(&draft.node);
-        out.frames = infer_timelines(nodes, out.frames, problems_);
-    }
-
     FrameSet read_frames() {
         if (document_.frames.kind == Value::Kind::null || document_.frames.kind == Value::Kind::unresolved) return FrameSet({1});
         if (document_.frames.kind == Value::Kind::scalar && document_.frames.text == "auto") return auto_frames();

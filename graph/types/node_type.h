@@ -4,6 +4,7 @@
 #include "graph/types/further.h"
 #include "graph/types/growth.h"
 #include "graph/types/node_check.h"
+#include "graph/types/node_hooks.h"
 #include "graph/types/outlook.h"
 #include "graph/types/param.h"
 #include "graph/types/payload.h"
@@ -182,33 +183,6 @@ requires requires { typename Node::Params; }
 struct ParamsOf<Node> {
     using type = typename Node::Params;
 };
-
-/// Defines `has_NAME<Node>`: whether a node has a member of that name with any signature. It derives from the node and from a class with
-/// such a member: if both have it, the name is ambiguous.
-#define FLUIDCARVE_HOOK(name)                      \
-    struct Other_##name {                          \
-        int name;                                  \
-    };                                             \
-    template <class Node>                          \
-    struct Both_##name : Node, Other_##name {};    \
-    template <class Node>                          \
-    inline constexpr bool has_##name = !requires { \
-        &Both_##name<Node>::name;                  \
-    };
-FLUIDCARVE_HOOK(run)
-FLUIDCARVE_HOOK(add)
-FLUIDCARVE_HOOK(digest)
-FLUIDCARVE_HOOK(resume)
-FLUIDCARVE_HOOK(gathers)
-FLUIDCARVE_HOOK(wants)
-FLUIDCARVE_HOOK(animates)
-FLUIDCARVE_HOOK(retimes)
-FLUIDCARVE_HOOK(check)
-FLUIDCARVE_HOOK(survey)
-FLUIDCARVE_HOOK(foresee)
-FLUIDCARVE_HOOK(conclude)
-FLUIDCARVE_HOOK(depends)
-#undef FLUIDCARVE_HOOK
 }  // namespace detail
 
 /// Declares a node type. `Node` is a plain struct with

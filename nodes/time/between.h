@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/types/node_type.h"
+#include "graph/types/param.h"
 #include "nodes/payloads.h"
 
 #include <string>

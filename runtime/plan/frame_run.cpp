@@ -9,6 +9,12 @@ bool Wiring::failed_before(std::size_t node, const FrameRun& frame) const {
     return std::ranges::any_of(sources[node], [&](std::size_t source) { return frame.failed[source] != 0; });
 }
 
+void Wiring::release(std::size_t node, FrameRun& frame) const {
+    for (const auto source : sources[node])
+        if (frame.readers[source].fetch_sub(1) == 1) frame.outputs[source].clear();
+    if (readers[node].empty()) frame.outputs[node].clear();
+}
+
 Wiring wire(const Pipeline& pipeline, const Pass& pass) {
     Wiring out;
     out.units = pass.per_frame;

@@ -39,6 +39,8 @@ struct Wiring {
 
     /// Whether a node that this one reads failed in a frame.
     bool failed_before(std::size_t node, const FrameRun& frame) const;
+    /// Frees outputs of which this node was the last reader, before the end of the frame.
+    void release(std::size_t node, FrameRun& frame) const;
 };
 
 Wiring wire(const Pipeline& pipeline, const Pass& pass);

@@ -113,9 +113,11 @@ struct Flow::Self {
 
     bool stopped() const { return cancelled() || fatal || lost || (failed && !options.keep_going); }
 
-    /// @param frame  null: a body that is called once  @param delivers  whether the body makes the node's outputs of the frame
-    Context context(Line& line, const FrameRun* frame, bool delivers) {
-        const auto& [numbers, index] = delivers ? timelines.delivered(line.node) : timelines.taken(line.node);
+    /// Whether a node makes its outputs of a frame, and does not take the frame.
+    static bool delivers(std::size_t n, const FrameRun* frame) { return frame && frame->scheduled.results[n] == Action::run; }
+
+    Context context(Line& line, const FrameRun* frame) {
+        const auto& [numbers, index] = delivers(line.node, frame) ? timelines.delivered(line.node) : timelines.taken(line.node);
         auto out = Context(line, numbers).limits(options.memory, options.work_folder);
         return frame ? out.at(index.at(frame->place).value()) : out;
     }
@@ -146,15 +148,13 @@ struct Flow::Self {
     }
 
     /// Calls a body with connected ports and a context.
-    /// @param frame     null: a body that is called once
-    /// @param delivers  whether the body makes the node's outputs of the frame
-    bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body, bool delivers = false) {
+    /// @param frame  null: a body that is called once
+    bool call(Line& line, const FrameRun* frame, const char* what, const std::function<void(void* ports, Context&)>& body) {
         return guarded(line.node, frame ? std::optional(frames[frame->place]) : std::nullopt, what, [&] {
             const auto ports = behaviours[line.node].make_ports();
-            // What retimes has taken the frames of its inputs before.
-            const bool inputs = frame && !(delivers && line.of().retimes());
+            const bool inputs = frame && !(delivers(line.node, frame) && line.of().retimes());  // it has taken their frames before
             io.connect(line.node, ports.get(), held, inputs ? &frame->outputs : nullptr);
-            auto where = context(line, frame, delivers);
+            auto where = context(line, frame);
             guard.read(store.inputs(line.node, frame ? frame->place : 0), [&] { body(ports.get(), where); });
         });
     }
@@ -281,19 +281,16 @@ struct Flow::Self {
         } else if (action == Action::run) {
             const auto works = [&](std::size_t reader) { return frame.scheduled.reads(reader); };
             Line line(*this, n);
-            frame.failed[n] = !call(
-                line, &frame, "run",
-                [&](void* ports, Context& where) {
-                    where.wanting([&](std::string_view output) { return target || wanted(n, output, wiring.readers[n], works); });
-                    behaviours[n].run(ports, where);
-                    frame.outputs[n] = io.collect(n, ports);
-                },
-                true);
+            frame.failed[n] = !call(line, &frame, "run", [&](void* ports, Context& where) {
+                where.wanting([&](std::string_view output) { return target || wanted(n, output, wiring.readers[n], works); });
+                behaviours[n].run(ports, where);
+                frame.outputs[n] = io.collect(n, ports);
+            });
             report.ran(n, frame.place, since(line.start), io.bytes(frame.outputs[n]));
             if (!frame.failed[n]) keep(n, frame.place, frame.outputs[n], line.said);
             progress.done(*steps[n].run, add_cost(line.span, n, Work::frame, !frame.failed[n]), frames[frame.place]);
         }
-        release(n, frame, wiring);
+        wiring.release(n, frame);
     }
 
     /// Computes or loads a gatherer's digest of a frame, concurrently with other frames. It becomes the gatherer's only output in
@@ -327,7 +324,7 @@ struct Flow::Self {
         const auto& behaviour = behaviours[line.node];
         if (!behaviour.digest) return call(line, &frame, "take", [&](void* ports, Context& where) { behaviour.add(ports, where); });
         return guarded(line.node, frames[frame.place], "take", [&] {
-            auto where = context(line, &frame, false);
+            auto where = context(line, &frame);
             behaviour.take(frame.outputs[line.node].at(0), where);
         });
     }
@@ -348,15 +345,8 @@ struct Flow::Self {
                 ++gathered[n];
             }
         }
-        release(n, frame, wiring);
+        wiring.release(n, frame);
         return good;
-    }
-
-    /// Frees outputs of which this node was the last reader, before the end of the frame.
-    static void release(std::size_t n, FrameRun& frame, const Wiring& wiring) {
-        for (const auto source : wiring.sources[n])
-            if (frame.readers[source].fetch_sub(1) == 1) frame.outputs[source].clear();
-        if (wiring.readers[n].empty()) frame.outputs[n].clear();
     }
 
     void run_once(const std::vector<std::size_t>& nodes, const Plan& plan, const Schedule& schedule) {

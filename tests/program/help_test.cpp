@@ -110,7 +110,7 @@ TEST_CASE("fish completes verbs, options, choices and node types") {
     };
     CHECK_THAT(complete("fluidcarve st"), Catch::StartsWith("status\tShow how far"));
     CHECK(complete("fluidcarve graph --format s") == "svg\tFormat of the picture\n");
-    CHECK(complete("fluidcarve nodes seam.p") == "seam.pyramid\n");
+    CHECK(complete("fluidcarve nodes seam.py") == "seam.pyramid\nseam.python\n");
     CHECK_THAT(complete("fluidcarve run --manif"), Catch::StartsWith("--manifest\t"));
     CHECK(complete("fluidcarve run pipelines/plume_w") == "pipelines/plume_wide.yaml\n");
 }

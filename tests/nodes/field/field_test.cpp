@@ -209,7 +209,8 @@ TEST_CASE("a filter opens a large tile as deep as it reaches, and leaves the res
     std::fill(line.begin() + 3, line.end() - 3, 1);
     for (int n = 0; n < 3; ++n) {
         const auto last = line;
-        for (std::size_t at = 3; at < 131; ++at) line[at] = std::accumulate(&last[at - 3], &last[at + 4], 0.0) / 7;
+        for (std::size_t at = 3; at < 131; ++at)
+            line[at] = std::accumulate(last.begin() + static_cast<std::ptrdiff_t>(at) - 3, last.begin() + static_cast<std::ptrdiff_t>(at) + 4, 0.0) / 7;
     }
     double worst = 0;
     for (int z = 0; z < 128; ++z)
