@@ -65,7 +65,7 @@ TEST_CASE("what new-node writes builds against an installed fluidcarve, passes i
     const auto program = prefix + "/bin/fluidcarve ";
     for (const auto* const file : {"man/man1/fluidcarve.1", "bash-completion/completions/fluidcarve", "zsh/site-functions/_fluidcarve",
                                    "fish/vendor_completions.d/fluidcarve.fish", "fluidcarve/pipelines/plume.yaml", "fluidcarve/pipelines/schema.json",
-                                   "doc/fluidcarve/README.md", "doc/fluidcarve/pipelines/README.md", "doc/fluidcarve/nodes/METHOD.md"}) {
+                                   "doc/fluidcarve/README.md", "doc/fluidcarve/pipelines/README.md", "doc/fluidcarve/nodes/README.md"}) {
         INFO(file);
         CHECK(fs::file_size(root / "prefix/share" / file) > 1000);
     }
