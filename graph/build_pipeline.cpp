@@ -10,6 +10,7 @@
 #include "graph/types/frame_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>

@@ -4,6 +4,7 @@
 #include "graph/text/one_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "graph/text/words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 

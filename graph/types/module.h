@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace fluidcarve {
@@ -11,18 +12,21 @@ struct Module {
     const void* table;    ///< function table: a plain struct declared by a header of the core
 };
 
-/// The function table of the module `name`. Its file `fluidcarve_NAME.so` is in the folder of this library or of the program, or in
-/// `../lib/fluidcarve` of such a folder. The first call opens it; it stays open. Thread-safe.
-/// @throws Failure if there is no file (names the paths tried), it can't be opened, or has another version
-const void* module_table(const std::string& name);
+/// The folder of this library, by which all that is installed with it is found.
+std::filesystem::path library_folder();
 
-/// A folder of files that come with the program: `NAME` beside this library or the program, or `../share/fluidcarve/NAME` of such a folder.
+/// The function table of the module `name`. Its file `fluidcarve_NAME.so` lies beside this library. The first call opens it; it stays open. Thread-safe.
+/// @param package  the package of Debian without which the module is not built
+/// @throws Failure if there is no file (names the path and the package), it can't be opened, or has another version
+const void* module_table(const std::string& name, const std::string& package);
+
+/// A folder of files that come with the program: `NAME` beside this library in a build, `share/fluidcarve/NAME` of an installation.
 /// @throws Failure naming the paths tried, if there is none
 std::string shared_folder(const std::string& name);
 
 template <class Table>
 const Table& load_module(const std::string& name) {
-    return *static_cast<const Table*>(module_table(name));
+    return *static_cast<const Table*>(module_table(name, Table::package));
 }
 
 }  // namespace fluidcarve

@@ -1,6 +1,7 @@
 #include "graph/types/param.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <climits>

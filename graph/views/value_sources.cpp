@@ -5,6 +5,7 @@
 #include "graph/text/yaml_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

@@ -54,6 +54,7 @@ using NamedGrid = std::pair<std::string, openvdb::GridBase::ConstPtr>;
 /// casts of a value to its own type, division of a whole number by a value that may be 0, indices that are not literals, random numbers
 /// without a seed, printing, bit shifts, texts, matrices, and functions that read anything but their arguments and the voxel's position.
 struct ExpressionModule {
+    static constexpr auto package = "libopenvdb-ax-dev";
     /// Compiles a program. The compiled program ends and does not crash.
     /// @param faults  receives all faults that can be found at once, but none that follows from another; if there are none, the warnings
     /// @return null if there are faults other than warnings

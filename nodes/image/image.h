@@ -40,6 +40,7 @@ struct Image {
 
 /// The functions of the module `images`.
 struct ImageModule {
+    static constexpr auto package = "libopenimageio-dev";
     /// Reads an image without its pixels. @param format  ImageFormat::name
     /// @throws Failure (input) naming the file and the fault
     Image (*header)(const std::string& path, const std::string& format);

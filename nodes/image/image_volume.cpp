@@ -6,6 +6,7 @@
 #include "nodes/image/upright.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_for.h>
 

@@ -5,6 +5,7 @@
 #include "nodes/io/file_sequence.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

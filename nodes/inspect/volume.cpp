@@ -9,6 +9,8 @@
 #include "nodes/io/raw_grid.h"
 #include "nodes/io/triplet.h"
 
+#include <fmt/ranges.h>
+
 #include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>

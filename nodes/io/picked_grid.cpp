@@ -5,6 +5,7 @@
 #include "nodes/payloads.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

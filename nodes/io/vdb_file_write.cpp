@@ -6,6 +6,7 @@
 #include "nodes/io/vdb_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Compression.h>
 

@@ -3,6 +3,7 @@
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

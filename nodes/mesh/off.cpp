@@ -1,6 +1,7 @@
 #include "nodes/mesh/formats.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

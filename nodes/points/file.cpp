@@ -9,6 +9,7 @@
 #include "nodes/points/point_grid.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

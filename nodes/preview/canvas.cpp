@@ -2,13 +2,16 @@
 
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "graph/types/module.h"
 #include "nodes/image/image_provenance.h"
 
 #include <fmt/format.h>
 
+#include <cairo-ft.h>
 #include <cairo.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -21,6 +24,22 @@ struct Destroy {
     void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
     void operator()(cairo_t* context) const { cairo_destroy(context); }
 };
+/// A font that is installed with fluidcarve, open until the program ends; null: there is none.
+cairo_font_face_t* own_font(const char* file) {
+    static FT_Library library = nullptr;
+    FT_Face face = nullptr;
+    if (!library && FT_Init_FreeType(&library) != 0) return nullptr;
+    if (FT_New_Face(library, (library_folder() / "fonts" / file).c_str(), 0, &face) != 0) return nullptr;
+    return cairo_ft_font_face_create_for_ft_face(face, 0);
+}
+
+/// Takes fluidcarve's own font, in an archive that holds one, else the machine's.
+void take_font(cairo_t* context, bool bold) {
+    static const std::array own{own_font("DejaVuSans.ttf"), own_font("DejaVuSans-Bold.ttf")};
+    if (auto* const font = own[bold ? 1 : 0]) cairo_set_font_face(context, font);
+    else cairo_select_font_face(context, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+}
+
 using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
 
 /// The part of a line in a rectangle (Liang and Barsky 1984); nothing: none of it.
@@ -69,7 +88,7 @@ struct Canvas::Page {
         return context.get();
     }
     cairo_t* pen(const Type& type) const {
-        cairo_select_font_face(context.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, type.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+        take_font(context.get(), type.bold);
         cairo_set_font_size(context.get(), type.size);
         return ink(type.colour);
     }

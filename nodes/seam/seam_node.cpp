@@ -7,6 +7,7 @@
 #include "nodes/seam/solve/task.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <cstdlib>
 #include <utility>
 

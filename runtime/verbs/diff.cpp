@@ -12,6 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

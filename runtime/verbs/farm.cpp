@@ -30,13 +30,14 @@ namespace fs = std::filesystem;
 constexpr int grace_ms = 5000;       ///< for tasks to end after a signal
 constexpr double wait_seconds = 60;  ///< of tasks, for results of others; NFS shows files late by up to 60 s unless it is set otherwise
 
-/// The program that tasks run.
-std::string executable_of(const FarmArguments& arguments) {
+/// The program that tasks run. @param called  the first word of the command; the path, if the archive's launcher started the program by a loader
+std::string executable_of(const FarmArguments& arguments, const fs::path& called) {
     if (const auto* const named = std::getenv("FLUIDCARVE_EXECUTABLE"); named && *named) return named;
     if (!arguments.prefix.empty()) return "fluidcarve";
     std::error_code error;
-    const auto own = fs::read_symlink("/proc/self/exe", error);
-    return error ? "fluidcarve" : own.string();
+    auto own = called.is_absolute() ? fs::canonical(called, error) : fs::path();
+    if (own.empty()) own = fs::read_symlink("/proc/self/exe", error);
+    return own.empty() ? "fluidcarve" : own.string();
 }
 
 /// The variables that tasks need, as other machines may have another environment: those that the pipeline takes values from, and the one that
@@ -137,7 +138,8 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
     if (arguments.chunk > 0) chunking.frames = arguments.chunk;
     else if (arguments.minutes > 0) chunking.minutes = arguments.minutes;
     else if (!engine.other_machines) chunking.tasks = static_cast<std::size_t>(arguments.request.processes);
-    FarmCommand shared{environment_of(document, pipeline), CLI::detail::split_up(arguments.prefix), executable_of(arguments), {"run"}, run.words(), {}};
+    FarmCommand shared{
+        environment_of(document, pipeline), CLI::detail::split_up(arguments.prefix), executable_of(arguments, command.front()), {"run"}, run.words(), {}};
     for (auto& word : pipeline_arguments.words()) shared.pipeline.push_back(std::move(word));
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
     const auto job = plan_farm(pipeline, registry, *request, chunking, shared);

@@ -4,6 +4,8 @@
 #include "tests/bench/measure.h"
 #include "tests/support/synthetic_energy.h"
 
+#include <fmt/ranges.h>
+
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 

@@ -11,6 +11,7 @@
 #include "tests/bench/lqr_carve.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>

@@ -10,6 +10,8 @@
 #include "tests/bench/measure.h"
 #include "tests/support/program.h"
 
+#include <fmt/ranges.h>
+
 #include <openvdb/tools/Dense.h>
 #include <nlohmann/json.hpp>
 

@@ -17,7 +17,7 @@ std::string module_path(const std::string& name) { return (std::filesystem::read
 
 }  // namespace
 
-TEST_CASE("the libraries behind a module come after those that they need, each once") {
+TEST_CASE("the libraries behind a module come after those that they need, each once", "[expressions]") {
     const auto all = needed_libraries(module_path("fluidcarve_expressions.so"));
     std::set<std::string> before;
     for (const auto& library : all) {
@@ -35,12 +35,12 @@ TEST_CASE("the libraries behind a module come after those that they need, each o
     CHECK(place_of("libopenvdb_ax") < std::ssize(all));
 }
 
-TEST_CASE("a library that is open already is not named") {
+TEST_CASE("a library that is open already is not named", "[expressions]") {
     const auto all = needed_libraries(module_path("fluidcarve_expressions.so"));
     CHECK(std::ranges::none_of(all, [](const std::string& library) { return library.find("/libc.so") != std::string::npos; }));
 }
 
-TEST_CASE("what is no library needs none") {
+TEST_CASE("what is no library needs none", "[expressions]") {
     const Scratch scratch;
     CHECK(needed_libraries(scratch / "missing.so").empty());
     CHECK(needed_libraries(scratch.write("text.so", "a text")).empty());

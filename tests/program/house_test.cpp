@@ -166,7 +166,7 @@ TEST_CASE("every citation of the method leads to a section of nodes/METHOD.md, a
 
 TEST_CASE("every link of a page leads to a file") {
     for (const auto& page : {"README.md", "nodes/README.md", "nodes/METHOD.md", "pipelines/README.md", "pipelines/FORMATS.md", "pipelines/NODES.md",
-                             "pipelines/gallery/README.md", "python/README.md", "runtime/README.md", "SECURITY.md"}) {
+                             "pipelines/gallery/README.md", "python/README.md", "runtime/README.md", "SECURITY.md", "package/README.md"}) {
         const fs::path path = fs::path(SOURCE_ROOT) / page;
         REQUIRE(fs::exists(path));
         for (const auto& link : found(text_of(path), "\\]\\(([^)# ]+)(?:#[^)]*)?\\)")) {

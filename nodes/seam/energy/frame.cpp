@@ -12,6 +12,7 @@
 #include "nodes/seam/energy/sample.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include "nodes/vectors/wide.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <span>
 #include <string>

@@ -3,6 +3,7 @@
 #include "nodes/seam/search/find_seams.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cstdlib>
 #include <vector>

@@ -1,6 +1,7 @@
 #include "tests/bench/large/scenes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

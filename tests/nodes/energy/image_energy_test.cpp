@@ -67,7 +67,7 @@ const Tick nobody = [](double) {};
 
 }  // namespace
 
-TEST_CASE("the energy of an image is the sum of its intensity's absolute derivatives: central ones, one-sided at the rims") {
+TEST_CASE("the energy of an image is the sum of its intensity's absolute derivatives: central ones, one-sided at the rims", "[images]") {
     const int width = 11, height = 9;
     const auto image = random_image(width, height, {"R", "G", "B", "A"});
     const auto energy = image_energy(volume_of(image));
@@ -84,13 +84,13 @@ TEST_CASE("the energy of an image is the sum of its intensity's absolute derivat
         }
 }
 
-TEST_CASE("an image one pixel wide has no derivative across, and one pixel alone none") {
+TEST_CASE("an image one pixel wide has no derivative across, and one pixel alone none", "[images]") {
     CHECK(at(*image_energy(volume_of(random_image(1, 1, {"Y"}))), 0, 0) == 0);
     const auto line = random_image(1, 3, {"Y"});
     CHECK(at(*image_energy(volume_of(line)), 0, 0) == Approx(std::abs(line.pixels[1] - line.pixels[2])));
 }
 
-TEST_CASE("intensity without R, G and B is the mean of all channels but opacity, or of those named") {
+TEST_CASE("intensity without R, G and B is the mean of all channels but opacity, or of those named", "[images]") {
     const auto image = random_image(5, 4, {"Y", "U", "A", "matte.A"});
     const auto volume = volume_of(image);
     CHECK(at(*intensity(volume), 2, 3) == Approx(0.5 * static_cast<double>(image.pixels[8] + image.pixels[9])));
@@ -104,7 +104,7 @@ TEST_CASE("intensity without R, G and B is the mean of all channels but opacity,
     CHECK_THAT(failure_of([&] { intensity(vectors); }), Catch::Contains("a channel of an image is a float grid; name the `channels` to take"));
 }
 
-TEST_CASE("beside what is not active the derivative is one-sided") {
+TEST_CASE("beside what is not active the derivative is one-sided", "[images]") {
     auto volume = volume_of(random_image(6, 1, {"Y"}));
     const auto grid = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0])->deepCopy();
     grid->tree().setValueOff({3, 0, 0}, 100);
@@ -115,7 +115,7 @@ TEST_CASE("beside what is not active the derivative is one-sided") {
     CHECK_FALSE(energy->tree().isValueOn({3, 0, 0}));
 }
 
-TEST_CASE("the energy of a volume is that of its planes, whatever is active in which channel, tiles too") {
+TEST_CASE("the energy of a volume is that of its planes, whatever is active in which channel, tiles too", "[images]") {
     std::mt19937 random(8);
     Volume volume;
     for (const auto* const name : {"R", "G", "B"}) {
@@ -141,7 +141,7 @@ TEST_CASE("the energy of a volume is that of its planes, whatever is active in w
     }
 }
 
-TEST_CASE("a channel that is not finite is refused with the lowest voxel") {
+TEST_CASE("a channel that is not finite is refused with the lowest voxel", "[images]") {
     auto volume = volume_of(random_image(30, 20, {"Y"}));
     const auto grid = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0])->deepCopy();
     grid->tree().setValue({25, 3, 0}, NAN);
@@ -150,7 +150,7 @@ TEST_CASE("a channel that is not finite is refused with the lowest voxel") {
     CHECK_THAT(failure_of([&] { image_energy(volume); }), Catch::Contains("'intensity of Y'") && Catch::Contains("[11, 7, 0]"));
 }
 
-TEST_CASE("seam.dynamic takes a seam of least energy out of small pictures, as trying all of them shows") {
+TEST_CASE("seam.dynamic takes a seam of least energy out of small pictures, as trying all of them shows", "[images]") {
     for (unsigned seed = 0; seed < 40; ++seed) {
         const int width = 2 + static_cast<int>(seed % 6), height = 1 + static_cast<int>(seed % 8);
         const auto energy = energies_of(*image_energy(volume_of(random_image(width, height, {"Y"}, seed))), width, height);
@@ -163,7 +163,7 @@ TEST_CASE("seam.dynamic takes a seam of least energy out of small pictures, as t
     }
 }
 
-TEST_CASE("seam after seam, seam.dynamic has the least energy that is left in a photograph, and the picture is what they leave") {
+TEST_CASE("seam after seam, seam.dynamic has the least energy that is left in a photograph, and the picture is what they leave", "[images]") {
     const int width = 200, height = 150, count = 40;
     const auto image = part_of(TEST_DATA "/images/chelsea.png", 100, 60, width, height);
     const auto volume = volume_of(image);

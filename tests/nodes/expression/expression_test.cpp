@@ -83,7 +83,7 @@ float value_of(const std::string& code, float d = 1, const Constants& constants 
 
 }  // namespace
 
-TEST_CASE("the paper's energy of smoke, eq. 10, as a program, is that of energy.volume") {
+TEST_CASE("the paper's energy of smoke, eq. 10, as a program, is that of energy.volume", "[expressions]") {
     const auto volume = read_vdb(TEST_DATA "/plume/plume.0053.vdb");
     const auto velocity = openvdb::gridConstPtrCast<VectorGrid>(volume.find("velocity"));
     const auto density = openvdb::gridConstPtrCast<FloatGrid>(volume.find("density"));
@@ -109,7 +109,7 @@ TEST_CASE("the paper's energy of smoke, eq. 10, as a program, is that of energy.
     CHECK(worst < 1e-4f);
 }
 
-TEST_CASE("a program protects hot smoke only") {
+TEST_CASE("a program protects hot smoke only", "[expressions]") {
     const auto smoke = numbers(0, {{{0, 0, 0}, 0.8f}, {{1, 0, 0}, 0.8f}, {{2, 0, 0}, 0.01f}, {{3, 0, 0}, 0.8f}});
     const auto heat = numbers(0, {{{0, 0, 0}, 2.0f}, {{1, 0, 0}, 0.5f}, {{2, 0, 0}, 2.0f}});
     const auto result = energy("@energy = @smoke > 0.02f && @heat >= $hot ? @smoke * @heat : 0;", {{"smoke", any(smoke)}, {"heat", any(heat)}}, {{"hot", 1.0}});
@@ -118,7 +118,7 @@ TEST_CASE("a program protects hot smoke only") {
     CHECK(result->activeVoxelCount() == 4);
 }
 
-TEST_CASE("a program runs where any input is active, and beyond its voxels an input has what it holds there") {
+TEST_CASE("a program runs where any input is active, and beyond its voxels an input has what it holds there", "[expressions]") {
     const auto d = numbers(0.5f, {{{0, 0, 0}, 3}, {{1, 0, 0}, 4}});
     const auto vel = VectorGrid::create(openvdb::Vec3s(0, 0, 2));
     vel->tree().setValue({1, 0, 0}, {3, 4, 0});
@@ -136,7 +136,7 @@ TEST_CASE("a program runs where any input is active, and beyond its voxels an in
     CHECK(d->getName() == "density");
 }
 
-TEST_CASE("a mask reads as 1 and 0, a staggered velocity at the voxels' centres") {
+TEST_CASE("a mask reads as 1 and 0, a staggered velocity at the voxels' centres", "[expressions]") {
     const auto mask = MaskGrid::create();
     mask->tree().setValueOn({0, 0, 0});
     const auto vel = VectorGrid::create();
@@ -148,7 +148,7 @@ TEST_CASE("a mask reads as 1 and 0, a staggered velocity at the voxels' centres"
     CHECK(result->tree().getValue({1, 0, 0}) == 2);
 }
 
-TEST_CASE("a tile stays one, unless the program asks where it is") {
+TEST_CASE("a tile stays one, unless the program asks where it is", "[expressions]") {
     const auto d = FloatGrid::create(0);
     d->tree().addTile(1, {8, 0, 0}, 2, true);
     d->tree().setValue({0, 0, 0}, 5);
@@ -167,13 +167,13 @@ TEST_CASE("a tile stays one, unless the program asks where it is") {
           }) == "the program reads voxel positions, so each of 513 voxels, also of those in tiles, needs its own value: 0.0 GiB, but --memory allows 0.0");
 }
 
-TEST_CASE("params are numbers and vectors") {
+TEST_CASE("params are numbers and vectors", "[expressions]") {
     CHECK(value_of("@energy = $gain + dot(v$axis, {1, 10, 100});", 1, {{"gain", 0.5}, {"axis", Vec3{1, 2, 3}}}) == 321.5f);
     CHECK(ParamTraits<ScriptConstant>::text(0.5) == "0.5");
     CHECK(ParamTraits<ScriptConstant>::text(Vec3{1, 2.5, 3}) == "[1, 2.5, 3]");
 }
 
-TEST_CASE("a program's value is what AX says") {
+TEST_CASE("a program's value is what AX says", "[expressions]") {
     CHECK(value_of("if (@d > 0.5f) { @energy = 1; } else { @energy = 2; }") == 1);
     CHECK(value_of("@energy = 3; if (@d > 0.5f) return; @energy = 4;") == 3);
     CHECK(value_of("float s; for (int i = 1; i <= 4; ++i) { if (i == 3) continue; s += i; } @energy = s;") == 7);
@@ -185,13 +185,13 @@ TEST_CASE("a program's value is what AX says") {
     CHECK(value_of("vec3f v = {1, 2, 3}; v.y = 5; @energy = v[0] + v.y + v.b;") == 9);
 }
 
-TEST_CASE("a whole exponent, which would crash AX, is as good as any") {
+TEST_CASE("a whole exponent, which would crash AX, is as good as any", "[expressions]") {
     CHECK(value_of("@energy = pow(2.5, 2) + pow(@d, getcoordx() + 1) + pow(3, 2) + pow(pow(2.0, 2), 0.5f);", 4) == Approx(6.25 + 4 + 9 + 2));
 }
 
-TEST_CASE("a variable without a value is 0") { CHECK(value_of("float a; vec3f v; int i; @energy = a + v.x + i + 1;") == 1); }
+TEST_CASE("a variable without a value is 0", "[expressions]") { CHECK(value_of("float a; vec3f v; int i; @energy = a + v.x + i + 1;") == 1); }
 
-TEST_CASE("a cast that would crash AX is refused at its place, or harmless where its value's type is not known beforehand") {
+TEST_CASE("a cast that would crash AX is refused at its place, or harmless where its value's type is not known beforehand", "[expressions]") {
     const auto redundant = [](const std::string& place, const std::string& type) {
         return place + " the cast is redundant: the value is " + type + " already; leave it out";
     };
@@ -213,7 +213,7 @@ TEST_CASE("a cast that would crash AX is refused at its place, or harmless where
     CHECK(value_of("bool b = true; @energy = int(b + b) + float(floor(2.5f));") > 2);
 }
 
-TEST_CASE("a loop that may not end is refused, and so are those that take too long") {
+TEST_CASE("a loop that may not end is refused, and so are those that take too long", "[expressions]") {
     const auto endless = [](const std::string& place, const std::string& kind) {
         return place + " '" + kind + "' may never end; count to a stated end, as in for (int i = 0; i < 10; ++i), and leave it early by break";
     };
@@ -235,7 +235,7 @@ TEST_CASE("a loop that may not end is refused, and so are those that take too lo
     CHECK(faults_of("for (int i = 0; i < 99; ++i)\n  for (int j = 0; j < 100; ++j) @energy = 1;") == "");
 }
 
-TEST_CASE("what would trap or reach beyond memory is refused at its place") {
+TEST_CASE("what would trap or reach beyond memory is refused at its place", "[expressions]") {
     const std::string divisor = " a whole number can't be divided by one that may be 0; make one of them a fraction: 1.0f * a / b";
     CHECK(faults_of("int i = @d;\n@energy = 5 / i;") == "2:15" + divisor);
     CHECK(faults_of("int i = @d; @energy = 5 % i;") == "1:27" + divisor);
@@ -250,7 +250,7 @@ TEST_CASE("what would trap or reach beyond memory is refused at its place") {
     CHECK(faults_of("float a = external(\"d\"); @energy = a;").substr(0, 4) == "1:20");
 }
 
-TEST_CASE("what differs from run to run, prints or is of no use is refused") {
+TEST_CASE("what differs from run to run, prints or is of no use is refused", "[expressions]") {
     CHECK(faults_of("@energy = rand();") == "1:11 rand needs a seed, as in rand(@density): without one no two runs are the same");
     CHECK_THAT(faults_of("print(1); @energy = 1;"), Catch::StartsWith("1:1 there is no function 'print'"));
     CHECK(faults_of("@energy = sqr(@d);") == "1:11 there is no function 'sqr'; did you mean 'sqrt'?");
@@ -258,7 +258,7 @@ TEST_CASE("what differs from run to run, prints or is of no use is refused") {
     CHECK(faults_of("mat3f m; @energy = 1;") == "1:1 the type 'mat3f' is not supported; use float, vec3f, int, bool, double, vec3d, vec3i or int64");
 }
 
-TEST_CASE("names that are not there, and names that nothing reads, are told") {
+TEST_CASE("names that are not there, and names that nothing reads, are told", "[expressions]") {
     CHECK(faults_of("@energy = @vle + @d;") == "1:11 '@vle' is no input; did you mean 'vel'?");
     CHECK(faults_of("@energy = $gian;", {}, {{"gain", 1.0}}) == "1:11 '$gian' is not among the params; did you mean 'gain'?");
     CHECK(faults_of("float e = @d;") == "code never writes @energy");
@@ -276,7 +276,7 @@ TEST_CASE("names that are not there, and names that nothing reads, are told") {
     CHECK(faults_of("@energy = @d;", {"d", "energy"}) == "inputs can't have the name 'energy': it is the output's name");
 }
 
-TEST_CASE("an input or a constant that nothing reads is warned of, if the program is good") {
+TEST_CASE("an input or a constant that nothing reads is warned of, if the program is good", "[expressions]") {
     std::vector<ExpressionFault> warnings, faults;
     CHECK(module().compile({"@energy = @d;", {"d", "vel"}, {{"gain", 1.0}}, "energy"}, warnings));
     std::string all;
@@ -287,7 +287,7 @@ TEST_CASE("an input or a constant that nothing reads is warned of, if the progra
     CHECK(faults[0].message == "'@vle' is no input; did you mean 'vel'?");
 }
 
-TEST_CASE("a mistake is told once, however often it is made, and what follows from it is not told") {
+TEST_CASE("a mistake is told once, however often it is made, and what follows from it is not told", "[expressions]") {
     CHECK(faults_of("float speed = length(v@vel);\n@energy = sped * sped + sped;") == "2:11 there is no variable 'sped'; did you mean 'speed'?");
     CHECK(faults_of("speed = 2; @energy = speed; { speed = 3; }") == "1:1 there is no variable 'speed'");
     CHECK(faults_of("@energy = @dd + @dd * @dd;") == "1:11 '@dd' is no input; did you mean 'd'?");
@@ -304,7 +304,7 @@ TEST_CASE("a mistake is told once, however often it is made, and what follows fr
     CHECK(faults_of("@energy = sqr(@d) + sped;") == "1:11 there is no function 'sqr'; did you mean 'sqrt'?\n1:21 there is no variable 'sped'");
 }
 
-TEST_CASE("a program reads the frame and its time, unless an input or a constant has the name") {
+TEST_CASE("a program reads the frame and its time, unless an input or a constant has the name", "[expressions]") {
     const auto d = numbers(0, {{{0, 0, 0}, 3}});
     // The value at frame 25, with or without a grid 'Frame' that holds 7.
     const auto at_25 = [&](const std::string& yaml, bool named = false) {
@@ -340,7 +340,7 @@ TEST_CASE("a program reads the frame and its time, unless an input or a constant
           "params: 'fps' must be a number above 0, for the program reads @Time\n");
 }
 
-TEST_CASE("energy.ax has an energy of its own where no input is active") {
+TEST_CASE("energy.ax has an energy of its own where no input is active", "[expressions]") {
     const auto type = energy_ax();
     const auto d = numbers(0, {{{0, 0, 0}, 3}, {{1, 0, 0}, 0}});
     const auto made = [&](const std::string& yaml) {
@@ -373,7 +373,7 @@ TEST_CASE("energy.ax has an energy of its own where no input is active") {
     }
 }
 
-TEST_CASE("what the parser and the compiler say bears its place") {
+TEST_CASE("what the parser and the compiler say bears its place", "[expressions]") {
     CHECK(faults_of("@energy = 1 +;") == "1:14 unexpected ';'");
     CHECK(faults_of("@energy = 1") == "1:11 unexpected end of file, expecting ';'");
     CHECK(faults_of("float a = 1;\n\n  vec3f v = 2; @energy = a * v;", {}) ==
@@ -388,7 +388,7 @@ TEST_CASE("what the parser and the compiler say bears its place") {
     CHECK_THAT(faults_of("@energy = " + std::string(12'000, '(') + "1;"), Catch::EndsWith(" nested too deep"));
 }
 
-TEST_CASE("a program that reads an input as what it is not, or inputs of several transforms, fails with their names") {
+TEST_CASE("a program that reads an input as what it is not, or inputs of several transforms, fails with their names", "[expressions]") {
     const auto d = numbers(0, {{{0, 0, 0}, 1}});
     const auto vel = VectorGrid::create();
     vel->tree().setValue({0, 0, 0}, {1, 2, 3});
@@ -408,7 +408,7 @@ TEST_CASE("a program that reads an input as what it is not, or inputs of several
                Catch::StartsWith("input 'n' is the grid '' of type int32; programs read numbers"));
 }
 
-TEST_CASE("a result that is no energy fails with its lowest voxel") {
+TEST_CASE("a result that is no energy fails with its lowest voxel", "[expressions]") {
     const auto d = numbers(1, {{{5, 0, 0}, 0}, {{3, 0, 0}, 2}, {{4, 1, 0}, 0}});
     CHECK(failure_of([&] {
               energy("@energy = 1 / @d;", {{"d", any(d)}});
@@ -419,7 +419,7 @@ TEST_CASE("a result that is no energy fails with its lowest voxel") {
     CHECK(energy("@energy = @d - 1.5f;", {{"d", any(d)}}, {}, -std::numeric_limits<float>::infinity())->tree().getValue({5, 0, 0}) == -1.5f);
 }
 
-TEST_CASE("a program gives the same bytes whatever the threads, also to several at once") {
+TEST_CASE("a program gives the same bytes whatever the threads, also to several at once", "[expressions]") {
     const auto d = FloatGrid::create(0);
     for (int x = 0; x < 40; ++x)
         for (int y = 0; y < 40; ++y)
@@ -440,7 +440,7 @@ TEST_CASE("a program gives the same bytes whatever the threads, also to several 
     for (const auto& bytes : together) CHECK(bytes == alone);
 }
 
-TEST_CASE("a place in a program is a place in its YAML, in every style of scalar") {
+TEST_CASE("a place in a program is a place in its YAML, in every style of scalar", "[expressions]") {
     const auto place = [](const std::string& yaml, int line, int column) {
         Problems problems;
         const auto value = read_yaml(std::make_shared<Source>(Source{"p.yaml", yaml, ""}), problems);

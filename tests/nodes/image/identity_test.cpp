@@ -81,7 +81,7 @@ Image carved_picture(const Scratch& scratch, const Image& image) {
 
 }  // namespace
 
-TEST_CASE("a soft carve averages colours, and never what names things, and infinite values make no NaN") {
+TEST_CASE("a soft carve averages colours, and never what names things, and infinite values make no NaN", "[images]") {
     const Scratch scratch;
     const auto before = rendered(), after = carved_picture(scratch, before);
     CHECK(after.data.width == columns_seen - 8);
@@ -100,7 +100,7 @@ TEST_CASE("a soft carve averages colours, and never what names things, and infin
     }
 }
 
-TEST_CASE("channels that name things are known by name, by type, or by what the file states") {
+TEST_CASE("channels that name things are known by name, by type, or by what the file states", "[images]") {
     const auto named = [](const std::string& name, const std::string& depth = "float") { return is_identity({name, depth}, {}); };
     for (const auto* const name : {"CryptoObject00.R", "uCryptoAsset01.A", "ViewLayer.CryptoMaterial00.b", "IndexMA.X", "id", "rgba.objectId", "matID"})
         CHECK(named(name));
@@ -110,7 +110,7 @@ TEST_CASE("channels that name things are known by name, by type, or by what the 
     CHECK(is_identity({"hero00.R", "float"}, {{"cryptomatte/12ab34f/name", "string", "hero"}}));
 }
 
-TEST_CASE("the colours of a picture are found in its layers, plain ones before those of a layer, Combined before others") {
+TEST_CASE("the colours of a picture are found in its layers, plain ones before those of a layer, Combined before others", "[images]") {
     using Names = std::vector<std::string>;
     CHECK(colours_of({"B", "G", "R", "Z"}) == Names{"R", "G", "B"});
     CHECK(colours_of({"diffuse.B", "diffuse.G", "diffuse.R", "ViewLayer.Combined.B", "ViewLayer.Combined.G", "ViewLayer.Combined.R"}) ==
@@ -120,7 +120,7 @@ TEST_CASE("the colours of a picture are found in its layers, plain ones before t
     CHECK(colours_of({"Y", "Z"}).empty());
 }
 
-TEST_CASE("depth and identities have no part in the intensity of a picture") {
+TEST_CASE("depth and identities have no part in the intensity of a picture", "[images]") {
     auto image = rendered();
     const Scratch scratch;
     image_module().write(scratch / "a.exr", image, 95);
@@ -128,7 +128,7 @@ TEST_CASE("depth and identities have no part in the intensity of a picture") {
     CHECK(seen->getName() == "intensity of R");
 }
 
-TEST_CASE("a window smaller than the picture is not filled up by a carve") {
+TEST_CASE("a window smaller than the picture is not filled up by a carve", "[images]") {
     auto image = rendered();
     image.attributes.clear();
     image.channels = {{"R", "float"}};
@@ -142,7 +142,7 @@ TEST_CASE("a window smaller than the picture is not filled up by a carve") {
     CHECK(after.data.width < 20);
 }
 
-TEST_CASE("whole numbers of 32 bits keep their depth, whatever depth is stated, and other formats refuse them") {
+TEST_CASE("whole numbers of 32 bits keep their depth, whatever depth is stated, and other formats refuse them", "[images]") {
     const Scratch scratch;
     const auto before = rendered();
     image_module().write(scratch / "a.exr", before, 95);

@@ -54,7 +54,7 @@ Seams pairs_in(const Volume& volume, const Lattice& lattice, Seams::Kind kind, i
 
 }  // namespace
 
-TEST_CASE("pairs of seams in a polar lattice on an image move what is between them, and not a bit of the rest") {
+TEST_CASE("pairs of seams in a polar lattice on an image move what is between them, and not a bit of the rest", "[images]") {
     const auto volume = disc();
     LatticeSpec spec;
     spec.spacing = 1;
@@ -90,7 +90,7 @@ TEST_CASE("pairs of seams in a polar lattice on an image move what is between th
     }
 }
 
-TEST_CASE("a lattice along an open rig on an image narrows a band of it") {
+TEST_CASE("a lattice along an open rig on an image narrows a band of it", "[images]") {
     const auto volume = disc();
     LatticeSpec spec;
     spec.spacing = 1;

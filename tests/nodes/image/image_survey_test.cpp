@@ -19,7 +19,7 @@ using test::NodeBench;
 
 // What is known of pictures before a run reads them.
 
-TEST_CASE("files that are no images are told before a run, with the reason") {
+TEST_CASE("files that are no images are told before a run, with the reason", "[images]") {
     const Scratch scratch;
     const auto told = [&](const std::string& path) {
         const auto absent = NodeBench(image_read(), "{path: \"" + path + "\"}").survey({1}).absent;
@@ -47,7 +47,7 @@ TEST_CASE("files that are no images are told before a run, with the reason") {
     CHECK(told(scratch.write("huge.png", bytes)) != "");
 }
 
-TEST_CASE("a survey says which channels a picture has, and its size as it is seen") {
+TEST_CASE("a survey says which channels a picture has, and its size as it is seen", "[images]") {
     const Scratch scratch;
     Image image;
     image.format = "tiff";
@@ -66,7 +66,7 @@ TEST_CASE("a survey says which channels a picture has, and its size as it is see
     CHECK(said.at({3, "red"}).pixels == std::array{4, 7});
 }
 
-TEST_CASE("a channel that no reader has is told before the run") {
+TEST_CASE("a channel that no reader has is told before the run", "[images]") {
     const std::map<std::string, Foreseen> source{{"source", {std::vector<std::string>{"R", "G", "B"}, std::nullopt}}};
     using Told = std::map<int, std::string>;
     for (const auto& type : {image_write(), energy_image()}) {

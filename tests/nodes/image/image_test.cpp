@@ -94,7 +94,7 @@ float at(const Volume& volume, const std::string& channel, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1, all active") {
+TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1, all active", "[images]") {
     const Scratch scratch;
     const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 19, 11);
     images().write(scratch / "a.png", image, 95);
@@ -109,7 +109,7 @@ TEST_CASE("a pixel is a voxel: y up, 0 at the bottom, whole numbers from 0 to 1,
         for (int x = 0; x < 19; ++x) REQUIRE(at(*volume, "G", x, y) == image.pixels[static_cast<std::size_t>(((10 - y) * 19 + x) * 3 + 1)]);
 }
 
-TEST_CASE("images come back as they were, to the last bit, in each depth and with each set of channels") {
+TEST_CASE("images come back as they were, to the last bit, in each depth and with each set of channels", "[images]") {
     const Scratch scratch;
     const std::vector<std::string> grey{"Y"}, grey_alpha{"Y", "A"}, colour{"R", "G", "B"}, colour_alpha{"R", "G", "B", "A"},
         layers{"R", "G", "B", "A", "Z", "diffuse.R", "diffuse.G"};
@@ -142,7 +142,7 @@ TEST_CASE("images come back as they were, to the last bit, in each depth and wit
         }
 }
 
-TEST_CASE("an EXR keeps a depth for each channel, and half floats stay half on the way through a VDB") {
+TEST_CASE("an EXR keeps a depth for each channel, and half floats stay half on the way through a VDB", "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", {{"R", "half"}, {"G", "half"}, {"B", "half"}, {"Z", "float"}}, 20, 9);
     images().write(scratch / "a.exr", image, 95);
@@ -156,7 +156,7 @@ TEST_CASE("an EXR keeps a depth for each channel, and half floats stay half on t
     CHECK(after.pixels == image.pixels);
 }
 
-TEST_CASE("what an image says beside its pixels is given back") {
+TEST_CASE("what an image says beside its pixels is given back", "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R", "G", "B"}, "half"), 8, 8);
     std::vector<float> camera(16);
@@ -208,7 +208,7 @@ TEST_CASE("what an image says beside its pixels is given back") {
     CHECK(warnings == std::vector<std::string>{"EXR can't hold some attributes of the image, which are left out: ICCProfile"});
 }
 
-TEST_CASE("a file that says how it was held is read upright and written as it was") {
+TEST_CASE("a file that says how it was held is read upright and written as it was", "[images]") {
     const Scratch scratch;
     // Where the stored pixel (0, 0) and the one right of it stand in an upright picture, y up; the file has 5 x 3 pixels.
     const std::vector<std::pair<openvdb::Coord, openvdb::Coord>> places{{{0, 2, 0}, {1, 2, 0}}, {{4, 2, 0}, {3, 2, 0}}, {{4, 0, 0}, {3, 0, 0}},
@@ -239,7 +239,7 @@ TEST_CASE("a file that says how it was held is read upright and written as it wa
     }
 }
 
-TEST_CASE("windows: the picture's corner is the first voxel, and the data window is kept and grows where pixels moved") {
+TEST_CASE("windows: the picture's corner is the first voxel, and the data window is kept and grows where pixels moved", "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R", "G", "B"}, "half"), 6, 4);
     image.data = {103, 202, 6, 4};
@@ -281,7 +281,7 @@ TEST_CASE("windows: the picture's corner is the first voxel, and the data window
     CHECK(images().read(scratch / "b.png", "png").data == Image::Window{0, 0, 20, 10});
 }
 
-TEST_CASE("a carved image is as narrow as its active voxels, and the picture with it") {
+TEST_CASE("a carved image is as narrow as its active voxels, and the picture with it", "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R"}, "half"), 30, 10);
     image.data = {-5, 0, 30, 10};
@@ -313,7 +313,7 @@ TEST_CASE("a carved image is as narrow as its active voxels, and the picture wit
     CHECK(side.pixels == std::vector<float>(photo.pixels.begin() + 12, photo.pixels.end()));
 }
 
-TEST_CASE("what a format does not hold is said, with the remedy") {
+TEST_CASE("what a format does not hold is said, with the remedy", "[images]") {
     const Scratch scratch;
     const auto volume = [&](const std::vector<std::string>& names, const std::string& depth) {
         images().write(scratch / "a.exr", random_image("openexr", channels(names, depth), 8, 8), 95);
@@ -360,7 +360,7 @@ TEST_CASE("what a format does not hold is said, with the remedy") {
     CHECK(faults("{path: a.jpeg, quality: 90}") == "");
 }
 
-TEST_CASE("from one format to another nothing is lost that need not be, and opacity follows each one's convention") {
+TEST_CASE("from one format to another nothing is lost that need not be, and opacity follows each one's convention", "[images]") {
     const Scratch scratch;
     const auto image = random_image("png", channels({"R", "G", "B"}, "uint16"), 12, 5);
     images().write(scratch / "a.png", image, 95);
@@ -381,7 +381,7 @@ TEST_CASE("from one format to another nothing is lost that need not be, and opac
     CHECK(images().read(scratch / "c.png", "png").pixels == clear.pixels);
 }
 
-TEST_CASE("grids that nodes made are written as deep as the format holds, colours in their order") {
+TEST_CASE("grids that nodes made are written as deep as the format holds, colours in their order", "[images]") {
     const Scratch scratch;
     Volume volume;
     for (const auto* name : {"A", "B", "G", "R"}) {
@@ -415,7 +415,7 @@ TEST_CASE("grids that nodes made are written as deep as the format holds, colour
     CHECK_THAT(failure(), Catch::Contains("is of type Tree_vec3s_5_4_3, but a channel of an image is a float grid"));
 }
 
-TEST_CASE("channels are outputs of their own, and frames that are missing are held") {
+TEST_CASE("channels are outputs of their own, and frames that are missing are held", "[images]") {
     const Scratch scratch;
     images().write(scratch / "a.03.png", random_image("png", channels({"R", "G", "B", "A"}, "uint8"), 4, 4), 95);
     NodeBench node(image_read(), "{path: " + scratch / "a.##.png" + ", channels: {matte: A}, missing: hold}");
@@ -431,7 +431,7 @@ TEST_CASE("channels are outputs of their own, and frames that are missing are he
           "channels: image.read already has an output 'volume'; give this one another name\n");
 }
 
-TEST_CASE("windows so far off that their pixels can't be counted are refused") {
+TEST_CASE("windows so far off that their pixels can't be counted are refused", "[images]") {
     const Scratch scratch;
     auto image = random_image("openexr", channels({"R"}, "half"), 4, 4);
     image.data.x = 500000000;
@@ -440,13 +440,13 @@ TEST_CASE("windows so far off that their pixels can't be counted are refused") {
     CHECK_THAT(failure_of([&] { read(scratch / "a.exr"); }), Catch::Contains("its data or display window reaches more than 16777216 pixels from the origin"));
 }
 
-TEST_CASE("an image of more pixels than the memory takes is refused") {
+TEST_CASE("an image of more pixels than the memory takes is refused", "[images]") {
     NodeBench node(image_read(), "{path: " TEST_DATA "/images/chelsea.png}");
     CHECK(failure_of([&] { node.run({}, Context().limits(1 << 20, ".")); }) == TEST_DATA
           "/images/chelsea.png has 451 x 300 pixels of 3 channels, which take 0.0 GiB of memory; --memory allows 0.0");
 }
 
-TEST_CASE("an image that is cut off anywhere is told, or the same") {
+TEST_CASE("an image that is cut off anywhere is told, or the same", "[images]") {
     const Scratch scratch;
     const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 61, 47);
     for (const std::string format : {"png", "jpeg", "tiff", "openexr"}) {
@@ -468,7 +468,7 @@ TEST_CASE("an image that is cut off anywhere is told, or the same") {
     }
 }
 
-TEST_CASE("the check of a PNG finds any damaged byte, and gives what its header says") {
+TEST_CASE("the check of a PNG finds any damaged byte, and gives what its header says", "[images]") {
     const Scratch scratch;
     const auto image = random_image("png", channels({"R", "G", "B"}, "uint8"), 31, 23);
     images().write(scratch / "whole.png", image, 95);
