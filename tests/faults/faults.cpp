@@ -187,7 +187,8 @@ int main(int argc, char** argv) {
         }
         for (const auto& kind : all_kinds) {
             const auto count = reference.calls.at(kind);
-            if ((!wish.kind.empty() && wish.kind != kind) || count == 0) continue;
+            // OpenVDB and TBB do not survive each allocation that fails: a quick round leaves them out.
+            if ((!wish.kind.empty() && wish.kind != kind) || count == 0 || (wish.quick && kind == "allocation")) continue;
             shift += 7919;
             for (const auto at : chosen(wish, kind, count, shift)) {
                 ++failed[kind];
