@@ -197,7 +197,7 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
         for (const auto& file : temporary_files(root / part)) ours.push_back(file);
 
     std::ranges::sort(ours);
-    ours.erase(std::ranges::unique(ours).begin(), ours.end());
+    ours.erase(std::unique(ours.begin(), ours.end()), ours.end());
     Cleaned out;
     std::error_code error, ignored;
     std::size_t all = 0;

@@ -40,7 +40,7 @@ Interrupt::Interrupt(std::string last_words, int grace_ms)
 
 Interrupt::~Interrupt() {
     ended_ = true;
-    pthread_kill(thread_.native_handle(), SIGTERM);
+    pthread_kill(thread_.native_handle(), SIGINT);
     thread_.join();
     const auto set = stop_signals();
     pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
