@@ -35,7 +35,11 @@ Pace::Pace(const PaceWish& wish, std::vector<int> source) : source_(std::move(so
         last = first_ + static_cast<double>(step_) * (*wish.count - 1);
         points_ = {{double(first_), low}, {last, high}};
     } else {
-        for (const auto& point : wish.curve) points_.push_back({point.at(0), point.at(1)});
+        if (wish.curve.empty()) throw Failure("no speed, number of frames or curve is stated");
+        for (const auto& point : wish.curve) {
+            if (point.size() != 2) throw Failure("a point of 'curve' is [frame, frame of the source]");
+            points_.push_back({point[0], point[1]});
+        }
         for (const auto& [at, shows] : points_)
             if (shows < low || shows > high)
                 throw Failure(fmt::format("the curve leads to frame {:g} of the source, which has the frames {:g} to {:g}", shows, low, high));

@@ -24,7 +24,7 @@ struct Moment {
 class Pace {
 public:
     /// @param source  frame numbers, rising, at least one
-    /// @throws Failure if the curve leads beyond the source, or makes more than a million frames
+    /// @throws Failure if nothing is stated, or the curve leads beyond the source, or makes more than a million frames
     Pace(const PaceWish& wish, std::vector<int> source);
 
     /// Frame numbers of the retimed sequence.

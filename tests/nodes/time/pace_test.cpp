@@ -82,5 +82,8 @@ TEST_CASE("a curve holds, jumps to another speed and says which frames there are
     CHECK(shown(pace, source, 16) == 3);
     wish.curve.push_back({20, 6});
     CHECK_THROWS_WITH(Pace(wish, source), "the curve leads to frame 6 of the source, which has the frames 1 to 5");
+    wish.curve = {{1, 2, 3}};
+    CHECK_THROWS_WITH(Pace(wish, source), "a point of 'curve' is [frame, frame of the source]");
+    CHECK_THROWS_WITH(Pace(PaceWish(), source), Catch::Contains("is stated"));
     CHECK_THROWS_WITH(Pace(at_speed(1e-6), source), Catch::Contains("a million are the most"));
 }
