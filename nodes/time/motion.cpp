@@ -98,8 +98,8 @@ void smooth(Numbers& values, const Box& box, float deviation) {
             std::vector<float> line(static_cast<std::size_t>(length + 2 * radius));
             for (int j = 0; j < box.size[q]; ++j) {
                 float* const begin = values.data() + i * box.stride[p] + j * box.stride[q];
-                for (int n = -radius; n < length + radius; ++n)
-                    line[static_cast<std::size_t>(n + radius)] = begin[std::clamp(n, 0, length - 1) * box.stride[axis]];
+                for (int n = 0; n < length + 2 * radius; ++n)
+                    line[static_cast<std::size_t>(n)] = begin[std::clamp(n - radius, 0, length - 1) * box.stride[axis]];
                 for (int n = 0; n < length; ++n) {
                     float out = 0;
                     for (std::size_t k = 0; k < weights.size(); ++k) out += weights[k] * line[static_cast<std::size_t>(n) + k];
@@ -150,15 +150,16 @@ public:
             Vectors rest{nothing, nothing, nothing};
             std::array<Numbers, 6> tensor{nothing, nothing, nothing, nothing, nothing, nothing};
             Numbers middle(box_.count());
+            auto& change = to;
             for (std::size_t n = 0; n < middle.size(); ++n) {
                 middle[n] = 0.5f * (from[n] + to[n]);
-                to[n] -= from[n];
+                change[n] -= from[n];
             }
             box_.each([&](std::size_t at, int x, int y, int z) {
                 const auto slope = slopes(middle, at, {x, y, z});
                 std::size_t n = 0;
                 for (std::size_t i = 0; i < 3; ++i) {
-                    rest[i][at] = slope[i] * to[at];
+                    rest[i][at] = slope[i] * change[at];
                     for (std::size_t j = i; j < 3; ++j) tensor[n++][at] = slope[i] * slope[j];
                 }
             });
