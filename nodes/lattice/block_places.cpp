@@ -211,7 +211,7 @@ void BlockPlaces::locate(const Coord& first, const Vec3d& offset, Row& row) {
     });
 }
 
-unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const openvdb::Vec2d& by, Positions& out) {
+unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const Vec3d& by, Positions& out) {
     const auto& row = enter((first - block_).asVec3d() + offset);
     for (auto left = row.once; left != 0; left &= left - 1) {
         const int z = std::countr_zero(left);
@@ -222,24 +222,20 @@ unsigned BlockPlaces::shift(const Coord& first, const Vec3d& offset, const openv
     return row.once;
 }
 
-CoordBBox BlockPlaces::reach(const openvdb::Vec2d& least, const openvdb::Vec2d& most) const {
+CoordBBox BlockPlaces::reach(const Vec3d& least, const Vec3d& most) const {
     const auto first = block_.asVec3d();
     BBoxd out;
-    if (!by_tables_) {
+    if (!by_tables_ || least.z() != 0 || most.z() != 0) {
         // This ignores the closed form's error, which is less than a vertex.
-        auto range = range_;
-        for (int n = 0; n < 2; ++n) {
-            range.min()[n] += least[n];
-            range.max()[n] += most[n];
-        }
-        out = transform_.worldToIndex(mapping_.world_box(range));
+        out = transform_.worldToIndex(mapping_.world_box({range_.min() + least, range_.max() + most}));
+        if (by_tables_) return {Coord::floor(out.min()), Coord::ceil(out.max())};
     }
     // Away from a rig means in any direction.
     auto low = least, high = most;
     if (mapping_.slabs() && mapping_.slabs()->polar()) {
         const double farthest = std::max(std::abs(least.x()), std::abs(most.x()));
-        low = openvdb::Vec2d(-farthest);
-        high = openvdb::Vec2d(farthest);
+        low = Vec3d(-farthest);
+        high = Vec3d(farthest);
     }
     // Within a slab, steps lie between those at its two planes.
     for (const auto& candidate : candidates_)

@@ -47,13 +47,13 @@ public:
     /// Moves all voxels of a row of an interior block by the same number of vertices.
     /// @param first   first voxel of the row
     /// @param offset  added to each voxel before it is located, voxels, as for locate()
-    /// @param by      displacement along u and v, vertices
+    /// @param by      displacement, vertices; 0 along w
     /// @param out     becomes the moved voxels, as by moved()
     /// @return bit z is set if voxel z lies in the lattice
-    unsigned shift(const openvdb::Coord& first, const openvdb::Vec3d& offset, const openvdb::Vec2d& by, Positions& out);
+    unsigned shift(const openvdb::Coord& first, const openvdb::Vec3d& offset, const openvdb::Vec3d& by, Positions& out);
     /// Box around all voxels that displacements of the block's voxels can reach.
-    /// @param least, most  bounds of the displacements along u and v, vertices
-    openvdb::CoordBBox reach(const openvdb::Vec2d& least, const openvdb::Vec2d& most) const;
+    /// @param least, most  bounds of the displacements, vertices
+    openvdb::CoordBBox reach(const openvdb::Vec3d& least, const openvdb::Vec3d& most) const;
     /// Finds the places of a row of the block.
     /// @param first   first voxel of the row
     /// @param offset  added to each voxel before it is located, voxels; each component is 0 or -1/2
@@ -67,12 +67,11 @@ public:
     /// Moves the position `p` to `p + g(place + by) - g(place)`; with the closed form to `g(place + by)`, as in the paper.
     /// @param p      index coordinates
     /// @param place  of `p` in the lattice
-    /// @param by     displacement along u and v, vertices
+    /// @param by     displacement, vertices
     /// @return index coordinates
-    openvdb::Vec3d moved(const openvdb::Vec3d& p, const Place& place, const openvdb::Vec2d& by) const {
-        if (by_tables_) return p + by.x() * place.u + by.y() * place.v;
-        const openvdb::Vec3d source(place.at.x() + by.x(), place.at.y() + by.y(), place.at.z());
-        const auto at_source = transform_.worldToIndex(mapping_.position(source));
+    openvdb::Vec3d moved(const openvdb::Vec3d& p, const Place& place, const openvdb::Vec3d& by) const {
+        if (by_tables_ && by.z() == 0) return p + by.x() * place.u + by.y() * place.v;
+        const auto at_source = transform_.worldToIndex(mapping_.position(place.at + by));
         return mapping_.closed_form() ? at_source : p + at_source - transform_.worldToIndex(mapping_.position(place.at));
     }
 

@@ -16,11 +16,11 @@ void Extension::add(const Lattice& lattice, Axis axis, int below, int above, int
     above_ = above;
     planes_ = lattice.shape[2];
     around_ = lattice.around;
-    std::array<int, 2> before{};
+    std::array<int, 3> before{};
     before[dimension(axis)] = below;
-    const auto whole = extended_below(lattice, before);
+    const auto whole = extended(lattice, before, axis == Axis::w ? above : 0);
     auto extent = whole.shape;
-    extent[dimension(axis)] += above;
+    if (axis != Axis::w) extent[dimension(axis)] += above;
 
     const auto note = [frame](Worst& worst, std::size_t extended, std::size_t own, int plane) {
         if (extended > own && extended - own > worst.count) worst = {extended - own, plane, frame};

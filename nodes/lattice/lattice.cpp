@@ -52,7 +52,7 @@ Lattice box_of(const Vec3d& first, const std::array<int, 3>& shape, double spaci
 
 }  // namespace
 
-std::string to_text(Axis axis) { return axis == Axis::u ? "u" : "v"; }
+std::string to_text(Axis axis) { return std::string(1, "uvw"[dimension(axis)]); }
 
 bool Lattice::is_box() const {
     if (planes.empty() || closed || around) return false;
@@ -75,13 +75,21 @@ Vec3d Lattice::position(const Vec3d& at) const {
     return (1 - c) * on(planes[low]) + c * on(planes[(low + 1) % count]);
 }
 
-Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices) {
+Lattice extended(const Lattice& lattice, const std::array<int, 3>& below, int behind) {
     auto out = lattice;
     for (std::size_t d = 0; d < 2; ++d) {
-        out.shape[d] += vertices[d];
-        if (vertices[d] == 0) continue;
-        for (auto& plane : out.planes) plane.origin -= vertices[d] * lattice.spacing * (d == 0 ? plane.u : plane.v);
+        if (below[d] == 0) continue;
+        for (auto& plane : out.planes) plane.origin -= below[d] * lattice.spacing * (d == 0 ? plane.u : plane.v);
     }
+    const auto beside = [&](Lattice::Plane plane, int planes) {
+        plane.origin += planes * lattice.spacing * plane.w;
+        return plane;
+    };
+    const auto first = out.planes.front(), last = out.planes.back();
+    for (int n = 1; n <= behind; ++n) out.planes.push_back(beside(last, n));
+    for (int n = 1; n <= below[2]; ++n) out.planes.insert(out.planes.begin(), beside(first, -n));
+    for (std::size_t d = 0; d < 3; ++d) out.shape[d] += below[d];
+    out.shape[2] += behind;
     return out;
 }
 

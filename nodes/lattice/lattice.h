@@ -9,19 +9,24 @@
 
 namespace fluidcarve {
 
-/// The dimension of a lattice that is carved.
-enum class Axis { u = 0, v = 1 };
+/// The dimension of a lattice that is carved. Along `w`, whole planes leave or are doubled.
+enum class Axis { u = 0, v = 1, w = 2 };
 
-/// "u" or "v".
+/// "u", "v" or "w".
 std::string to_text(Axis axis);
-/// Place of a carved axis among a vertex's coordinates: 0 or 1.
+/// Place of a carved axis among a vertex's coordinates.
 constexpr std::size_t dimension(Axis axis) { return static_cast<std::size_t>(axis); }
-/// Place of the other of the two, along which columns stand beside each other.
-constexpr std::size_t lateral_dimension(Axis axis) { return 1 - dimension(axis); }
+/// Places of the other two. Columns stand beside each other along the lateral one; slices of them follow each other along the last.
+constexpr std::size_t lateral_dimension(Axis axis) { return axis == Axis::u ? 1 : 0; }
+constexpr std::size_t slice_dimension(Axis axis) { return axis == Axis::w ? 1 : 2; }
 /// A vertex `(i, j, k)` by its entry along the carved axis and its column.
 template <class T>
-constexpr std::array<T, 3> vertex_of(Axis axis, T entry, T lateral, T k) {
-    return axis == Axis::u ? std::array<T, 3>{entry, lateral, k} : std::array<T, 3>{lateral, entry, k};
+constexpr std::array<T, 3> vertex_of(Axis axis, T entry, T lateral, T slice) {
+    std::array<T, 3> out{};
+    out[dimension(axis)] = entry;
+    out[lateral_dimension(axis)] = lateral;
+    out[slice_dimension(axis)] = slice;
+    return out;
 }
 
 /// Largest number of vertices along a dimension. Seam entries have 16 bits and need one value more, for the entry behind the last.
@@ -54,9 +59,11 @@ struct Lattice {
     openvdb::Vec3d position(const openvdb::Vec3d& at) const;
 };
 
-/// Extends a lattice before its first vertices along u and v. Existing vertices get higher indices.
-/// @param vertices  number of added vertices along u and v; none around a rig
-Lattice extended_below(const Lattice& lattice, const std::array<int, 2>& vertices);
+/// Extends a lattice before its first vertices, and by planes behind its last one. What is added along w goes on straight, at steps of the spacing.
+/// Existing vertices get higher indices.
+/// @param below   number of added vertices along u, v and w; around a rig none along u and v, in a closed lattice none along w
+/// @param behind  number of planes added behind the last one
+Lattice extended(const Lattice& lattice, const std::array<int, 3>& below, int behind);
 
 /// What the hash of a lattice begins with. Seam files of older versions state hashes without it.
 inline constexpr std::string_view lattice_hash_prefix = "xxh3-64:";

@@ -16,8 +16,8 @@ public:
     static constexpr double snap = snap_width;
     static constexpr double slack = rim_slack;
 
-    /// @param extent  vertices per dimension that count as inside: the lattice's shape, or more where insertions extend it. Only a straight
-    ///   box can be extended along w
+    /// @param extent  vertices per dimension that count as inside: the lattice's shape, or more where insertions extend it along u and v;
+    ///   in a straight box along w, too
     /// @throws Failure if the lattice is no straight box and has fewer than 2 planes (3 if closed)
     explicit Mapping(const Lattice& lattice);
     Mapping(const Lattice& lattice, const std::array<int, 3>& extent);

@@ -2,11 +2,15 @@
 // The carve of remap.grids, in the page: seams as displacements (METHOD 4), and their smoothing (METHOD 10). Volumes are `[z][y][x]`, x
 // fastest. Displacements are vertices; an inserted entry has a half.
 
-/** Which seam takes or doubles each entry in one frame: `[k][lateral][entry]`, the number of the seam from 1 on; negative: of the pair's
+/** The dimensions along which columns stand beside each other, and along which slices of them follow each other. */
+const lateralOf = axis => axis === 0 ? 1 : 0, sliceOf = axis => axis === 2 ? 1 : 2;
+const columnsOf = ({axis, shape}) => shape[lateralOf(axis)] * shape[sliceOf(axis)];
+
+/** Which seam takes or doubles each entry in one frame: `[slice][lateral][entry]`, the number of the seam from 1 on; negative: of the pair's
  * window; 0: none.
- * @param entries  `[window][seam][k][lateral]`, original entries */
+ * @param entries  `[window][seam][slice][lateral]`, original entries */
 function seamOrder(set, entries) {
-    const before = set.shape[set.axis], columns = set.shape[1 - set.axis] * set.shape[2], out = new Int16Array(columns * before);
+    const before = set.shape[set.axis], columns = columnsOf(set), out = new Int16Array(columns * before);
     for (let window = 0, from = 0; window < (set.paired ? 2 : 1); ++window)
         for (let seam = 1; seam <= set.energies.length; ++seam)
             for (let column = 0; column < columns; ++column) out[column * before + entries[from++]] = window === 0 ? seam : -seam;
@@ -15,23 +19,27 @@ function seamOrder(set, entries) {
 
 /** One seam set in one frame, carved by its first `count` seams: CarveStep of nodes/seams/carve_step.h. */
 class CarveStep {
-    /** @param origin  first entry of the space before, along u and v
+    /** @param origin  first vertex of the space before
      * @param soft, fade  vertices; 0: none
      * @param orders  seamOrder() of neighbouring frames: an odd number, this frame in the middle; one alone if time is not smoothed */
     constructor(set, count, origin, {soft, soft_time, fade}, orders) {
         this.axis = set.axis;
+        this.lateralAxis = lateralOf(set.axis);
+        this.sliceAxis = sliceOf(set.axis);
         this.inserts = set.kind === 'insert';
-        this.closed = set.closed;
+        this.closed = set.closed && set.axis !== 2;
         this.around = set.around;
         this.count = count;
         this.fade = fade;
         this.soft = soft > 0 || soft_time > 0;
         this.paired = set.paired;
         this.before = set.shape[set.axis];
-        this.laterals = set.shape[1 - set.axis];
+        this.laterals = set.shape[this.lateralAxis];
         this.lastLateral = this.laterals - (set.around ? 0 : 1);  // around a rig column `laterals` is column 0 again
-        this.slices = set.shape[2];
-        this.firstLateral = origin[1 - set.axis];
+        this.slices = set.shape[this.sliceAxis];
+        this.lastSlice = this.slices - (this.closed ? 0 : 1);
+        this.firstLateral = origin[this.lateralAxis];
+        this.firstSlice = origin[this.sliceAxis];
         this.origin = origin[set.axis];
         this.start = this.origin + set.shifts[count];
         this.growth = this.inserts ? count : -count;
@@ -49,7 +57,7 @@ class CarveStep {
         const reach = tent(soft).length - 1;
         this.begin = Math.max(0, this.changed[0] - 1 - reach - this.low);
         this.end = Math.min(this.entries, this.changed[1] + 2 + reach - this.low);
-        this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[k][lateral][entry - low]`
+        this.table = this.soft ? this.smoothed(set, tables, soft, soft_time) : tables[0];  // `[slice][lateral][entry - low]`
     }
 
     /** Displacements by whole vertices. @param middle  whether this is the step's own frame */
@@ -139,10 +147,10 @@ class CarveStep {
 
     /** How far content moves at a place in the table, vertices; NaN where values are blended, not positions.
      * @param e        from `low` to `high`
-     * @param lateral  from 0 to `lastLateral`: columns, from the first one on */
-    displacement(e, lateral, w) {
-        const {table, entries, laterals, soft} = this, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w);
-        const a = e - i, b = lateral - j, c = w - k;
+     * @param lateral, slice  from 0 to `lastLateral` and `lastSlice`: columns, from the first one on */
+    displacement(e, lateral, slice) {
+        const {table, entries, laterals, soft} = this, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(slice);
+        const a = e - i, b = lateral - j, c = slice - k;
         const n = entries * (j + laterals * k) + i - this.low, d = table[n], whole = d === Math.floor(d);
         if (a + b + c === 0) return soft || whole ? d : NaN;
         // The four columns of the cell, and the next entry in each; those of weight 0 may not exist.
@@ -155,7 +163,9 @@ class CarveStep {
         return near + (d01 + (d11 - d01) * b - near) * c;
     }
     /** Whether displacements are known at a place, and the place is within the space after the step. */
-    within(e, lateral) { return e >= this.start && e <= this.last && e >= this.low && e <= this.high && lateral >= 0 && lateral <= this.lastLateral; }
+    within(e, lateral, slice) { return e >= this.start && e <= this.last && e >= this.low && e <= this.high && this.holds(lateral, slice); }
+    /** Whether the step has the columns around a place. */
+    holds(lateral, slice) { return lateral >= 0 && lateral <= this.lastLateral && slice >= 0 && slice <= this.lastSlice; }
     /** Where all columns move alike, before and behind all seams: entries from `first` to `last`, and their displacement; none if `last` is less. */
     still() {
         const {table, low, begin, end, entries} = this, first = Math.max(this.start, low), last = Math.min(this.last, this.high);
@@ -163,15 +173,15 @@ class CarveStep {
     }
     /** A displacement that leads to an entry of the space before. */
     clamped(e, d) { return e + d < this.origin ? this.origin - e : e + d > this.lastBefore ? this.lastBefore - e : d; }
-    /** From a column to the next one in `table`, laterally and along w. */
+    /** From a column to the next one in `table`, laterally and to the next slice. */
     aside(j) { return this.entries * (j + 1 < this.laterals ? 1 : 1 - this.laterals); }
     behind(k) { return this.entries * this.laterals * (k + 1 < this.slices ? 1 : 1 - this.slices); }
 
-    /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral  from the first column on */
-    scale(lateral, w) {
+    /** Factor of displacements, 0 to 1: CarveStep::scale. @param lateral, slice  from the first column on */
+    scale(lateral, slice) {
         if (this.fade === 0) return 1;
         const fromRim = (x, size) => size === 1 ? this.fade : Math.min(x, size - 1 - x);
-        return Math.min(1, Math.min(this.around ? this.fade : fromRim(lateral, this.laterals), this.closed ? this.fade : fromRim(w, this.slices)) / this.fade);
+        return Math.min(1, Math.min(this.around ? this.fade : fromRim(lateral, this.laterals), this.closed ? this.fade : fromRim(slice, this.slices)) / this.fade);
     }
 }
 
@@ -241,7 +251,7 @@ function smoothAcross(table, weights, row, count, lines, closed, round, out) {
 /** The steps of a chain of seam sets in one frame: CarveMap. @param count  seams used of the last set; of all others, all
  * @param orders  `[set][neighbouring frame]` */
 function carveSteps(sets, count, softness, orders) {
-    const origin = [0, 0], steps = [];
+    const origin = [0, 0, 0], steps = [];
     sets.forEach((set, n) => {
         const used = n + 1 === sets.length ? count : set.energies.length;
         if (used === 0) return;
@@ -284,15 +294,20 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
 
     let px = 0, py = 0, pz = 0, voxel = 0;           // the voxel's place, and its number
     const {steps: shears, box: straight} = lattice;  // the steps to the next vertex along u and v, per plane
-    /** The content at displacements from the voxel's own place: both move it straight in the plane at `w`. */
-    const content = (alongU, alongV, w) => {
-        if (alongU === 0 && alongV === 0) return volume[voxel];
+    /** The content at displacements from the voxel's own place. Along u and v they move it straight in the plane at `w`. */
+    const content = (alongU, alongV, alongW, w) => {
+        if (alongU === 0 && alongV === 0 && alongW === 0) return volume[voxel];
+        if (alongW !== 0) {
+            const here = lattice.position(places[3 * voxel], places[3 * voxel + 1], w);
+            const there = lattice.position(places[3 * voxel] + alongU, places[3 * voxel + 1] + alongV, w + alongW);
+            return read(px + there[0] - here[0], py + there[1] - here[1], pz + there[2] - here[2]);
+        }
         let du = alongU, dv = alongV;
         if (lattice.around) {
             const u = places[3 * voxel], v = places[3 * voxel + 1];
             [du, dv] = minus2(lattice.across(u + du, v + dv), lattice.across(u, v));
         }
-        const k = straight ? 0 : Math.floor(w), c = straight ? 0 : w - k, n = 6 * k;
+        const k = straight ? 0 : Math.floor(w + lattice.before), c = straight ? 0 : w + lattice.before - k, n = 6 * k;
         let x = du * shears[n] + dv * shears[n + 3], y = du * shears[n + 1] + dv * shears[n + 4], z = du * shears[n + 2] + dv * shears[n + 5];
         if (c > 0) {
             x += c * (du * shears[n + 6] + dv * shears[n + 9] - x);
@@ -302,34 +317,35 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
         return read(px + x, py + y, pz + z);
     };
 
-    /** The content at lattice coordinates after the first `count` steps. @param du, dv  how far steps have moved it */
-    const gather = (count, u, v, w, du, dv) => {
+    /** The content at lattice coordinates after the first `count` steps. */
+    const gather = (count, u, v, w) => {
         while (count-- > 0) {
-            const step = steps[count], across = step.axis === 1, lateral = (across ? u : v) - step.firstLateral;
-            let e = across ? v : u;
+            const step = steps[count], {axis} = step, lateral = (axis === 0 ? v : u) - step.firstLateral, slice = (axis === 2 ? v : w) - step.firstSlice;
+            let e = axis === 0 ? u : axis === 1 ? v : w;
             if (e > step.high && e <= step.high + rimSlack) e = step.high;
             if (e < step.low && e >= step.low - rimSlack) e = step.low;
-            if (e < step.low || e > step.high || lateral < 0 || lateral > step.lastLateral) continue;
-            const scale = step.fade === 0 ? 1 : step.scale(lateral, w);
+            if (e < step.low || e > step.high || !step.holds(lateral, slice)) continue;
+            const scale = step.fade === 0 ? 1 : step.scale(lateral, slice);
             if (e < step.origin + scale * (step.start - step.origin) || e > step.lastBefore + scale * (step.last - step.lastBefore)) {
                 if (step.inserts) continue;
                 return background;
             }
-            const d = step.displacement(e, lateral, w);
+            const d = step.displacement(e, lateral, slice);
             if (d === d) {
                 const to = clamp(e + scale * d, step.origin, step.lastBefore);
-                if (across) dv += to - e, v = to;
-                else du += to - e, u = to;
+                if (axis === 0) u = to;
+                else if (axis === 1) v = to;
+                else w = to;
                 continue;
             }
             // Beside a seam values are blended, not positions.
             const goTo = to => {
                 if (scale < 1) to = clamp(e + scale * (to - e), step.origin, step.lastBefore);
-                return across ? gather(count, u, to, w, du, dv + to - e) : gather(count, to, v, w, du + to - e, dv);
+                return axis === 0 ? gather(count, to, v, w) : axis === 1 ? gather(count, u, to, w) : gather(count, u, v, to);
             };
             // An inserted entry is the mean of its neighbours.
             const from = (entry, by) => Number.isInteger(by) ? goTo(entry + by) : 0.5 * (goTo(entry + by - 0.5) + goTo(entry + by + 0.5));
-            const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(w), a = e - i, b = lateral - j, c = w - k;
+            const {table, entries} = step, i = Math.floor(e), j = Math.floor(lateral), k = Math.floor(slice), a = e - i, b = lateral - j, c = slice - k;
             const n = entries * (j + step.laterals * k) + i - step.low, up = a > 0 ? 1 : 0;
             const aside = n + (b > 0 ? step.aside(j) : 0), behind = c > 0 ? step.behind(k) : 0;
             const column = n => table[n] === table[n + up] ? from(e, table[n]) : (1 - a) * from(i, table[n]) + a * from(i + 1, table[n + up]);
@@ -339,23 +355,23 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
             if (b > 0 && c > 0) sum += b * c * column(aside + behind);
             return sum;
         }
-        return content(du, dv, w);
+        return content(u - places[3 * voxel], v - places[3 * voxel + 1], w - places[3 * voxel + 2], places[3 * voxel + 2]);
     };
 
     /** The content of voxel `n` at x, y and z of `at`. */
     const gathered = (at, n) => {
         px = at[0], py = at[1], pz = at[2], voxel = n;
-        return gather(steps.length, places[3 * n], places[3 * n + 1], places[3 * n + 2], 0, 0);
+        return gather(steps.length, places[3 * n], places[3 * n + 1], places[3 * n + 2]);
     };
     /** The same, if it lies so many vertices further along an axis. */
     const shifted = (at, n, axis, by) => {
         px = at[0], py = at[1], pz = at[2], voxel = n;
-        return axis === 0 ? content(by, 0, places[3 * n + 2]) : content(0, by, places[3 * n + 2]);
+        return content(axis === 0 ? by : 0, axis === 1 ? by : 0, axis === 2 ? by : 0, places[3 * n + 2]);
     };
     // Most volumes are carved by one step.
     const one = steps.length === 1 && steps[0].fade === 0 ? steps[0] : null;
-    const lines = one && straight && !lattice.around ? [0, 1, 2].filter(n => shears[3 * one.axis + n] !== 0) : [];
-    if (lines.length === 1) return carveLines(volume, size, places, one, lines[0], shears[3 * one.axis + lines[0]], box, out, gathered, shifted);
+    const along = one && straight && !lattice.around ? lattice.stepAlong(one.axis) : [0, 0, 0], lines = [0, 1, 2].filter(n => along[n] !== 0);
+    if (lines.length === 1) return carveLines(volume, size, places, one, lines[0], along[lines[0]], box, out, gathered, shifted);
     const at = [0, 0, 0];
     for (let z = box[0][2]; z <= box[1][2]; ++z)
         for (let y = box[0][1]; y <= box[1][1]; ++y)
@@ -366,8 +382,9 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
                 }
                 at[0] = x, at[1] = y, at[2] = z;
                 // Most cells move as one.
-                const e = one ? places[3 * n + one.axis] : NaN, lateral = one ? places[3 * n + 1 - one.axis] - one.firstLateral : NaN;
-                const d = one && one.within(e, lateral) ? one.displacement(e, lateral, places[3 * n + 2]) : NaN;
+                const e = one ? places[3 * n + one.axis] : NaN, lateral = one ? places[3 * n + one.lateralAxis] - one.firstLateral : NaN;
+                const slice = one ? places[3 * n + one.sliceAxis] - one.firstSlice : NaN;
+                const d = one && one.within(e, lateral, slice) ? one.displacement(e, lateral, slice) : NaN;
                 out[n] = (d === d ? shifted(at, n, one.axis, one.clamped(e, d)) : gathered(at, n)) + 0.5;
             }
 }
@@ -378,7 +395,7 @@ function carve(volume, size, background, lattice, places, steps, box, out) {
  * @param perVertex  voxels from a vertex to the next one, along the line
  * @param gathered, shifted  those of carve() */
 function carveLines(volume, size, places, step, line, perVertex, box, out, gathered, shifted) {
-    const {axis, low, origin, lastBefore, firstLateral, lastLateral, laterals, entries, table, soft} = step;
+    const {axis, low, origin, lastBefore, laterals, entries, table, soft} = step;
     const least = Math.max(step.start, low), most = Math.min(step.last, step.high);
     const strides = [1, size[0], size[0] * size[1]], stride = strides[line], end = size[line] - 1 - snapWidth, stop = box[1][line], at = [0, 0, 0];
     const [lower, upper] = step.still();
@@ -390,8 +407,9 @@ function carveLines(volume, size, places, step, line, perVertex, box, out, gathe
             for (; m <= stop && places[3 * n] !== places[3 * n]; ++m, n += stride) out[n] = volume[n];
             if (m > stop) continue;
             // All voxels of a line lie beside the same columns.
-            const lateral = places[3 * n + 1 - axis] - firstLateral, w = places[3 * n + 2], within = lateral >= 0 && lateral <= lastLateral;
-            const aligned = within && lateral === Math.floor(lateral) && w === Math.floor(w), column = aligned ? entries * (lateral + laterals * w) : 0;
+            const lateral = places[3 * n + step.lateralAxis] - step.firstLateral, slice = places[3 * n + step.sliceAxis] - step.firstSlice;
+            const within = step.holds(lateral, slice), aligned = within && lateral === Math.floor(lateral) && slice === Math.floor(slice);
+            const column = aligned ? entries * (lateral + laterals * slice) : 0;
             for (; m <= stop; ++m, n += stride) {
                 const e = places[3 * n + axis];
                 if (e !== e) {
@@ -420,7 +438,7 @@ function carveLines(volume, size, places, step, line, perVertex, box, out, gathe
                 let d = NaN;
                 if (e >= least && e <= most) {
                     const entry = e - low | 0, here = table[column + entry];
-                    if (!aligned || e - low !== entry) d = within ? step.displacement(e, lateral, w) : NaN;
+                    if (!aligned || e - low !== entry) d = within ? step.displacement(e, lateral, slice) : NaN;
                     else if (soft || here === Math.floor(here)) d = here;
                 }
                 const to = e + d, by = to < origin ? origin - e : to > lastBefore ? lastBefore - e : d, place = m + by * perVertex;

@@ -14,9 +14,10 @@ const along = (a, by, c) => [a[0] + c * by[0], a[1] + c * by[1], a[2] + c * by[2
 
 /** A lattice in the page's voxels. */
 class Lattice {
-    /** @param planes  per plane 12 numbers: position of vertex (0, 0), then the steps to the next vertex along u, v and w */
-    constructor({shape, closed, around, box}, planes) {
-        Object.assign(this, {shape, closed, around, box});
+    /** @param before  number of planes before plane 0, which carves along w may reach
+     * @param planes  per plane 12 numbers: position of vertex (0, 0), then the steps to the next vertex along u, v and w */
+    constructor({shape, closed, around, box, before}, planes) {
+        Object.assign(this, {shape, closed, around, box, before});
         this.planes = [];
         for (let n = 0; n < planes.length; n += 12) {
             const part = at => Array.from(planes.subarray(n + at, n + at + 3));
@@ -28,6 +29,8 @@ class Lattice {
         this.slabs = box ? 0 : this.planes.length - (closed ? 0 : 1);
     }
     plane(k) { return this.planes[k % this.planes.length]; }
+    /** The step to the next vertex along an axis of a box. */
+    stepAlong(axis) { return this.planes[0]['uvw'[axis]]; }
     /** The steps along a plane's directions to coordinates along u and v. Around a rig these are polar (METHOD 2). */
     across(u, v) {
         const angle = 2 * Math.PI / this.shape[1] * v;
@@ -39,8 +42,8 @@ class Lattice {
         return [u, u > 0 && Math.fround(positive) < turn ? positive : 0];
     }
     /** World-to-page position of a vertex or of a point between two planes; straight on beyond the ends. */
-    position(alongU, alongV, w) {
-        const [u, v] = this.across(alongU, alongV);
+    position(alongU, alongV, alongW) {
+        const [u, v] = this.across(alongU, alongV), w = alongW + this.before;
         if (this.box || this.slabs < 1) return along(along(along(this.planes[0].origin, this.planes[0].u, u), this.planes[0].v, v), this.planes[0].w, w);
         const below = Math.floor(w), k = this.closed ? ((below % this.slabs) + this.slabs) % this.slabs : clamp(below, 0, this.slabs - 1);
         const a = this.plane(k), b = this.plane(k + 1), c = this.closed ? w - below : w - k;
@@ -58,14 +61,14 @@ class Lattice {
     locateInBox(size, first, last, out) {
         const {origin, u, v, w} = this.planes[0];
         const volume = dot(u, cross(v, w)), gradients = [cross(v, w), cross(w, u), cross(u, v)].map(g => g.map(x => x / volume));
-        const low = [first[0], first[1], 0], high = [last[0], last[1], this.shape[2] - 1];
+        const low = [first[0], first[1], -this.before], high = [last[0], last[1], this.planes.length - 1 - this.before];
         for (let z = 0, to = 0; z < size[2]; ++z)
             for (let y = 0; y < size[1]; ++y)
                 for (let x = 0; x < size[0]; ++x, to += 3) {
                     const from = [x - origin[0], y - origin[1], z - origin[2]];
                     let inside = true;
                     for (let n = 0; n < 3; ++n) {
-                        const at = dot(from, gradients[n]);
+                        const at = dot(from, gradients[n]) - (n === 2 ? this.before : 0);
                         inside = inside && at >= low[n] - rimSlack && at <= high[n] + rimSlack;
                         out[to + n] = clamp(snapped(at), low[n], high[n]);
                     }
@@ -126,7 +129,7 @@ class Lattice {
                         const w = Math.max(0, snapped(k + c));
                         out[3 * voxel] = alongU;
                         out[3 * voxel + 1] = alongV;
-                        out[3 * voxel + 2] = w < this.slabs ? w : this.closed ? 0 : this.slabs;
+                        out[3 * voxel + 2] = w < this.slabs ? w - this.before : this.closed ? 0 : this.slabs - this.before;
                     }
                 }
         }
@@ -156,7 +159,7 @@ function cubicRoot(q, from, to) {
 /** The lowest and highest coordinates along u and v that any count of the last set reaches. */
 function reachOf(lattice, sets) {
     const first = [0, 0], last = [lattice.shape[0] - 1, lattice.shape[1] - 1];
-    for (const set of sets) {
+    for (const set of sets.filter(each => each.axis < 2)) {
         const grown = set.kind === 'insert' && !set.paired ? set.energies.length : 0;
         first[set.axis] -= Math.max(0, ...set.shifts.map(shift => -shift));
         last[set.axis] += grown;
@@ -179,7 +182,7 @@ function foldedCells(lattice) {
         for (let j = 0; j < (lattice.around ? nv : Math.max(1, nv - 1)); ++j)
             for (let i = 0; i < Math.max(1, nu - 1); ++i) {
                 const n = i + nu * j, right = i + 1 < nu ? 1 : 0, above = j + 1 < nv ? nu : lattice.around ? -nu * j : 0;
-                if (bad[n] + bad[n + right] + bad[n + above] + bad[n + right + above] > 0) out.push({k, i, j});
+                if (bad[n] + bad[n + right] + bad[n + above] + bad[n + right + above] > 0) out.push({k: k - lattice.before, i, j});
             }
     }
     return out;

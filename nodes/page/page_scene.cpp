@@ -54,12 +54,29 @@ CoordBBox shown_box(const std::vector<PageFrame>& frames) {
     return out.empty() ? CoordBBox(openvdb::Coord(0), openvdb::Coord(0)) : out;
 }
 
+/// Planes that the carves of any number of seams reach beyond a lattice: before its first, and behind its last.
+std::array<int, 2> planes_beyond(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets) {
+    int origin = 0, first = 0, last = lattice.shape[2] - 1;
+    for (const auto& set : sets) {
+        if (set->axis != Axis::w) continue;
+        int begin = origin;
+        for (std::size_t count = 0; count <= set->size(); ++count) {
+            begin = origin + set->shift_after(count);
+            first = std::min(first, begin);
+            last = std::max(last, begin + set->shape_after(count)[2] - 1);
+        }
+        origin = begin;
+    }
+    return {-first, last - (lattice.shape[2] - 1)};
+}
+
 /// Planes in page voxels: of each the position of vertex (0, 0) and the steps to the next vertex along u, v and w.
-Json lattice_json(const Lattice& given, const PageGrid& page) {
+Json lattice_json(const Lattice& given, const std::vector<std::shared_ptr<const Seams>>& sets, const PageGrid& page) {
     const auto alignment = align(given, *page.space);
     const auto lattice = alignment && alignment->one_to_one() ? on_voxels(given, *alignment, *page.space) : given;
+    const auto [before, behind] = planes_beyond(given, sets);
     std::vector<double> planes;
-    for (const auto& plane : lattice.planes) {
+    for (const auto& plane : extended(lattice, {0, 0, before}, behind).planes) {
         const auto origin = page.place(plane.origin);
         const auto add = [&](const Vec3d& at) { planes.insert(planes.end(), {at.x(), at.y(), at.z()}); };
         add(origin);
@@ -67,7 +84,8 @@ Json lattice_json(const Lattice& given, const PageGrid& page) {
     }
     std::vector<std::uint8_t> bytes;
     append_numbers(bytes, planes);
-    return {{"shape", lattice.shape}, {"closed", lattice.closed}, {"around", lattice.around}, {"box", lattice.is_box()}, {"planes", packed(bytes)}};
+    return {{"shape", lattice.shape},  {"closed", lattice.closed}, {"around", lattice.around},
+            {"box", lattice.is_box()}, {"before", before},         {"planes", packed(bytes)}};
 }
 
 Json rig_json(const Rig& rig, const PageGrid& page) {
@@ -199,7 +217,7 @@ Json page_scene(const PageWish& wish, const std::vector<PageFrame>& frames) {
     for (std::size_t n = 0; n < frames.size(); ++n) {
         const auto& frame = frames[n];
         Json each{{"number", frame.number}, {"lattice", nullptr}, {"rig", nullptr}, {"seams", Json::array()}};
-        if (frame.lattice) each["lattice"] = lattices.number(frame.lattice->hash, [&] { return lattice_json(*frame.lattice, page); });
+        if (frame.lattice) each["lattice"] = lattices.number(frame.lattice->hash, [&] { return lattice_json(*frame.lattice, frame.seams, page); });
         if (frame.rig) {
             const auto rig = rig_json(*frame.rig, page);
             each["rig"] = rigs.number(rig.dump(), [&] { return rig; });

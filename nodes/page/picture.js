@@ -31,7 +31,7 @@ function tinter(scene, frame, shown, count) {
     const seams = shown.has('seams') && order && count > 0, window = shown.has('window') && set && set.window;
     const energy = shown.has('energy') && frame.energy, masks = shown.has('masks') ? frame.masks : [], outside = shown.has('outside') && places;
     if (!seams && !window && !energy && !outside && masks.length === 0) return null;
-    const {axis, shape} = set ?? {axis: 0, shape: [1, 1, 1]}, before = shape[axis], laterals = shape[1 - axis], slices = shape[2];
+    const {axis, shape} = set ?? {axis: 0, shape: [1, 1, 1]}, before = shape[axis], laterals = shape[lateralOf(axis)], slices = shape[sliceOf(axis)];
     const windows = window ? [set.window, ...(set.pair_window ? [set.pair_window] : [])] : [];
     const paint = (out, to, [red, green, blue], strength) => {
         out[to] = red;
@@ -44,9 +44,9 @@ function tinter(scene, frame, shown, count) {
         const u = places ? places[3 * n] : NaN;
         if (outside && u !== u) return paint(out, to, tints.outside, Math.min(200, 3 * Math.abs(frame.volume[n] - scene.background)));
         if (u === u && set) {
-            const v = places[3 * n + 1], entry = Math.round(axis === 0 ? u : v), lateral = Math.round(axis === 0 ? v : u) % (set.around ? laterals : Infinity);
+            const at = dimension => Math.round(places[3 * n + dimension]), entry = at(axis), lateral = at(lateralOf(axis)) % (set.around ? laterals : Infinity);
             if (entry >= 0 && entry < before && lateral >= 0 && lateral < laterals) {
-                const seam = seams ? Math.abs(order[((Math.round(places[3 * n + 2]) % slices) * laterals + lateral) * before + entry]) : 0;
+                const seam = seams ? Math.abs(order[((at(sliceOf(axis)) % slices) * laterals + lateral) * before + entry]) : 0;
                 if (seam > 0 && seam <= count) return paint(out, to, tints.seams, 200);
                 for (const [first, last] of windows)
                     if (entry >= first && entry <= last) paint(out, to, tints.window, 60);

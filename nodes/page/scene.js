@@ -94,7 +94,7 @@ class Scene {
             const entries = summed16(bytes);
             let from = 0;
             return this.sets.map(set => {
-                const size = (set.paired ? 2 : 1) * set.energies.length * set.shape[1 - set.axis] * set.shape[2];
+                const size = (set.paired ? 2 : 1) * set.energies.length * columnsOf(set);
                 return seamOrder(set, entries.subarray(from, from += size));
             });
         });

@@ -39,7 +39,7 @@ public:
           view_(view),
           plane_(plane),
           laterals_(seams.lateral(), seams.around),
-          slices_(seams.shape[2], seams.closed) {}
+          slices_(seams.slices(), seams.slices_close()) {}
 
     std::vector<PictureLine> lines() {
         struct Reach {

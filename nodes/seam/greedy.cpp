@@ -461,7 +461,7 @@ struct Greedy : SeamNode {
         Guide guide = Guide::cone;
     };
     void add(const Params& params, const Ref<FrameEnergy>& frame, Context& context) {
-        if (params.guide == Guide::gaussian && !frame->lattice->closed)
+        if (params.guide == Guide::gaussian && (!frame->lattice->closed || params.axis == Axis::w))
             throw Failure("guide 'gaussian' leads seams through a closed lattice back to where they began, but this lattice is open; leave `guide` out");
         SeamNode::add(params, frame, context);
     }

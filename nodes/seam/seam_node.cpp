@@ -33,7 +33,7 @@ void SeamNode::foresee(const Params& params, Outlook& ahead) {
 std::shared_ptr<FrameEnergy> SeamNode::digest(const Params& params, const Ports& io, Context& context) {
     // The first frame tells, before all others are read. What is left after other seams is known only later.
     if (context.place() == 0 && io.after.empty()) require_vertex_left(params, io.lattice->shape[dimension(params.axis)], "");
-    if (context.place() == 0) require_rig_stays(params, *io.lattice);
+    if (context.place() == 0) require_ends(params, *io.lattice);
     const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
     const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
     const int finest = finest_for(params, *io.lattice);

@@ -47,14 +47,14 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
     : reach_(lattice.shape) {
     auto shape = lattice.shape;
     const auto used_of = [&](std::size_t n) { return count && n + 1 == sets.size() ? *count : sets[n]->size(); };
-    std::array<int, 2> origin{};
+    std::array<int, 3> origin{};
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto axis = dimension(sets[n]->axis);
         origin[axis] += sets[n]->shift_after(std::min(used_of(n), sets[n]->size()));
         below_[axis] = std::max(below_[axis], -origin[axis]);
     }
     origin = below_;
-    for (std::size_t d = 0; d < 2; ++d) reach_[d] += below_[d];
+    for (std::size_t d = 0; d < 3; ++d) reach_[d] += below_[d];
     for (std::size_t n = 0; n < sets.size(); ++n) {
         const auto& set = *sets[n];
         const auto t = place_of(frame, set);
@@ -71,11 +71,12 @@ CarveMap::CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<con
             begin = step.start();
         }
         shape = set.shape_after(used);
-        for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d] + (d < 2 ? origin[d] : 0));
+        for (std::size_t d = 0; d < 3; ++d) reach_[d] = std::max(reach_[d], shape[d] + origin[d]);
     }
+    behind_ = reach_[2] - below_[2] - lattice.shape[2];
 }
 
-Lattice CarveMap::extended(const Lattice& lattice) const { return extended_below(lattice, below_); }
+Lattice CarveMap::extended(const Lattice& lattice) const { return fluidcarve::extended(lattice, below_, behind_); }
 
 bool CarveMap::soft() const {
     return std::any_of(steps_.begin(), steps_.end(), [](const CarveStep& step) { return step.soft() != nullptr; });
@@ -92,8 +93,8 @@ void CarveMap::fade(double vertices) {
                 throw Failure(fmt::format("a fade over {:g} vertices from either rim needs {:g} vertices along {}, but the lattice has {}; lower `rim_fade`",
                                           vertices, std::ceil(2 * vertices) + 1, along, size));
         };
-        if (!step.around()) require(step.laterals(), step.axis() == 0 ? "v" : "u");
-        if (!step.closed()) require(step.slices(), "w");
+        if (!step.around()) require(step.laterals(), std::string(1, "uvw"[step.lateral_axis()]));
+        if (!step.closed()) require(step.slices(), std::string(1, "uvw"[step.slice_axis()]));
         step.fade(vertices);
     }
 }
@@ -105,13 +106,14 @@ bool CarveMap::fades() const {
 bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
     bool moved = false;
     for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
-        const int a = step->axis(), b = step->lateral_axis();
+        const int a = step->axis(), b = step->lateral_axis(), c = step->slice_axis();
         const auto meets = [&](int dimension, double first, double last) {
             return range.max()[dimension] >= first - Mapping::slack && range.min()[dimension] <= last + Mapping::slack;
         };
         // A point between an unmoved and a moved entry moves in part.
         if (!meets(a, step->first_moved() - 1, std::min(step->last_moved() + 1, step->high())) ||
-            !meets(b, step->first_lateral(), step->last_lateral() + (step->around() ? 1 : 0)) || !meets(2, 0, step->slices() - (step->closed() ? 0 : 1)))
+            !meets(b, step->first_lateral(), step->last_lateral() + (step->around() ? 1 : 0)) ||
+            !meets(c, step->first_slice(), step->last_slice() + (step->closed() ? 1 : 0)))
             continue;
         moved = true;
         frees = frees || step->may_free(range.min()[a], range.max()[a]);
@@ -123,9 +125,9 @@ bool CarveMap::trace(openvdb::BBoxd& range, bool& frees) const {
 
 openvdb::BBoxd CarveMap::moved() const {
     openvdb::BBoxd out(openvdb::Vec3d(0), openvdb::Vec3d(reach_[0] - 1, reach_[1] - 1, reach_[2] - 1));
-    if (!steps_.empty() && steps_.front().closed()) out.max().z() = reach_[2];
+    if (!steps_.empty() && (steps_.front().closed() || steps_.front().turns())) out.max().z() = reach_[2];
     if (!steps_.empty() && steps_.front().around()) out.max().y() = reach_[1];
-    // If both axes are carved, a step along one axis moves vertices all along the other.
+    // If several axes are carved, a step along one axis moves vertices all along the others.
     const bool one_axis = std::all_of(steps_.begin(), steps_.end(), [&](const CarveStep& step) { return step.axis() == steps_.front().axis(); });
     if (steps_.empty() || !one_axis) return out;
     const int axis = steps_.front().axis();

@@ -36,8 +36,10 @@ public:
     CarveMap(const Lattice& lattice, const std::vector<std::shared_ptr<const Seams>>& sets, int frame, std::optional<std::size_t> count,
              std::span<const Softness> softness);
 
-    /// The lattice in whose index coordinates the map works: the given one, but its first vertices along `u` and `v` may lie further out.
+    /// The lattice in whose index coordinates the map works: the given one, but its first vertices, and its last plane, may lie further out.
     Lattice extended(const Lattice& lattice) const;
+    /// Number of vertices before the lattice's first ones.
+    const std::array<int, 3>& below() const { return below_; }
 
     /// Fades displacements linearly to 0 towards lateral rims and open ends. Without a fade they end there with a jump (METHOD 4 "Tears").
     /// A point's content then comes from `u + s (m - u)` instead of `m`, with `s` from 0 to 1 (CarveStep::scale). `m` never falls along the
@@ -69,7 +71,8 @@ public:
 private:
     std::vector<CarveStep> steps_;
     std::array<int, 3> reach_;
-    std::array<int, 2> below_{};  ///< number of vertices before the lattice's first ones, along u and v
+    std::array<int, 3> below_{};
+    int behind_ = 0;  ///< number of planes behind the lattice's last one
 };
 
 }  // namespace fluidcarve

@@ -41,20 +41,24 @@ void sort_slabs(const Seams& set, const std::vector<Seams::Seam>& seams, std::si
 
 }  // namespace
 
-CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin)
-    : axis_(static_cast<int>(seams.axis)),
+CarveStep::CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 3>& origin)
+    : axis_(static_cast<int>(dimension(seams.axis))),
+      lateral_axis_(static_cast<int>(lateral_dimension(seams.axis))),
+      slice_axis_(static_cast<int>(slice_dimension(seams.axis))),
       before_(seams.carved()),
       after_(seams.shape_after(count)[dimension(seams.axis)]),
       laterals_(seams.lateral()),
-      slices_(seams.shape[2]),
-      first_lateral_(origin[static_cast<std::size_t>(1 - axis_)]),
-      origin_(origin[static_cast<std::size_t>(axis_)]),
+      slices_(seams.slices()),
+      first_lateral_(origin[lateral_dimension(seams.axis)]),
+      first_slice_(origin[slice_dimension(seams.axis)]),
+      origin_(origin[dimension(seams.axis)]),
       start_(origin_ + seams.shift_after(count)),
       inserts_(!seams.warp && seams.kind == Seams::Kind::insert),
       paired_(seams.paired()),
       thick_(seams.thick()),
-      closed_(seams.closed),
+      closed_(seams.slices_close()),
       around_(seams.around),
+      turns_(seams.closed && !closed_),
       count_(seams.warp ? 0 : count) {
     if (high() > most_vertices) throw Failure(fmt::format("{} vertices along {} are more than {}", high() + 1, to_text(seams.axis), most_vertices + 1));
     if (seams.warp) find_displacements(*seams.warp, t);
@@ -103,14 +107,14 @@ void CarveStep::find_bounds(const Seams& seams, std::size_t t) {
 
 CarveStep::Ends CarveStep::warped_ends(const openvdb::Vec3d& at, double scale) const {
     const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
-    const double lateral = at[1 - axis_] - first_lateral_;
-    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)), k = cell(at.z(), slices_ - (closed_ ? 1 : 2));
+    const double lateral = at[lateral_axis_] - first_lateral_, along = at[slice_axis_] - first_slice_;
+    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)), k = cell(along, slices_ - (closed_ ? 1 : 2));
     const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1), next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
     const auto of = [&](int column, int slice) -> const Ends& {
         return column_ends_[static_cast<std::size_t>(column) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice)];
     };
     const auto mix = [](const Ends& a, const Ends& b, double part) { return Ends{a.begin + part * (b.begin - a.begin), a.end + part * (b.end - a.end)}; };
-    const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j), mix(of(j, next_k), of(next_j, next_k), lateral - j), at.z() - k);
+    const auto moved = mix(mix(of(j, k), of(next_j, k), lateral - j), mix(of(j, next_k), of(next_j, next_k), lateral - j), along - k);
     const double first = scale * (moved.begin - origin_), last = scale * (moved.end - last_before());
     constexpr double half = 0.5;
     return {origin_ + first - std::min(half, std::abs(first)), last_before() + last + std::min(half, std::abs(last))};

@@ -4,6 +4,7 @@
 #include "nodes/seams/window.h"
 
 #include <openvdb/Types.h>
+#include <openvdb/math/Coord.h>
 
 #include <algorithm>
 #include <array>
@@ -25,16 +26,19 @@ class CarveStep {
 public:
     /// @param t       index of the frame in seams.frames
     /// @param count   number of seams used, from the first; 1 for a warp
-    /// @param origin  first entry of the space before, along u and v
-    CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 2>& origin = {});
+    /// @param origin  first vertex of the space before
+    CarveStep(const Seams& seams, std::size_t t, std::size_t count, const std::array<int, 3>& origin = {});
 
-    int axis() const { return axis_; }  ///< 0 (u) or 1 (v)
-    int lateral_axis() const { return 1 - axis_; }
+    // Places among a vertex's coordinates.
+    int axis() const { return axis_; }
+    int lateral_axis() const { return lateral_axis_; }
+    int slice_axis() const { return slice_axis_; }
     bool inserts() const { return inserts_; }  ///< of pairs, the seams of the first window; not for a warp
     bool paired() const { return paired_; }
     bool thick() const { return thick_; }                   ///< whether seams are slabs (Seams::thickness); a slab's bounds are the same entry
     bool warps() const { return !column_ends_.empty(); }    ///< whether the set is a warp
-    bool closed() const { return closed_; }                 ///< whether plane slices() is plane 0 again
+    bool closed() const { return closed_; }                 ///< whether slice slices() is slice 0 again; first_slice() is then 0
+    bool turns() const { return turns_; }                   ///< whether the planes that are carved are closed: entry before() is entry 0 again
     bool around() const { return around_; }                 ///< whether column laterals() is column 0 again; first_lateral() is then 0
     int count() const { return static_cast<int>(count_); }  ///< of seams; 0 for a warp
     int before() const { return before_; }                  ///< vertices along the axis before the carve
@@ -43,6 +47,8 @@ public:
     int first_lateral() const { return first_lateral_; }
     int last_lateral() const { return first_lateral_ + laterals_ - 1; }
     int slices() const { return slices_; }
+    int first_slice() const { return first_slice_; }
+    int last_slice() const { return first_slice_ + slices_ - 1; }
 
     int origin() const { return origin_; }  ///< first entry of the space before
     int start() const { return start_; }    ///< first entry of the carved space
@@ -82,8 +88,9 @@ public:
     /// Whether the step carves or frees a point of its carved space.
     /// @param at  carved lattice coordinates
     bool holds(const openvdb::Vec3d& at) const {
-        const double u = at[axis_], v = at[1 - axis_];
-        return u >= low() && u <= high() && v >= first_lateral_ && v <= (around_ ? laterals_ : last_lateral());
+        const double entry = at[axis_], lateral = at[lateral_axis_], slice = at[slice_axis_];
+        return entry >= low() && entry <= high() && lateral >= first_lateral_ && lateral <= (around_ ? laterals_ : last_lateral()) && slice >= first_slice_ &&
+               slice <= (closed_ ? slices_ : last_slice());
     }
     void fade(double vertices) { fade_ = vertices; }  ///< see CarveMap::fade
     bool fades() const { return fade_ > 0; }
@@ -92,8 +99,9 @@ public:
     double scale(const openvdb::Vec3d& at) const {
         if (fade_ == 0) return 1;
         const auto from_rim = [this](double x, int size) { return size == 1 ? fade_ : std::min(x, size - 1 - x); };
-        const double lateral = around_ ? fade_ : from_rim(at[1 - axis_] - first_lateral_, laterals_), along = closed_ ? fade_ : from_rim(at.z(), slices_);
-        return std::min(1.0, std::min(lateral, along) / fade_);
+        const double lateral = around_ ? fade_ : from_rim(at[lateral_axis_] - first_lateral_, laterals_),
+                     slice = closed_ ? fade_ : from_rim(at[slice_axis_] - first_slice_, slices_);
+        return std::min(1.0, std::min(lateral, slice) / fade_);
     }
     /// Where something begins and ends along the axis.
     struct Ends {
@@ -126,16 +134,21 @@ public:
     double held(double source) const { return std::clamp(source, static_cast<double>(origin_), static_cast<double>(last_before())); }
     /// The source of a point at `u` under a fade: `source`, its source without a fade, drawn towards `u`; never beyond the lattice.
     double drawn(double u, double source, double scale) const { return scale < 1 ? held(u + scale * (source - u)) : source; }
-    bool has_column(int lateral, int k) const { return lateral >= first_lateral_ && lateral <= last_lateral() && k >= 0 && k < slices_; }
+    /// Whether the step has the column of a vertex.
+    bool has_column(const openvdb::Coord& vertex) const {
+        const int lateral = vertex[lateral_axis_], slice = vertex[slice_axis_];
+        return lateral >= first_lateral_ && lateral <= last_lateral() && slice >= first_slice_ && slice <= last_slice();
+    }
     /// The carved entries from which on the seams of a column displace, one per seam, rising. For an insertion it is the new entry; if slabs are
     /// doubled, the first entry of the second copy. Of pairs, seams of the first window come first.
-    /// @param k  plane; may be slices() if closed()
-    std::span<const std::uint16_t> bounds(int lateral, int k) const {
-        if (k == slices_) k = 0;
+    /// @param slice  may be slices() if closed()
+    std::span<const std::uint16_t> bounds(int lateral, int slice) const {
+        const int j = lateral - first_lateral_, k = closed_ && slice == slices_ ? 0 : slice - first_slice_;
         const auto all = (paired_ ? 2 : 1) * count_;
-        return {bounds_.data() + (static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all,
-                all};
+        return {bounds_.data() + (static_cast<std::size_t>(j) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k)) * all, all};
     }
+    /// The bounds of a vertex's column, which must exist.
+    std::span<const std::uint16_t> bounds(const openvdb::Coord& vertex) const { return bounds(vertex[lateral_axis_], vertex[slice_axis_]); }
     /// Number of a column's bounds that are at most `entry`.
     static std::size_t passed(int entry, std::span<const std::uint16_t> all) {
         // Shortcut: most entries lie below or above all bounds.
@@ -155,8 +168,8 @@ public:
         return (inserts_ ? -ahead : ahead) + (at_new ? 1 : 0) + 2 * (origin_ - start_);
     }
     /// The same in an existing column.
-    int displacement(int entry, int lateral, int k) const {
-        const auto all = bounds(lateral, k);
+    int displacement(int entry, int lateral, int slice) const {
+        const auto all = bounds(lateral, slice);
         return displacement(entry, passed(entry, all), all);
     }
 
@@ -167,8 +180,8 @@ private:
     void find_displacements(const Warp& warp, std::size_t t);
     Ends warped_ends(const openvdb::Vec3d& at, double scale) const;
 
-    int axis_, before_, after_, laterals_, slices_, first_lateral_, origin_, start_;
-    bool inserts_, paired_, thick_, closed_, around_;
+    int axis_, lateral_axis_, slice_axis_, before_, after_, laterals_, slices_, first_lateral_, first_slice_, origin_, start_;
+    bool inserts_, paired_, thick_, closed_, around_, turns_;
     std::size_t count_;
     int first_moved_, last_moved_, most_down_, most_up_;
     double fade_ = 0;                    ///< vertices; 0: none

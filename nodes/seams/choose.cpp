@@ -107,24 +107,22 @@ private:
 
     /// A part of a plane of the lattice.
     struct Plane {
-        int k, first_row;
+        int slice, first_row;
         PlaneSamples source;
     };
 
     /// Planes at even distances, the middle rows of each.
     static std::vector<Plane> planes_of(const Seams& set, const Lattice& lattice, const FloatGrid& field) {
-        const int slices = set.shape[2], count = std::min(slices, most_planes), rows = std::min(set.lateral(), most_rows);
+        const int slices = set.slices(), count = std::min(slices, most_planes), rows = std::min(set.lateral(), most_rows);
         std::vector<Plane> out;
         for (int n = 0; n < count; ++n) out.push_back({(2 * n + 1) * slices / (2 * count), (set.lateral() - rows) / 2, PlaneSamples(set.carved(), rows)});
         tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t n) {
-            auto& [k, first_row, source] = out[n];
+            auto& [slice, first_row, source] = out[n];
             const openvdb::tools::GridSampler<FloatGrid, openvdb::tools::BoxSampler> sample(field);
             for (int row = 0; row < source.rows; ++row)
                 for (int u = 0; u < source.width; ++u) {
-                    openvdb::Vec3d at(0, 0, k);
-                    at[static_cast<int>(set.axis)] = u;
-                    at[1 - static_cast<int>(set.axis)] = first_row + row;
-                    source.row(row)[u] = sample.wsSample(lattice.position(at));
+                    const auto at = vertex_of<double>(set.axis, u, first_row + row, slice);
+                    source.row(row)[u] = sample.wsSample(lattice.position(openvdb::Vec3d(at.data())));
                 }
         });
         return out;
@@ -143,7 +141,8 @@ private:
             const auto from = [&](int entry) {
                 if (!step) return static_cast<double>(entry);
                 const int at = step->start() + entry;
-                return at - step->origin() + static_cast<double>(step->soft()->entry(at, step->first_lateral() + plane.first_row + row, plane.k));
+                return at - step->origin() +
+                       static_cast<double>(step->soft()->entry(at, step->first_lateral() + plane.first_row + row, step->first_slice() + plane.slice));
             };
             for (int u = 0; u < width; ++u) {
                 const double place = u * scale;

@@ -34,13 +34,13 @@ std::array<std::uint8_t, 3> colour_of(std::size_t n) {
 class Finder {
 public:
     Finder(const Lattice& lattice, const Seams& seams, std::size_t t, const std::array<int, 2>& every)
-        : lattice_(lattice), seams_(seams), t_(t), laterals_(lined_vertices(seams.lateral(), every[0])), slices_(lined_vertices(seams.shape[2], every[1])) {}
+        : lattice_(lattice), seams_(seams), t_(t), laterals_(lined_vertices(seams.lateral(), every[0])), slices_(lined_vertices(seams.slices(), every[1])) {}
 
     std::vector<SeamCurves> find() {
         std::vector<SeamCurves> out(seams_.seams.size() + seams_.pairs.size());
         const std::size_t step = seams_.paired() ? 2 : 1;
         for (std::size_t n = 0; n < out.size(); ++n) out[n].colour = colour_of(n / step);
-        for (int k = 0; k < seams_.shape[2]; ++k)
+        for (int k = 0; k < seams_.slices(); ++k)
             for (int lateral = 0; lateral < seams_.lateral(); ++lateral) {
                 const bool across = std::ranges::binary_search(slices_, k), along = std::ranges::binary_search(laterals_, lateral);
                 if (!across && !along) continue;
@@ -76,8 +76,8 @@ private:
         for (const int k : slices_)
             for (int lateral = 0; lateral + 1 < seams_.lateral(); ++lateral) out.push_back({number_[column(lateral, k)], number_[column(lateral + 1, k)]});
         for (const int lateral : laterals_) {
-            for (int k = 0; k + 1 < seams_.shape[2]; ++k) out.push_back({number_[column(lateral, k)], number_[column(lateral, k + 1)]});
-            if (seams_.closed) out.push_back({number_[column(lateral, seams_.shape[2] - 1)], number_[column(lateral, 0)]});
+            for (int k = 0; k + 1 < seams_.slices(); ++k) out.push_back({number_[column(lateral, k)], number_[column(lateral, k + 1)]});
+            if (seams_.slices_close()) out.push_back({number_[column(lateral, seams_.slices() - 1)], number_[column(lateral, 0)]});
         }
         return out;
     }
@@ -155,7 +155,7 @@ struct CurvesWrite {
     }
 
     static void run(const Params& params, Ports& io, Context& context) {
-        const std::array every{params.every.value_or(every_by_default(io.seams->lateral())), params.every.value_or(every_by_default(io.seams->shape[2]))};
+        const std::array every{params.every.value_or(every_by_default(io.seams->lateral())), params.every.value_or(every_by_default(io.seams->slices()))};
         write_seam_curves(params.path.at(context.frame()), seam_curves(*io.lattice, *io.seams, context.frame(), every), context.provenance());
     }
 };

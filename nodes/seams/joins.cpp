@@ -23,15 +23,18 @@ double rise(double x) {
 
 Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> windows, double fade)
     : axis_(steps.front()->axis()),
+      lateral_axis_(steps.front()->lateral_axis()),
+      slice_axis_(steps.front()->slice_axis()),
       laterals_(steps.front()->laterals()),
       slices_(steps.front()->slices()),
       first_lateral_(steps.front()->first_lateral()),
+      first_slice_(steps.front()->first_slice()),
       shift_(steps.front()->origin() - steps.front()->start()),
       inserts_(steps.front()->inserts()),
       paired_(steps.front()->paired()),
       closed_(steps.front()->closed()),
       around_(steps.front()->around()),
-      seams_(steps.front()->bounds(first_lateral_, 0).size()),
+      seams_(steps.front()->bounds(first_lateral_, first_slice_).size()),
       fade_(fade),
       windows_(windows.begin(), windows.end()),
       places_(seams_ * static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slices_)) {
@@ -45,7 +48,7 @@ Joins::Joins(std::span<const CarveStep* const> steps, std::span<const CarveStep:
                 auto* const to = places_.data() + static_cast<std::size_t>(k) * row + static_cast<std::size_t>(lateral) * seams_;
                 for (int n = -reach; n <= reach; ++n) {
                     const int frame = n + reach;
-                    const auto bounds = steps[static_cast<std::size_t>(frame)]->bounds(first_lateral_ + lateral, k);
+                    const auto bounds = steps[static_cast<std::size_t>(frame)]->bounds(first_lateral_ + lateral, first_slice_ + k);
                     const float weight = static_cast<float>(reach + 1 - std::abs(n)) / all;
                     for (std::size_t seam = 0; seam < seams_; ++seam) to[seam] += weight * (static_cast<float>(bounds[seam]) - 0.5f);
                 }
@@ -84,7 +87,7 @@ double Joins::displacement(std::size_t passed) const {
 std::array<double, 2> Joins::range(const std::array<int, 3>& first, const std::array<int, 3>& size) const {
     std::array<double, 2> out{displacement(seams_), displacement(seams_)};
     bool any = false;
-    for (int k = first[2]; k < first[2] + size[2]; ++k)
+    for (int k = first[2] - first_slice_; k < first[2] - first_slice_ + size[2]; ++k)
         for (int j = first[1] - first_lateral_; j < first[1] - first_lateral_ + size[1]; ++j) {
             const auto* const places = column(around_ ? j % laterals_ : std::min(j, laterals_ - 1), closed_ ? k % slices_ : std::min(k, slices_ - 1));
             const auto passed = [&](double entry) { return static_cast<std::size_t>(std::upper_bound(places, places + seams_, entry) - places); };
@@ -101,11 +104,11 @@ std::array<double, 2> Joins::range(const std::array<int, 3>& first, const std::a
 void Joins::sides(const openvdb::Vec3d& at, std::vector<Side>& to) const {
     to.clear();
     const auto cell = [](double x, int last) { return std::clamp(static_cast<int>(std::floor(x)), 0, std::max(0, last)); };
-    const double u = at[axis_], lateral = at[1 - axis_] - first_lateral_;
-    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)), k = cell(at.z(), slices_ - (closed_ ? 1 : 2));
+    const double u = at[axis_], lateral = at[lateral_axis_] - first_lateral_, slice = at[slice_axis_] - first_slice_;
+    const int j = cell(lateral, laterals_ - (around_ ? 1 : 2)), k = cell(slice, slices_ - (closed_ ? 1 : 2));
     const int next_j = around_ ? (j + 1) % laterals_ : std::min(j + 1, laterals_ - 1), next_k = closed_ ? (k + 1) % slices_ : std::min(k + 1, slices_ - 1);
     const std::array<const float*, 4> columns{column(j, k), column(next_j, k), column(j, next_k), column(next_j, next_k)};
-    const double b = std::clamp(lateral - j, 0.0, 1.0), c = std::clamp(at.z() - k, 0.0, 1.0);
+    const double b = std::clamp(lateral - j, 0.0, 1.0), c = std::clamp(slice - k, 0.0, 1.0);
     const bool on_column = b == 0 && c == 0;
     const auto place = [&](std::size_t n) {
         if (on_column) return static_cast<double>(columns[0][n]);

@@ -38,7 +38,7 @@ public:
     /// @param to     becomes the coordinates along the axis, rising from side to side
     void places(const CarveStep& step, const openvdb::Vec3d& at, double share, std::vector<double>& to) const;
     /// Bounds of the displacements of all sides that points of a box show, vertices.
-    /// @param first, size  vertices of the box, by entry, lateral column and plane; columns and planes may go round
+    /// @param first, size  vertices of the box, by entry, lateral column and slice; columns and slices may go round
     std::array<double, 2> range(const std::array<int, 3>& first, const std::array<int, 3>& size) const;
 
 private:
@@ -50,7 +50,7 @@ private:
     /// Averages places over columns beside each other. @param ring  whether the last column is beside the first
     void smooth(int count, std::size_t stride, int lines, std::size_t between, bool ring);
 
-    int axis_, laterals_, slices_, first_lateral_, shift_;
+    int axis_, lateral_axis_, slice_axis_, laterals_, slices_, first_lateral_, first_slice_, shift_;
     bool inserts_, paired_, closed_, around_;
     std::size_t seams_;  ///< in a column
     double fade_;

@@ -109,14 +109,14 @@ void write_all(const Seams& seams, std::ostream& to) {
 Ref<Seams> read_all(std::istream& from) {
     BinaryReader in(from);
     const auto out = std::make_shared<Seams>();
-    out->axis = in.value_up_to(Axis::v);
+    out->axis = in.value_up_to(Axis::w);
     out->kind = in.value_up_to(Seams::Kind::insert);
     out->closed = in.value<bool>();
     out->around = in.value<bool>();
     out->shape = in.value<std::array<int, 3>>();
     out->frames = in.list<int>();
     std::uint64_t columns = out->frames.size();
-    for (const auto n : {lateral_dimension(out->axis), std::size_t{2}})
+    for (const auto n : {lateral_dimension(out->axis), slice_dimension(out->axis)})
         in.require(out->shape[n] >= 1 && !__builtin_mul_overflow(columns, static_cast<std::uint64_t>(out->shape[n]), &columns));
     out->lattice = in.text();
     out->lattice_hash = in.text();

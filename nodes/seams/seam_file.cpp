@@ -32,7 +32,7 @@ template <class Visit>
 void each_column(const Seams& seams, Visit&& visit) {
     std::size_t column = 0;
     for (int t = 0; t < static_cast<int>(seams.frames.size()); ++t)
-        for (int k = 0; k < seams.shape[2]; ++k)
+        for (int k = 0; k < seams.slices(); ++k)
             for (int lateral = 0; lateral < seams.lateral(); ++lateral) visit(Coord(lateral, k, t), column++);
 }
 
@@ -117,7 +117,7 @@ void require_columns(const SeamGrids& grids, const Seams& seams) {
     constexpr std::uint64_t most_per_byte = 8, always_allowed = std::uint64_t{64} << 20;  // bytes
     const auto all = grids.all();
     const auto columns = columns_of(seams);
-    const openvdb::CoordBBox wanted(Coord(0), Coord(seams.lateral() - 1, seams.shape[2] - 1, static_cast<int>(seams.frames.size()) - 1));
+    const openvdb::CoordBBox wanted(Coord(0), Coord(seams.lateral() - 1, seams.slices() - 1, static_cast<int>(seams.frames.size()) - 1));
     std::set<const FloatGrid::TreeType*> trees;
     std::uint64_t held = 0;
     for (const auto& grid : all) {
@@ -177,7 +177,7 @@ private:
         return {std::move(entries), static_cast<int>(most)};
     }
 
-    std::ptrdiff_t column(int lateral, int k, int t) const { return (std::ptrdiff_t{t} * seams_.shape[2] + k) * seams_.lateral() + lateral; }
+    std::ptrdiff_t column(int lateral, int k, int t) const { return (std::ptrdiff_t{t} * seams_.slices() + k) * seams_.lateral() + lateral; }
 
     const Seams& seams_;
     std::map<const FloatGrid::TreeType*, Tree> trees_;

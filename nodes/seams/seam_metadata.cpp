@@ -143,8 +143,8 @@ std::optional<int> warp_factor(const openvdb::MetaMap& metadata) {
 Seams seams_of_texts(const openvdb::MetaMap& metadata) {
     Seams out;
     const auto axis = of_file(metadata, "fluidcarve_axis");
-    if (axis != "u" && axis != "v") throw wrong_seams(fmt::format("'fluidcarve_axis' must be u or v, not '{}'", cut_short(axis)));
-    out.axis = axis == "u" ? Axis::u : Axis::v;
+    if (axis != "u" && axis != "v" && axis != "w") throw wrong_seams(fmt::format("'fluidcarve_axis' must be u, v or w, not '{}'", cut_short(axis)));
+    out.axis = static_cast<Axis>(axis.front() - 'u');
     const auto shape = read_shape(of_file(metadata, "fluidcarve_shape"));
     out.shape = {shape[0], shape[1], shape[2]};
     out.frames = read_frames(of_file(metadata, "fluidcarve_frames"), shape[3]);

@@ -17,12 +17,12 @@
 namespace fluidcarve {
 
 /// Seams through one lattice over a sequence, in the order in which they were found. A seam holds one entry per column, an index along the
-/// carved axis. A column is `(lateral, k, t)`; lateral is j if u is carved, i if v is carved.
+/// carved axis. A column is `(lateral, slice, t)`: `(j, k, t)` if u is carved, `(i, k, t)` for v, `(i, j, t)` for w.
 /// Or a warp in their place: then there are no seams, and the warp is carved as a whole.
 struct Seams {
     enum class Kind { remove, insert };
     struct Seam {
-        /// Entries `[column]`, lateral fastest, then k, then t; columns_per_frame() * frames of them. `remove`: index in the space that
+        /// Entries `[column]`, lateral fastest, then slice, then t; columns_per_frame() * frames of them. `remove`: index in the space that
         /// this seam is carved from. `insert`: original index of the entry that is doubled.
         SeamEntries at;
         double energy = 0;                                 ///< sum over all columns, in the units of the energy
@@ -53,11 +53,13 @@ struct Seams {
     std::size_t size() const { return warp ? 1 : seams.size(); }
     int carved() const { return shape[dimension(axis)]; }  ///< vertices along the carved axis
     int lateral() const { return shape[lateral_dimension(axis)]; }
+    int slices() const { return shape[slice_dimension(axis)]; }
+    bool slices_close() const { return closed && axis != Axis::w; }  ///< whether the last slice is followed by the first
     /// The vertices that seams may take if no window is stated. Around a rig they leave out the rig itself, where all columns meet.
     Window whole_window() const { return {around ? 1 : 0, carved() - 1}; }
-    std::array<int, 3> warp_vertices() const { return {carved(), lateral(), shape[2]}; }
-    Warp::Rings warp_rings() const { return {around, closed}; }
-    std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(shape[2]); }
+    std::array<int, 3> warp_vertices() const { return {carved(), lateral(), slices()}; }
+    Warp::Rings warp_rings() const { return {around, slices_close()}; }
+    std::size_t columns_per_frame() const { return static_cast<std::size_t>(lateral()) * static_cast<std::size_t>(slices()); }
     bool paired() const { return !pairs.empty(); }
     bool thick() const { return thickness > 1; }
     /// The lattice hash of a frame.

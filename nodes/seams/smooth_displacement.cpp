@@ -88,9 +88,9 @@ private:
 std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> steps, std::span<const CarveStep::Span> spans, int reach) {
     int front = spans.back().entries.last, back = spans.front().entries.first;
     for (const auto* const step : steps)
-        for (int k = 0; k < step->slices(); ++k)
+        for (int slice = step->first_slice(); slice <= step->last_slice(); ++slice)
             for (int lateral = step->first_lateral(); lateral <= step->last_lateral(); ++lateral) {
-                const auto bounds = step->bounds(lateral, k);
+                const auto bounds = step->bounds(lateral, slice);
                 front = std::min<int>(front, bounds.front());
                 back = std::max<int>(back, bounds.back());
             }
@@ -104,10 +104,11 @@ std::vector<CarveStep::Span> where_smoothed(std::span<const CarveStep* const> st
 }  // namespace
 
 SmoothDisplacement::SmoothDisplacement(const CarveStep& step, int first, int last)
-    : axis_(step.axis()),
+    : axes_{step.axis(), step.lateral_axis(), step.slice_axis()},
       laterals_(step.laterals()),
       slices_(step.slices()),
       first_lateral_(step.first_lateral()),
+      first_slice_(step.first_slice()),
       closed_(step.closed()),
       around_(step.around()),
       carved_{step.start(), step.last()},
@@ -126,9 +127,9 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
     const int reach = step.count();
     first_ = std::clamp(step.first_moved() - 1 - reach, step.start(), step.last());
     int last = first_;
-    for (int k = 0; k < slices_; ++k)
+    for (int slice = step.first_slice(); slice <= step.last_slice(); ++slice)
         for (int lateral = step.first_lateral(); lateral <= step.last_lateral(); ++lateral)
-            last = std::max(last, std::min(step.bounds(lateral, k).back() + reach + 1, step.last()));
+            last = std::max(last, std::min(step.bounds(lateral, slice).back() + reach + 1, step.last()));
     resize(last);
 
     const auto laterals = static_cast<std::size_t>(laterals_);
@@ -138,8 +139,8 @@ SmoothDisplacement::SmoothDisplacement(const CarveStep& step) : SmoothDisplaceme
         std::vector<int> before(static_cast<std::size_t>(to - from) + 2);
         const auto sum = [&](int entry) { return before[static_cast<std::size_t>(entry - from)]; };
         for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
-            const auto bounds = step.bounds(lateral, k);
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), slice = step.first_slice() + static_cast<int>(column / laterals);
+            const auto bounds = step.bounds(lateral, slice);
             std::size_t passed = CarveStep::passed(from, bounds);
             for (int e = from; e <= to; ++e) {
                 while (passed < bounds.size() && bounds[passed] <= e) ++passed;
@@ -172,9 +173,9 @@ SmoothDisplacement SmoothDisplacement::soft(std::span<const CarveStep* const> st
         for (std::size_t n = 0; n < steps.size(); ++n) of_frames.push_back(frames.data() + n * row);
         for (std::size_t n = 0; n < along.size(); ++n) shifted.push_back(beyond.data() + n);
         for (auto column = range.begin(); column < range.end(); ++column) {
-            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), k = static_cast<int>(column / laterals);
+            const int lateral = step.first_lateral() + static_cast<int>(column % laterals), slice = step.first_slice() + static_cast<int>(column / laterals);
             for (std::size_t n = 0; n < steps.size(); ++n)
-                write_displacements(*steps[n], steps[n]->bounds(lateral, k), {first, last}, frames.data() + n * row + 1);
+                write_displacements(*steps[n], steps[n]->bounds(lateral, slice), {first, last}, frames.data() + n * row + 1);
             if (steps.size() > 1) weighted_mean(over, of_frames.data(), size, mean.data());
             now.front() = static_cast<float>(out.ends_->first);
             now[size - 1] = static_cast<float>(out.ends_->second);
@@ -226,14 +227,14 @@ SmoothDisplacement SmoothDisplacement::of(const CarveStep& step, const Warp& war
     return out;
 }
 
-void SmoothDisplacement::smooth_across(std::span<const float> weights, bool along_w) {
-    const int reach = static_cast<int>(weights.size() / 2), count = along_w ? slices_ : laterals_;
+void SmoothDisplacement::smooth_across(std::span<const float> weights, bool slices) {
+    const int reach = static_cast<int>(weights.size() / 2), count = slices ? slices_ : laterals_;
     if (count == 1) return;
-    const bool ring = along_w ? closed_ : around_;
+    const bool ring = slices ? closed_ : around_;
     const auto laterals = static_cast<std::size_t>(laterals_);
-    const auto stride = along_w ? laterals * row_ : row_, between = along_w ? row_ : laterals * row_;
+    const auto stride = slices ? laterals * row_ : row_, between = slices ? row_ : laterals * row_;
     // Every line of columns is smoothed in place, from a copy.
-    tbb::parallel_for(tbb::blocked_range<int>(0, along_w ? laterals_ : slices_), [&](const tbb::blocked_range<int>& lines) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, slices ? laterals_ : slices_), [&](const tbb::blocked_range<int>& lines) {
         std::vector<float> copy(row_ * static_cast<std::size_t>(count));
         std::vector<const float*> rows(weights.size());
         for (int line = lines.begin(); line < lines.end(); ++line) {
@@ -252,17 +253,16 @@ void SmoothDisplacement::smooth_across(std::span<const float> weights, bool alon
 }
 
 SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveStep& step) const {
-    const std::array<int, 3> axes{axis_, 1 - axis_, 2};
     std::array<int, 3> low;
     std::array<double, 3> part;
     for (std::size_t d = 0; d < 3; ++d) {
-        low[d] = static_cast<int>(at[axes[d]]);
-        part[d] = at[axes[d]] - low[d];
+        low[d] = static_cast<int>(at[axes_[d]]);
+        part[d] = at[axes_[d]] - low[d];
     }
     Value out{0, Vec3d(0)};
-    if (low[0] + 2 < first_ && column(first_lateral_, 0).front() == 0) return out;
+    if (low[0] + 2 < first_ && column(first_lateral_, first_slice_).front() == 0) return out;
 
-    const std::array<int, 3> first{carved_.first, first_lateral_, 0}, last{carved_.last, first_lateral_ + laterals_ - 1, slices_ - 1};
+    const std::array<int, 3> first{carved_.first, first_lateral_, first_slice_}, last{carved_.last, first_lateral_ + laterals_ - 1, first_slice_ + slices_ - 1};
     const auto value = [&](std::array<int, 3> vertex) {
         if (closed_) vertex[2] = (vertex[2] + slices_) % slices_;
         if (around_) vertex[1] = (vertex[1] + laterals_) % laterals_;
@@ -273,7 +273,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
         };
         if (!step.fades()) return d();
         Vec3d place;
-        for (std::size_t n = 0; n < 3; ++n) place[axes[n]] = vertex[n];
+        for (std::size_t n = 0; n < 3; ++n) place[axes_[n]] = vertex[n];
         return step.scale(place) * d();
     };
     for (unsigned n = 0; n < 8; ++n) {
@@ -295,7 +295,7 @@ SmoothDisplacement::Value SmoothDisplacement::at(const Vec3d& at, const CarveSte
                 above[d] = std::min(above[d], last[d]);
             }
             if (below[d] == above[d]) continue;
-            out.gradient[axes[d]] += weight * (value(above) - value(below)) / (above[d] - below[d]);
+            out.gradient[axes_[d]] += weight * (value(above) - value(below)) / (above[d] - below[d]);
         }
     }
     return out;
@@ -306,9 +306,10 @@ void soften(CarveStep& step, const Seams& seams, std::size_t t, const Softness& 
     std::vector<CarveStep> others;
     others.reserve(2 * static_cast<std::size_t>(reach));
     std::vector<const CarveStep*> steps;
-    std::array<int, 2> origin{};
+    std::array<int, 3> origin{};
     origin[static_cast<std::size_t>(step.axis())] = step.origin();
     origin[static_cast<std::size_t>(step.lateral_axis())] = step.first_lateral();
+    origin[static_cast<std::size_t>(step.slice_axis())] = step.first_slice();
     for (int n = -reach; n <= reach; ++n) {
         const int near = std::clamp(static_cast<int>(t) + n, 0, last);
         if (near == static_cast<int>(t)) steps.push_back(&step);

@@ -26,7 +26,7 @@ struct Softness {
     explicit operator bool() const { return vertices > 0 || frames > 0; }
 };
 
-/// Smoothed displacements `d` of a step in one frame, at the vertices `(entry, lateral, k)` of its carved space. The map `u + d` stays
+/// Smoothed displacements `d` of a step in one frame, at the vertices `(entry, lateral, slice)` of its carved space. The map `u + d` stays
 /// monotone, since it is a mean of monotone maps.
 class SmoothDisplacement {
 public:
@@ -46,14 +46,15 @@ public:
 
     /// Displacement of an entry, vertices.
     /// @param entry  any; entries outside first() to last() move as the nearest one inside
-    float entry(int entry, int lateral, int k) const {
-        const auto all = column(lateral, k);
+    float entry(int entry, int lateral, int slice) const {
+        const auto all = column(lateral, slice);
         return all[static_cast<std::size_t>(std::clamp(entry, first_, last_) - first_)];
     }
     /// Displacements of entries first() to last() of a column, vertices.
-    std::span<const float> column(int lateral, int k) const {
+    std::span<const float> column(int lateral, int slice) const {
         const auto size = static_cast<std::size_t>(last_ - first_) + 1;
-        const auto column = static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k);
+        const auto column =
+            static_cast<std::size_t>(lateral - first_lateral_) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(slice - first_slice_);
         return {entries_->entries(0).data() + column * row_, size};
     }
     int first() const { return first_; }  ///< entries below it move as it does
@@ -76,10 +77,11 @@ private:
     float* entries() { return entries_->entries(0).data(); }
     /// Replaces each value by a weighted sum over its neighbours across the axis.
     /// @param weights  an odd number; the middle one is for the value itself
-    /// @param along_w  true: along w; false: along the lateral axis
-    void smooth_across(std::span<const float> weights, bool along_w);
+    /// @param slices  true: along the slice axis; false: along the lateral axis
+    void smooth_across(std::span<const float> weights, bool slices);
 
-    int axis_, laterals_, slices_, first_lateral_;
+    std::array<int, 3> axes_;  ///< the carved, the lateral and the slice axis
+    int laterals_, slices_, first_lateral_, first_slice_;
     bool closed_, around_;
     Window carved_;                                  ///< entries of the carved space
     std::optional<std::pair<double, double>> ends_;  ///< displacements half a vertex beyond these entries; set if the map is mirrored there

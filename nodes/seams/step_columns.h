@@ -12,18 +12,19 @@ namespace fluidcarve {
 /// The four columns of a step around a point. The step's displacements are bilinear between them.
 class StepColumns {
 public:
-    /// @param lateral, w  coordinates inside the step's lattice, vertices
-    StepColumns(const CarveStep& step, double lateral, double w) : step_(step) {
+    /// @param at  coordinates inside the step's lattice, vertices
+    StepColumns(const CarveStep& step, const openvdb::Vec3d& at) : step_(step) {
+        const double lateral = at[step.lateral_axis()], slice = at[step.slice_axis()];
         const auto cell = [](double x, int first, int last) { return std::clamp(static_cast<int>(std::floor(x)), first, std::max(first, last)); };
         const int j = cell(lateral, step.first_lateral(), step.last_lateral() - (step.around() ? 0 : 1)),
-                  k = cell(w, 0, step.slices() - (step.closed() ? 1 : 2));
-        const double b = lateral - j, c = w - k;
+                  k = cell(slice, step.first_slice(), step.last_slice() - (step.closed() ? 0 : 1));
+        const double b = lateral - j, c = slice - k;
         for (std::size_t n = 0; n < 4; ++n) {
             const bool next_j = n & 1, next_k = n & 2;
             weights_[n] = (next_j ? b : 1 - b) * (next_k ? c : 1 - c);
             // A column of weight 0 may not exist.
             places_[n] = {weights_[n] > 0 && next_j ? (step.around() ? (j + 1) % step.laterals() : j + 1) : j,
-                          weights_[n] > 0 && next_k ? (k + 1) % step.slices() : k};
+                          weights_[n] > 0 && next_k ? (step.closed() ? (k + 1) % step.slices() : k + 1) : k};
             all_[n] = step.bounds(places_[n][0], places_[n][1]);
         }
     }
@@ -54,7 +55,7 @@ private:
 
     const CarveStep& step_;
     std::array<double, 4> weights_;
-    std::array<std::array<int, 2>, 4> places_;  ///< `[column]`: lateral, k
+    std::array<std::array<int, 2>, 4> places_;  ///< `[column]`: lateral, slice
     std::array<std::span<const std::uint16_t>, 4> all_;
 };
 

@@ -29,7 +29,7 @@ void CarveStep::find_displacements(const Warp& warp, std::size_t t) {
         [&](const tbb::blocked_range<int>& slices, Found out) {
             for (int k = slices.begin(); k < slices.end(); ++k)
                 for (int lateral = first_lateral(); lateral <= last_lateral(); ++lateral) {
-                    const auto column = soft_->column(lateral, k);
+                    const auto column = soft_->column(lateral, first_slice_ + k);
                     for (std::size_t n = 0; n < column.size(); ++n) {
                         if (column[n] == 0) continue;
                         const int entry = start_ + static_cast<int>(n);

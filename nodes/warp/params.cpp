@@ -61,6 +61,8 @@ void check_params(const WarpParams& params, NodeCheck& check) {
         check.fault("amount_file", "parameter 'amount_file' can't have a frame token: one file holds the amounts of all frames, in a column 'time'");
     if (params.static_ && params.amount && params.amount->varies_along(WarpAmount::Along::time))
         check.fault("static", "a static warp is the same in all frames, but 'amount' changes over time; leave one of the two out");
+    if (params.axis == Axis::w && params.amount && params.amount->varies_along(WarpAmount::Along::w))
+        check.fault("amount", "'amount' changes along w, which is the axis that is warped; state one amount, or let it change over time");
     if (params.factor && *params.factor != 1 && *params.factor != 2 && *params.factor != 4)
         check.fault("factor", fmt::format("parameter 'factor' must be auto, 1, 2 or 4, not {}", *params.factor));
     if (check.stated("field_weight") && check.connections("field") == 0)
@@ -71,6 +73,8 @@ WarpAmount amount_of(const WarpParams& params) {
     if (params.amount) return *params.amount;
     const auto path = params.amount_file.at(0);
     auto out = read_amounts(path);
+    if (params.axis == Axis::w && out.varies_along(WarpAmount::Along::w))
+        throw Failure(path + ": its amounts change along w, which is the axis that is warped; leave out the column of places", Failure::Kind::input);
     if (params.static_ && out.varies_along(WarpAmount::Along::time))
         throw Failure(path + ": its amounts change over time, but a static warp is the same in all frames; leave out the column 'time', or 'static'",
                       Failure::Kind::input);

@@ -64,8 +64,8 @@ double steepest(const Warp& warp) { return std::max(0.0, -static_cast<double>(wa
 std::pair<double, double> amounts_in(const Seams& set, const WarpAmount& amount) {
     double least = std::numeric_limits<double>::infinity(), greatest = -least;
     for (const int frame : set.frames)
-        for (int k = 0; k < set.shape[2]; ++k) {
-            const double here = amount.at(place_along(k, set.shape[2], set.closed), frame, set.carved());
+        for (int k = 0; k < set.slices(); ++k) {
+            const double here = amount.at(place_along(k, set.slices(), set.closed), frame, set.carved());
             least = std::min(least, here);
             greatest = std::max(greatest, here);
         }
@@ -132,7 +132,7 @@ struct WarpSolve {
         // The first frame tells, before all others are read. What is left after other seams is known only later.
         if (context.place() == 0 && io.after.empty() && !states_nothing(params))
             require_fits(params, amount_of(params), io.lattice->shape, io.lattice->closed, context.frames(), "");
-        if (context.place() == 0 && !states_nothing(params)) require_rig_stays(gathering_params(params), *io.lattice);
+        if (context.place() == 0 && !states_nothing(params)) require_ends(gathering_params(params), *io.lattice);
         const auto mask = [](const Ref<AnyGrid>& port) { return port ? port->grid.get() : nullptr; };
         const FrameGrids grids{*io.energy, io.field.get(), mask(io.protect), mask(io.attract)};
         require_frame_fits(grids, *io.lattice, context.memory_budget());
@@ -241,7 +241,7 @@ private:
         out.stiffness = {static_cast<double>(params.stiffness), static_cast<double>(params.stiffness_time)};
         std::vector<double> amounts;
         for (std::size_t t = 0; t < warp.frames(); ++t)
-            for (int p = 0; p < planes; ++p) amounts.push_back(amount.at(place_along(warp.vertex_of(2, p), set.shape[2], set.closed), set.frames[t], size));
+            for (int p = 0; p < planes; ++p) amounts.push_back(amount.at(place_along(warp.vertex_of(2, p), set.slices(), set.closed), set.frames[t], size));
         const auto greatest = *std::ranges::max_element(amounts, {}, [](double each) { return std::abs(each); });
         out.amount = amount.varies() ? greatest : in_steps(greatest);
         for (const double each : amounts) out.shares.push_back(amount.varies() ? static_cast<float>(each / greatest) : 1.0f);
@@ -252,8 +252,9 @@ private:
     static std::string why(const NoRoom& none, const Params& params, const Seams& set, const CarvedSpace& space) {
         const auto window = window_of(none.pair ? params.pair_window : params.window, set.carved());
         const auto frame = params.static_ ? "in all frames together" : fmt::format("in frame {}", set.frames[none.t]);
-        auto place = fmt::format("({}, {}, {})", params.axis == Axis::u ? fmt::format("{} to {}", window.first, window.last) : std::to_string(none.lateral),
-                                 params.axis == Axis::u ? std::to_string(none.lateral) : fmt::format("{} to {}", window.first, window.last), none.k);
+        auto place = fmt::format(
+            "({})",
+            fmt::join(vertex_of(params.axis, fmt::format("{} to {}", window.first, window.last), std::to_string(none.lateral), std::to_string(none.k)), ", "));
         if (!space.carved()) {
             const auto vertex = vertex_of(params.axis, window.first, none.lateral, none.k);
             const auto at = space.lattices()[space.place(none.t)]->position(openvdb::Vec3d(vertex[0], vertex[1], vertex[2]));

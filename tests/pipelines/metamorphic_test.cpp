@@ -126,3 +126,27 @@ TEST_CASE("a part of the frames is what it is in all of them, and fewer seams ar
     for (const int frame : {52, 54}) CHECK(difference(numbered(scratch / "all", frame), numbered(scratch / "part", frame)) == "");
     CHECK(difference(carved(scratch, "four", input, "-4"), carved(scratch, "of_eight", input, "-8", "--set carved.count=4")) == "");
 }
+
+TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[long]") {
+    const Scratch scratch;
+    const auto input = copied(scratch, "in", same_frame);
+    const auto carve = [&](const std::string& name, const std::string& axes, const std::string& axis, const std::string& seams) {
+        scratch.write(name + ".yaml", fmt::format("fluidcarve: 1\nframes: {}-{}\nnodes:\n"
+                                                  "  sim: {{type: vdb.read, path: {}, grids: {{density: float, velocity: vector}}}}\n"
+                                                  "  energy: {{type: energy.gradient, field: sim.density}}\n"
+                                                  "  box: {{type: lattice.box, fit: sim.density, axes: {}}}\n"
+                                                  "  seams: {{{}, energy: energy, field: sim.density, lattice: box, axis: {}}}\n"
+                                                  "  carved: {{type: remap.grids, source: sim, lattice: box, seams: seams}}\n"
+                                                  "  out: {{type: vdb.write, source: carved, path: {}}}\n",
+                                                  frame_a, frame_b, input, axes, seams, axis, scratch / name + ".####.vdb"));
+        const auto ran = call_shell(fmt::format("{} run {} --no-cache --progress none", FLUIDCARVE_PROGRAM, scratch / name + ".yaml"));
+        INFO(ran.err);
+        REQUIRE(ran.code == 0);
+        return scratch / name + ".####.vdb";
+    };
+    for (const std::string seams : {"type: seam.pyramid, count: -9", "type: seam.greedy, count: 7, anchor: high", "type: seam.pyramid, count: 8, thickness: auto",
+                                    "type: warp.solve, amount: -6.5"}) {
+        INFO(seams);
+        CHECK(difference(carve("along", "xyz", "w", seams), carve("turned", "xzy", "v", seams)) == "");
+    }
+}

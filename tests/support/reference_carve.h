@@ -52,7 +52,7 @@ template <class T, class Mean>
 void carve(Dense<T>& dense, const Layout& layout, const Seams& seams, std::size_t t, std::size_t count, const T& background, const Mean& mean) {
     using Voxel = typename Dense<T>::Voxel;
     const int size = seams.carved();
-    for (int k = 0; k < seams.shape[2]; ++k)
+    for (int k = 0; k < seams.slices(); ++k)
         for (int lateral = 0; lateral < seams.lateral(); ++lateral) {
             const auto vertex = [&](int entry) { return layout(vertex_of(seams.axis, entry, lateral, k)); };
             const auto column = t * seams.columns_per_frame() + static_cast<std::size_t>(lateral + seams.lateral() * k);

@@ -14,9 +14,9 @@ inline Seams wavy_seams(const Lattice& lattice, Axis axis, Seams::Kind kind, int
     auto out = no_seams(lattice, axis, kind);
     for (int n = 0; n < count; ++n) {
         std::vector<std::uint16_t> at;
-        for (int k = 0; k < out.shape[2]; ++k)
+        for (int k = 0; k < out.slices(); ++k)
             for (int lateral = 0; lateral < out.lateral(); ++lateral) {
-                const double wave = std::sin(0.25 * lateral) + std::sin(2 * M_PI * 3 * k / out.shape[2]);
+                const double wave = std::sin(0.25 * lateral) + std::sin(2 * M_PI * 3 * k / out.slices());
                 at.push_back(static_cast<std::uint16_t>(entry + (kind == Seams::Kind::insert ? n : 0) + static_cast<int>(std::lround(amplitude * wave))));
             }
         out.seams.push_back({at, 0.0});

@@ -62,7 +62,7 @@ bool CarveDerivative::exact() const {
 
 openvdb::BBoxd CarveDerivative::range() const {
     const auto& reach = map_.reach();
-    const bool closed = !map_.empty() && map_.steps().front().closed();
+    const bool closed = !map_.empty() && (map_.steps().front().closed() || map_.steps().front().turns());
     const bool around = !map_.empty() && map_.steps().front().around();
     return {Vec3d(0), Vec3d(reach[0] - 1, around ? reach[1] : reach[1] - 1, closed ? reach[2] : reach[2] - 1)};
 }

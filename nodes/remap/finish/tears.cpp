@@ -27,14 +27,14 @@ struct Rim {
 /// Where the content of a carved vertex comes from; nothing if a removal frees it.
 std::optional<Coord> origin_of(const CarveMap& map, Coord vertex) {
     for (auto step = map.steps().rbegin(); step != map.steps().rend(); ++step) {
-        const int axis = step->axis(), entry = vertex[axis], lateral = vertex[step->lateral_axis()];
-        if (!step->has_column(lateral, vertex.z()) || entry < step->low() || entry > step->high()) continue;
+        const int axis = step->axis(), entry = vertex[axis], lateral = vertex[step->lateral_axis()], slice = vertex[step->slice_axis()];
+        if (!step->has_column(vertex) || entry < step->low() || entry > step->high()) continue;
         if (!step->carves(vertex.asVec3d(), 1)) {
             if (step->frees(vertex.asVec3d())) return std::nullopt;
             continue;
         }
         vertex[axis] +=
-            step->warps() ? static_cast<int>(std::lround(step->soft()->entry(entry, lateral, vertex.z()))) : step->displacement(entry, lateral, vertex.z()) / 2;
+            step->warps() ? static_cast<int>(std::lround(step->soft()->entry(entry, lateral, slice))) : step->displacement(entry, lateral, slice) / 2;
     }
     return vertex;
 }
@@ -47,7 +47,7 @@ bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
             return step.axis() == axis && (rim.high ? std::max<double>(step.last(), step.last_before()) > end : std::min(step.start(), step.origin()) < begin);
         });
     };
-    for (int axis = 0; axis < 2; ++axis)
+    for (int axis = 0; axis < 3; ++axis)
         if (by[axis] != 0 && (axis == rim.axis ? moves_end(axis) : !map.fades())) return true;
     return false;
 }
@@ -56,7 +56,7 @@ bool jumps(const CarveMap& map, const Rim& rim, const Coord& by) {
 int rim_entry(const CarveMap& map, const openvdb::CoordBBox& carved, const Rim& rim, const Coord& column) {
     int out = (rim.high ? carved.max() : carved.min())[rim.axis];
     for (const auto& step : map.steps()) {
-        if (!step.warps() || step.axis() != rim.axis || !step.has_column(column[step.lateral_axis()], column.z())) continue;
+        if (!step.warps() || step.axis() != rim.axis || !step.has_column(column)) continue;
         const auto [begin, end] = step.ends(column.asVec3d(), 1);
         out = std::clamp(static_cast<int>(rim.high ? std::floor(end) : std::ceil(begin)), step.start(), step.last());
     }
@@ -97,8 +97,8 @@ double share_of(const GridT& grid, const Lattice& lattice, const CarveMap& map, 
 
 std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const CarveMap& map) {
     const auto lattice = map.extended(given);
-    openvdb::CoordBBox before({0, 0, 0}, {lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1});
-    for (int axis = 0; axis < 2; ++axis) before.min()[axis] = lattice.shape[static_cast<std::size_t>(axis)] - given.shape[static_cast<std::size_t>(axis)];
+    const Coord first(map.below().data());
+    const openvdb::CoordBBox before(first, first + Coord(given.shape.data()) - Coord(1));
     auto carved = before;
     for (const auto& step : map.steps()) {
         carved.min()[step.axis()] = step.start();
@@ -115,7 +115,7 @@ std::vector<Tear> find_tears(const Volume& volume, const Lattice& given, const C
                     // A dimension of one vertex has no rims: everything beside it is out of reach. Around a rig only u has one, the outer.
                     if (carved.dim()[axis] == 1 || (lattice.around && (axis == 1 || (axis == 0 && !high)))) continue;
                     const double share = share_of(values, lattice, map, before, carved, {axis, high});
-                    const bool own_end = axis < 2 && std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
+                    const bool own_end = std::any_of(map.steps().begin(), map.steps().end(), [&](const auto& step) { return step.axis() == axis; });
                     if (share > 0)
                         out.push_back({grid->getName(), fmt::format("{} = {}", "uvw"[axis], high ? given.shape[static_cast<std::size_t>(axis)] - 1 : 0),
                                        !own_end, share});

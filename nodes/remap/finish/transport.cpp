@@ -83,7 +83,9 @@ private:
     /// Mean of all content that is pressed into a voxel, along the axis of the strongest compression; nothing if it is not compressed.
     std::optional<double> pressed_mean(const Vec3d& at, const CarveDerivative::Image& image) {
         if (!exact_) return std::nullopt;
-        const int axis = image.slope(0, 0) > image.slope(1, 1) ? 0 : 1;
+        int axis = 0;
+        for (const int other : {1, 2})
+            if (image.slope(other, other) > image.slope(axis, axis)) axis = other;
         const int count = std::min(most_places, 1 + static_cast<int>(std::ceil(places_per_voxel * (image.slope(axis, axis) - 1 - hardly))));
         if (count < 2) return std::nullopt;
         const auto& mapping = derivative_.mapping();

@@ -20,8 +20,8 @@ constexpr double least_way = 0.5;
 /// How a mesh vertex moves.
 struct VertexMove {
     bool inside = false;
-    Vec3d by{0};  ///< displacement along u and v, vertices
-    double length() const { return std::max(std::abs(by.x()), std::abs(by.y())); }
+    Vec3d by{0};  ///< displacement along u, v and w, vertices
+    double length() const { return std::max({std::abs(by.x()), std::abs(by.y()), std::abs(by.z())}); }
 };
 
 std::string share_text(double share) { return share >= 0.1 ? "more than 10 %" : share >= 0.01 ? "1 to 10 %" : "less than 1 %"; }

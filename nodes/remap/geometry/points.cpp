@@ -64,7 +64,7 @@ public:
             else if (n == step.lateral_axis() && step.around()) out[n] = wrapped(step.laterals());
             else if (n == step.lateral_axis()) out[n] = step.laterals() > 1 ? reflected(at[n] + by, Vec2d(step.first_lateral(), step.last_lateral())) : at[n];
             else if (step.closed()) out[n] = wrapped(step.slices());
-            else out[n] = step.slices() > 1 ? reflected(at[n] + by, Vec2d(0, step.slices() - 1)) : at[n];
+            else out[n] = step.slices() > 1 ? reflected(at[n] + by, Vec2d(step.first_slice(), step.last_slice())) : at[n];
         }
         return out;
     }
@@ -118,7 +118,7 @@ public:
 private:
     /// Slope of the map along a step's axis. The map is linear between entries.
     static double slope(const CarveStep& step, const Vec3d& at) {
-        const StepColumns columns(step, at[step.lateral_axis()], at.z());
+        const StepColumns columns(step, at);
         const int entry = std::clamp(static_cast<int>(std::floor(at[step.axis()])), step.start(), std::max(step.start(), step.last() - 1));
         return 1 + step.scale(at) * (columns.displacement(entry + 1) - columns.displacement(entry));
     }
@@ -158,7 +158,7 @@ void carve_point(const CarveStep& step, const Vec3d& at, std::vector<double>& pl
 
     // The content at `u*` comes from `u* + scale d`, where `d` is a whole number between the bounds of seams. The places of a point are all
     // `u*` whose content comes from it. They are searched from bound to bound; their sources never fall.
-    const StepColumns bounds(step, at[step.lateral_axis()], at.z());
+    const StepColumns bounds(step, at);
     const auto inserts = [&](std::size_t n) { return step.inserts() == (n < static_cast<std::size_t>(step.count())); };
     const auto bound = [&](std::size_t n) { return bounds.bound(n) - (inserts(n) ? 0 : 0.5); };
     const auto d = [&](std::size_t passed) {

@@ -54,16 +54,21 @@ public:
         if (window_.uniform() && (!frees || (!window_.tile().on && same_bits(window_.tile().value, nothing_.value)))) return false;
 
         if (soft_) return soft_->carve(window_, read, out);
-        // In planes outside the lattice nothing moves. Of a block of an image, that is all but one.
-        const auto held = [&](int k) { return k >= 0 && k < steps_.back().slices(); };
-        const bool within = held(a.z()) && held(b.z());
+        // On lines in slices outside of all steps nothing moves. Of a block of an image, that is all but a few. Slices that a line crosses count as met.
+        const auto held = [&](const Coord& vertex) {
+            return std::ranges::any_of(steps_, [&](const CarveStep& step) {
+                const int slice = vertex[step.slice_axis()];
+                return step.slice_axis() == steps_.back().axis() || (slice >= step.first_slice() && slice <= step.last_slice());
+            });
+        };
+        const bool within = held(a) && held(b);
         if (!within) window_.read(out);
         Coord line;
         const auto [p, q] = lines_.across;
         line[lines_.index_axis] = block[lines_.index_axis] + (lines_.direction > 0 ? 0 : 7);
         for (line[p] = block[p]; line[p] < block[p] + 8; ++line[p])
             for (line[q] = block[q]; line[q] < block[q] + 8; ++line[q]) {
-                if (!within && !held(alignment_.vertex(line).z())) continue;
+                if (!within && !held(alignment_.vertex(line))) continue;
                 carve_row(line, out);
             }
         return true;
@@ -76,8 +81,8 @@ private:
         const auto rest = steps_.size() - 1;
         const int axis = step.axis();
         const auto first = alignment_.vertex(voxel);
-        const bool carved = step.has_column(first[step.lateral_axis()], first.z());
-        const auto bounds = carved ? step.bounds(first[step.lateral_axis()], first.z()) : std::span<const std::uint16_t>();
+        const bool carved = step.has_column(first);
+        const auto bounds = carved ? step.bounds(first) : std::span<const std::uint16_t>();
         auto passed = CarveStep::passed(first[axis], bounds);
 
         const int end = first[axis] + 8;
@@ -114,9 +119,9 @@ private:
         for (; count > 0; --count) {
             const auto& step = steps_[count - 1];
             const int axis = step.axis(), entry = vertex[axis];
-            if (!step.has_column(vertex[step.lateral_axis()], vertex.z()) || entry < step.low() || entry > step.high()) continue;
+            if (!step.has_column(vertex) || entry < step.low() || entry > step.high()) continue;
             if (entry < step.start() || entry > step.last()) return nothing_;
-            const int d = step.displacement(entry, vertex[step.lateral_axis()], vertex.z());
+            const int d = step.displacement(entry, vertex[step.lateral_axis()], vertex[step.slice_axis()]);
             if (d % 2 != 0)
                 return displaced(entry, d, [&](int source) {
                     vertex[axis] = source;

@@ -11,7 +11,7 @@ template <class Column>
 void CarveBlock::Table::each_column(const CarveStep& step, const Column& column) const {
     for (int k = first[2]; k < first[2] + size[2]; ++k)
         for (int j = first[1]; j < first[1] + size[1]; ++j)
-            column(step.around() ? j % step.laterals() : std::min(j, step.last_lateral()), step.closed() ? k % step.slices() : std::min(k, step.slices() - 1));
+            column(step.around() ? j % step.laterals() : std::min(j, step.last_lateral()), step.closed() ? k % step.slices() : std::min(k, step.last_slice()));
 }
 
 void CarveBlock::Table::fill_smooth(const CarveStep& step) {
@@ -68,22 +68,29 @@ void CarveBlock::Table::fill(const CarveStep& step) {
 
 bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
     auto range = carved;
-    least_ = most_ = openvdb::Vec2d(0);
+    least_ = most_ = openvdb::Vec3d(0);
     frees_ = false;
     fades_ = false;
-    rigid_ = openvdb::Vec2d(0);
+    rigid_ = openvdb::Vec3d(0);
     bool moved = false;
     for (auto n = tables_.size(); n-- > 0;) {
         const auto& step = map_.steps()[n];
         auto& table = tables_[n];
-        const std::array<int, 3> axes{step.axis(), step.lateral_axis(), 2};
-        const std::array<int, 3> first{step.low(), step.first_lateral(), 0},
-            last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(), step.closed() ? 2 * step.slices() : step.slices() - 1};
+        const std::array<int, 3> axes{step.axis(), step.lateral_axis(), step.slice_axis()};
+        const std::array<int, 3> first{step.low(), step.first_lateral(), step.first_slice()},
+            last{step.high(), step.around() ? 2 * step.laterals() : step.last_lateral(), step.closed() ? 2 * step.slices() : step.last_slice()};
+        // A box that goes round where entries end and begin may hold any of them.
+        if (step.turns() && range.max()[axes[0]] > step.high()) {
+            range.min()[axes[0]] = step.low();
+            range.max()[axes[0]] = step.high() + 1;
+        }
         bool meets = true, within = true;
         for (std::size_t d = 0; d < 3; ++d) {
             const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
             meets = meets && to >= begin && from <= end;
-            within = within && (d == 2 || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
+            // Before the first plane and behind the last there is no lattice.
+            const bool all_planes = axes[d] == 2 && first[d] == 0 && last[d] >= map_.reach()[2] - 1;
+            within = within && (all_planes || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
             table.first[d] = static_cast<int>(std::clamp(from, begin, end));
             table.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - table.first[d];
         }
@@ -99,7 +106,8 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         // The scale is concave: its minimum is at a corner.
         bool fades = false;
         for (int corner = 0; step.fades() && corner < 4; ++corner) {
-            openvdb::Vec3d at(0, 0, corner & 1 ? range.min().z() : range.max().z());
+            openvdb::Vec3d at(0.0);
+            at[axes[2]] = corner & 1 ? range.min()[axes[2]] : range.max()[axes[2]];
             at[axes[1]] = corner & 2 ? range.min()[axes[1]] : range.max()[axes[1]];
             fades = fades || step.scale(at) < 1;
         }

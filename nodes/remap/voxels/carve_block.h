@@ -33,13 +33,13 @@ public:
     /// @return false if nothing in the box moves
     bool move_to(const openvdb::BBoxd& range);
 
-    /// Bounds of the displacements along u and v, from where values go to where they are read, vertices.
-    const openvdb::Vec2d& least() const { return least_; }
-    const openvdb::Vec2d& most() const { return most_; }
+    /// Bounds of the displacements along u, v and w, from where values go to where they are read, vertices.
+    const openvdb::Vec3d& least() const { return least_; }
+    const openvdb::Vec3d& most() const { return most_; }
     /// Whether part of the box becomes background.
     bool frees() const { return frees_; }
-    /// The displacement along u and v, if all points of the box are displaced by the same whole vertices.
-    const std::optional<openvdb::Vec2d>& rigid() const { return rigid_; }
+    /// The displacement, if all points of the box are displaced by the same whole vertices.
+    const std::optional<openvdb::Vec3d>& rigid() const { return rigid_; }
     /// Whether a fade scales some displacements down (CarveMap::fade).
     bool fades() const { return fades_; }
 
@@ -51,8 +51,8 @@ public:
     double smooth(std::size_t step, const openvdb::Vec3d& at) const;
     /// The displacement of a point through all steps.
     struct Rigid {
-        openvdb::Vec2d by{0, 0};  ///< along u and v, vertices
-        bool fades = false;       ///< whether a fade scaled it down
+        openvdb::Vec3d by{0.0};  ///< along u, v and w, vertices
+        bool fades = false;      ///< whether a fade scaled it down
     };
     /// The displacement of a point of the box, if in each step all corners of its cell are displaced by the same whole vertices, or
     /// smoothly; else nothing.
@@ -61,16 +61,16 @@ public:
 private:
     /// Displacements of a box of vertices under one step.
     struct Table {
-        std::array<int, 3> first{}, size{};  ///< along the carved axis, the lateral axis and w
-        std::vector<int> all;                ///< `[w][lateral][entry]`, half vertices; beyond a rim, as at the rim
+        std::array<int, 3> first{}, size{};  ///< along the carved, the lateral and the slice axis
+        std::vector<int> all;                ///< `[slice][lateral][entry]`, half vertices; beyond a rim, as at the rim
         std::vector<float> smooth;           ///< the same for a smoothed step, vertices
         int low = 0, high = 0;               ///< bounds of all displacements, half vertices
         void fill(const CarveStep& step);
         /// Index of the displacement of a cell's lowest entry.
         int cell(int i, int j, int k, const CarveStep& step) const {
-            const int along_w = k < first[2] ? k + step.slices() - first[2] : k - first[2];
+            const int slice = k < first[2] ? k + step.slices() - first[2] : k - first[2];
             const int lateral = j < first[1] ? j + step.laterals() - first[1] : j - first[1];
-            return (along_w * size[1] + lateral) * size[0] + i - first[0];
+            return (slice * size[1] + lateral) * size[0] + i - first[0];
         }
 
     private:
@@ -88,15 +88,15 @@ private:
 
     const CarveMap& map_;
     std::vector<Table> tables_;  ///< `[step]`
-    openvdb::Vec2d least_, most_;
+    openvdb::Vec3d least_, most_;
     bool frees_ = false, fades_ = false;
-    std::optional<openvdb::Vec2d> rigid_;
+    std::optional<openvdb::Vec3d> rigid_;
 };
 
 inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d& at) const {
     const auto& table = tables_[step];
     const auto& of = map_.steps()[step];
-    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
+    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at[of.slice_axis()];
     const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
     Cell out;
     out.fraction = u - i;
@@ -118,7 +118,7 @@ inline CarveBlock::Cell CarveBlock::cell(std::size_t step, const openvdb::Vec3d&
 inline double CarveBlock::smooth(std::size_t step, const openvdb::Vec3d& at) const {
     const auto& table = tables_[step];
     const auto& of = map_.steps()[step];
-    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at.z();
+    const double u = at[of.axis()], v = at[of.lateral_axis()], w = at[of.slice_axis()];
     const int i = static_cast<int>(u), j = static_cast<int>(v), k = static_cast<int>(w);
     const float* const a = table.smooth.data() + table.cell(i, j, k, of);
     const float *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
@@ -145,7 +145,8 @@ inline std::optional<CarveBlock::Rigid> CarveBlock::rigid_at(openvdb::Vec3d at) 
             out.fades = out.fades || scale < 1;
             continue;
         }
-        const int* const a = table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[1 - axis]), static_cast<int>(at.z()), step);
+        const int* const a =
+            table.all.data() + table.cell(static_cast<int>(at[axis]), static_cast<int>(at[step.lateral_axis()]), static_cast<int>(at[step.slice_axis()]), step);
         const int *const b = a + table.size[0], *const c = a + table.size[0] * table.size[1], *const d = c + table.size[0];
         const int by = a[0];
         const auto edge = edge_at(a);

@@ -7,7 +7,7 @@ namespace fluidcarve {
 double JoinedSides::displacement(std::size_t n, const openvdb::Vec3d& at) const {
     const auto& step = map_.steps()[n];
     if (step.soft()) return block_.smooth(n, at);
-    return StepColumns(step, at[step.lateral_axis()], at.z()).displacement(static_cast<int>(std::floor(at[step.axis()])));
+    return StepColumns(step, at).displacement(static_cast<int>(std::floor(at[step.axis()])));
 }
 
 void JoinedSides::find(const openvdb::Vec3d& at) {

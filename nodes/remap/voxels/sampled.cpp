@@ -57,7 +57,7 @@ public:
         if (unfaded) unfaded_.emplace(unfaded->tree());
         if (mapping.slabs()) return;
         const auto at = [&](const Vec3d& vertex) { return grid.transform().worldToIndex(mapping.position(vertex)); };
-        steps_ = {at(Vec3d(1, 0, 0)) - at(Vec3d(0)), at(Vec3d(0, 1, 0)) - at(Vec3d(0))};
+        steps_ = {at(Vec3d(1, 0, 0)) - at(Vec3d(0)), at(Vec3d(0, 1, 0)) - at(Vec3d(0)), at(Vec3d(0, 0, 1)) - at(Vec3d(0))};
     }
 
     bool operator()(const Coord& block, Leaf& out) {
@@ -133,7 +133,7 @@ private:
     /// @return bit z is set if a fade scaled a displacement of voxel z
     template <class Part, class Pick>
     unsigned carve_row(const Coord& first, const Vec3d& offset, const Part& nothing, std::size_t component, const Pick& pick, Parts<Part>& parts) {
-        if (places_.interior() && block_.rigid()) {
+        if (places_.interior() && block_.rigid() && block_.rigid()->z() == 0) {
             read_row(places_.shift(first, offset, *block_.rigid(), positions_), pick, parts);
             return 0;
         }
@@ -156,7 +156,7 @@ private:
             }
             if (const auto rigid = block_.rigid_at(place.at)) {
                 if (rigid->fades) faded |= 1u << z;
-                if (rigid->by == openvdb::Vec2d(0)) continue;
+                if (rigid->by == Vec3d(0)) continue;
                 positions_.set(static_cast<std::size_t>(z), places_.moved(p, place, rigid->by));
                 moved |= 1u << z;
                 continue;
@@ -173,10 +173,10 @@ private:
         return faded;
     }
 
-    /// Where a voxel reads the content of other lattice coordinates of its plane. In a straight box all steps are the same.
+    /// Where a voxel reads the content of other lattice coordinates. In a straight box all steps are the same.
     Vec3d position(const Vec3d& p, const BlockPlaces::Place& place, const Vec3d& source) const {
-        const openvdb::Vec2d by(source.x() - place.at.x(), source.y() - place.at.y());
-        return steps_ ? p + by.x() * (*steps_)[0] + by.y() * (*steps_)[1] : places_.moved(p, place, by);
+        const auto by = source - place.at;
+        return steps_ ? p + by.x() * (*steps_)[0] + by.y() * (*steps_)[1] + by.z() * (*steps_)[2] : places_.moved(p, place, by);
     }
 
     /// The value and state of a point, from its sides (METHOD 10 "Joins").
@@ -263,11 +263,11 @@ private:
         Reader(SampledCarve& worker, const Vec3d& p, const BlockPlaces::Place& place, const std::pair<Part, bool>& own, const Pick& pick)
             : worker_(worker), p_(p), place_(place), own_(own), pick_(pick) {}
         std::pair<Part, bool> operator()(const Vec3d& source) {
-            if (same(source, place_.at)) return own_;
+            if (source == place_.at) return own_;
             for (std::size_t n = 0; n < std::min(count_, kept_.size()); ++n)
-                if (same(kept_[n].source, source)) return kept_[n].read;
+                if (kept_[n].source == source) return kept_[n].read;
             auto& next = kept_[count_++ % kept_.size()];
-            next = {source, worker_.read(worker_.places_.moved(p_, place_, openvdb::Vec2d(source.x() - place_.at.x(), source.y() - place_.at.y())), pick_)};
+            next = {source, worker_.read(worker_.places_.moved(p_, place_, source - place_.at), pick_)};
             return next.read;
         }
 
@@ -276,8 +276,6 @@ private:
             Vec3d source;
             std::pair<Part, bool> read;
         };
-        /// No step moves along w.
-        static bool same(const Vec3d& a, const Vec3d& b) { return a.x() == b.x() && a.y() == b.y(); }
 
         SampledCarve& worker_;
         const Vec3d p_;
@@ -393,7 +391,7 @@ private:
 
     const std::shared_ptr<const SlowPart> slow_;
     const bool joins_;
-    std::optional<std::array<Vec3d, 2>> steps_;  ///< in a straight box: from a vertex to the next along u and v, voxels
+    std::optional<std::array<Vec3d, 3>> steps_;  ///< in a straight box: from a vertex to the next along u, v and w, voxels
     const GridT& grid_;
     BlockPlaces places_;
     BlockPlaces::Row found_;

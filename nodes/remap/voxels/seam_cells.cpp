@@ -21,8 +21,8 @@ CoordBBox within(const CarveStep& step, CoordBBox vertices) {
     clip(step.axis(), step.start(), step.last());
     if (step.around()) once(step.lateral_axis(), step.laterals());
     else clip(step.lateral_axis(), step.first_lateral(), step.last_lateral());
-    if (step.closed()) once(2, step.slices());
-    else clip(2, 0, step.slices() - 1);
+    if (step.closed()) once(step.slice_axis(), step.slices());
+    else clip(step.slice_axis(), step.first_slice(), step.last_slice());
     return vertices;
 }
 
@@ -31,20 +31,20 @@ CoordBBox corners(const CarveStep& step, const BBoxd& range) {
     return within(step, {Coord::ceil(range.min()).offsetBy(-1), Coord::floor(range.max()).offsetBy(1)});
 }
 
-/// The column at a vertex: its lateral index, and k.
-std::array<int, 2> column_at(const CarveStep& step, int lateral, int w) {
-    return {step.around() ? (lateral + step.laterals()) % step.laterals() : lateral, (w + step.slices()) % step.slices()};
+/// The column at a vertex: its lateral index, and its slice.
+std::array<int, 2> column_at(const CarveStep& step, int lateral, int slice) {
+    return {step.around() ? (lateral + step.laterals()) % step.laterals() : lateral, step.closed() ? (slice + step.slices()) % step.slices() : slice};
 }
 
 /// The common displacement of all vertices of a box of a step's carved space, half vertices; nothing if they differ.
-/// @param vertices  not empty; along w, and around a rig along v, they may lie one turn off
+/// @param vertices  not empty; along a closed axis across the carved one they may lie one turn off
 std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& vertices) {
     const int first = vertices.min()[step.axis()], last = vertices.max()[step.axis()];
     std::optional<int> out;
-    for (int w = vertices.min().z(); w <= vertices.max().z(); ++w)
+    for (int w = vertices.min()[step.slice_axis()]; w <= vertices.max()[step.slice_axis()]; ++w)
         for (int v = vertices.min()[step.lateral_axis()]; v <= vertices.max()[step.lateral_axis()]; ++v) {
-            const auto [lateral, k] = column_at(step, v, w);
-            const auto bounds = step.bounds(lateral, k);
+            const auto [lateral, slice] = column_at(step, v, w);
+            const auto bounds = step.bounds(lateral, slice);
             const auto passed = CarveStep::passed(first, bounds);
             const int displacement = step.displacement(first, passed, bounds);
             if (out.value_or(displacement) != displacement || CarveStep::passed(last, bounds) != passed ||
@@ -59,8 +59,8 @@ std::optional<int> common_displacement(const CarveStep& step, const CoordBBox& v
 bool stays(const CarveStep& step, const CoordBBox& vertices) {
     if (!step.soft()) return common_displacement(step, vertices) == 0;
     for (auto at = vertices.begin(); at; ++at) {
-        const auto [lateral, k] = column_at(step, (*at)[step.lateral_axis()], (*at).z());
-        if (step.soft()->entry((*at)[step.axis()], lateral, k) != 0) return false;
+        const auto [lateral, slice] = column_at(step, (*at)[step.lateral_axis()], (*at)[step.slice_axis()]);
+        if (step.soft()->entry((*at)[step.axis()], lateral, slice) != 0) return false;
     }
     return true;
 }

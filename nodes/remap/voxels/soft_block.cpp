@@ -43,6 +43,7 @@ public:
           beside_(beside),
           axis_(step.axis()),
           lateral_(step.lateral_axis()),
+          slice_(step.slice_axis()),
           low_(step.low()),
           high_(step.high()),
           origin_(step.origin()),
@@ -77,8 +78,10 @@ public:
     }
 
 private:
-    bool carved(const Coord& vertex) const { return step_.has_column(vertex[lateral_], vertex.z()); }
-    FLUIDCARVE_INLINE Eight displacements(const Coord& vertex) const { return eight_entries(soft_, soft_.column(vertex[lateral_], vertex.z()), vertex[axis_]); }
+    bool carved(const Coord& vertex) const { return step_.has_column(vertex); }
+    FLUIDCARVE_INLINE Eight displacements(const Coord& vertex) const {
+        return eight_entries(soft_, soft_.column(vertex[lateral_], vertex[slice_]), vertex[axis_]);
+    }
     /// Points beyond the ends stay, or nothing comes to them.
     void leave_or_free(double u, const CarveStep::Ends& ends, LineSources& out) const {
         for (int n = 0; n < 8; ++n) {
@@ -97,7 +100,7 @@ private:
     const CarveStep& step_;
     const SmoothDisplacement& soft_;
     const Beside beside_;
-    const int axis_, lateral_, low_, high_, origin_, last_before_;
+    const int axis_, lateral_, slice_, low_, high_, origin_, last_before_;
 };
 
 }  // namespace

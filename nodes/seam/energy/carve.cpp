@@ -16,8 +16,8 @@ struct Places {
     std::array<std::size_t, 3> stride;
 
     Places(const std::array<int, 3>& shape, Axis axis) {
-        const auto u = static_cast<std::size_t>(shape[0]), v = static_cast<std::size_t>(shape[1]);
-        stride = axis == Axis::u ? std::array{std::size_t{1}, u, u * v} : std::array{v, std::size_t{1}, u * v};
+        const auto entries = static_cast<std::size_t>(shape[dimension(axis)]), laterals = static_cast<std::size_t>(shape[lateral_dimension(axis)]);
+        stride = vertex_of(axis, std::size_t{1}, entries, entries * laterals);
     }
 };
 
@@ -32,8 +32,8 @@ std::uint16_t mixed_field(std::uint16_t a, std::uint16_t b, float part) { return
 
 /// Calls `visit(from, part)` for each entry of a column that seams leave: its content comes from entry `from` and, by a part, from the next.
 template <class Visit>
-void each_seam_source(const CarveStep& step, int lateral, int k, const Visit& visit) {
-    const auto bounds = step.bounds(lateral, k);
+void each_seam_source(const CarveStep& step, int lateral, int slice, const Visit& visit) {
+    const auto bounds = step.bounds(lateral, slice);
     std::size_t passed = 0;
     for (int entry = step.start(); entry <= step.last(); ++entry) {
         while (passed < bounds.size() && bounds[passed] <= entry) ++passed;
@@ -44,14 +44,14 @@ void each_seam_source(const CarveStep& step, int lateral, int k, const Visit& vi
 
 /// The same for a warp. `from` is -1 where there is no content.
 template <class Visit>
-void each_warp_source(const CarveStep& step, int lateral, int k, const Visit& visit) {
-    const auto [begin, end] = step.ends(openvdb::Vec3d(vertex_of<double>(static_cast<Axis>(step.axis()), 0, lateral, k).data()), 1);
+void each_warp_source(const CarveStep& step, int lateral, int slice, const Visit& visit) {
+    const auto [begin, end] = step.ends(openvdb::Vec3d(vertex_of<double>(static_cast<Axis>(step.axis()), 0, lateral, slice).data()), 1);
     for (int entry = step.start(); entry <= step.last(); ++entry) {
         if (entry < begin || entry > end) {
             visit(-1, 0.0f);
             continue;
         }
-        const double source = step.held(entry + static_cast<double>(step.soft()->entry(entry, lateral, k))) - step.origin();
+        const double source = step.held(entry + static_cast<double>(step.soft()->entry(entry, lateral, slice))) - step.origin();
         const int from = static_cast<int>(source);
         visit(from, static_cast<float>(source - from));
     }
@@ -61,13 +61,14 @@ template <class Mix>
 std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const Places& before, const Places& after, std::size_t size, const CarveStep& step,
                                  int finest, const Mix& mix) {
     std::vector<std::uint16_t> out(size);
-    const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis());
+    const auto along = static_cast<std::size_t>(step.axis()), across = static_cast<std::size_t>(step.lateral_axis()),
+               last = static_cast<std::size_t>(step.slice_axis());
     const std::uint16_t nothing = 0;
     const auto [slices, laterals, unused] = gathered_shape({step.slices(), step.laterals(), 0}, finest);
     tbb::parallel_for(0, slices, [&, laterals = laterals](int k) {
         for (int lateral = 0; lateral < laterals; ++lateral) {
             const auto column = [&](const Places& places) {
-                return places.stride[2] * static_cast<std::size_t>(k) + places.stride[across] * static_cast<std::size_t>(lateral);
+                return places.stride[last] * static_cast<std::size_t>(k) + places.stride[across] * static_cast<std::size_t>(lateral);
             };
             const auto* const source = from.data() + column(before);
             auto* target = out.data() + column(after);
@@ -83,9 +84,9 @@ std::vector<std::uint16_t> carve(const std::vector<std::uint16_t>& from, const P
                 *target = entry < 0 ? nothing : part == 0 ? *low : mix(*low, low[before.stride[along]], part);
                 target += after.stride[along];
             };
-            const int fine_lateral = step.first_lateral() + finest * lateral, fine_k = finest * k;
-            if (step.warps()) each_warp_source(step, fine_lateral, fine_k, set);
-            else each_seam_source(step, fine_lateral, fine_k, set);
+            const int fine_lateral = step.first_lateral() + finest * lateral, fine_slice = step.first_slice() + finest * k;
+            if (step.warps()) each_warp_source(step, fine_lateral, fine_slice, set);
+            else each_seam_source(step, fine_lateral, fine_slice, set);
         }
     });
     return out;

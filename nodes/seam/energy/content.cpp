@@ -41,8 +41,8 @@ private:
     /// @param more  vertices beyond each rim
     static Mapping bent(const Lattice& lattice, int more) {
         if (lattice.around) return {lattice, {lattice.shape[0] + more, lattice.shape[1], lattice.shape[2]}};
-        const auto extended = extended_below(lattice, {more, more});
-        return {extended, {extended.shape[0] + more, extended.shape[1] + more, extended.shape[2]}};
+        const auto wider = extended(lattice, {more, more, 0}, 0);
+        return {wider, {wider.shape[0] + more, wider.shape[1] + more, wider.shape[2]}};
     }
     bool within(double at, std::size_t dimension) const { return at >= -margin_ && at <= shape_[dimension] - 1 + margin_; }
 

@@ -86,19 +86,19 @@ public:
           background_(encode_energy(grids.energy.background())),
           width_(lattice.shape[dimension(axis)]),
           laterals_(lattice.shape[lateral_dimension(axis)]),
-          planes_(lattice.shape[2]) {
+          slices_(lattice.shape[slice_dimension(axis)]) {
         if (grids.attract) attract_.emplace(*grids.attract, lattice, axis);
         if (grids.protect) protect_.emplace(*grids.protect, lattice, axis);
     }
 
     Counts sample(FrameEnergy& out) {
-        const int laterals = halved(laterals_), planes = halved(planes_), across = (laterals + block - 1) / block;
+        const int laterals = halved(laterals_), slices = halved(slices_), across = (laterals + block - 1) / block;
         const auto counts = tbb::parallel_reduce(
-            tbb::blocked_range<int>(0, across * ((planes + block - 1) / block)), Counts{},
+            tbb::blocked_range<int>(0, across * ((slices + block - 1) / block)), Counts{},
             [&](const tbb::blocked_range<int>& range, Counts before) {
                 for (int n = range.begin(); n < range.end(); ++n) {
                     const int lateral = block * (n % across), k = block * (n / across);
-                    sample({lateral, std::min(lateral + block, laterals)}, {k, std::min(k + block, planes)}, before, out);
+                    sample({lateral, std::min(lateral + block, laterals)}, {k, std::min(k + block, slices)}, before, out);
                 }
                 return before;
             },
@@ -118,7 +118,7 @@ private:
         int begin, end;
     };
     /// Samples the columns that some coarse ones stand for.
-    void sample(const Range& laterals, const Range& planes, Counts& counts, FrameEnergy& out) {
+    void sample(const Range& laterals, const Range& slices, Counts& counts, FrameEnergy& out) {
         const auto width = static_cast<std::size_t>(width_), coarse_width = halved(width);
         std::vector<std::uint16_t> codes(width);
         MeanEnergy energy(width);
@@ -139,9 +139,9 @@ private:
             content = sampled(*sample_field, bad_field_, lateral, k, codes);
             field.add(content, static_cast<std::size_t>(content.data() - codes.data()));
         };
-        for (int k = planes.begin; k < planes.end; ++k)
+        for (int k = slices.begin; k < slices.end; ++k)
             for (int lateral = laterals.begin; lateral < laterals.end; ++lateral) {
-                for (int fine_k = 2 * k; fine_k < std::min(2 * k + 2, planes_); ++fine_k)
+                for (int fine_k = 2 * k; fine_k < std::min(2 * k + 2, slices_); ++fine_k)
                     for (int fine = 2 * lateral; fine < std::min(2 * lateral + 2, laterals_); ++fine) add(fine, fine_k);
                 const auto column = static_cast<std::size_t>(lateral) + static_cast<std::size_t>(halved(laterals_)) * static_cast<std::size_t>(k);
                 energy.end(std::span(out.energy).subspan(column * coarse_width, coarse_width));
@@ -163,7 +163,7 @@ private:
     const MakeSampler make_energy_, make_field_;
     std::optional<MaskColumns> attract_, protect_;
     const std::uint16_t background_;
-    const int width_, laterals_, planes_;
+    const int width_, laterals_, slices_;
     FirstInvalid bad_energy_, bad_field_;
 };
 

@@ -17,7 +17,7 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
                            bool around)
     : width_(shape[dimension(axis)]),
       laterals_(shape[lateral_dimension(axis)]),
-      slices_(shape[2]),
+      slices_(shape[slice_dimension(axis)]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),
@@ -27,7 +27,7 @@ EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size
 EnergyVolume::EnergyVolume(const std::array<int, 3>& shape, Axis axis, std::size_t frames, std::vector<float> costs, bool closed, bool around)
     : width_(shape[dimension(axis)]),
       laterals_(shape[lateral_dimension(axis)]),
-      slices_(shape[2]),
+      slices_(shape[slice_dimension(axis)]),
       frames_(frames),
       stride_(static_cast<std::size_t>(width_)),
       closed_(closed),

@@ -128,7 +128,7 @@ std::vector<std::string> GatheredEnergy::warnings() const {
 EnergyVolume GatheredEnergy::room(const std::array<int, 3>& shape, const SolverParams& params, const Context& context, std::uint64_t budget) const {
     const auto frames = context.frames().size();
     EnergyVolume out(gathered_shape(shape, finest_), params.axis, finest_ == 2 ? halved(frames) : frames, budget, context.work_folder(),
-                     lattices_.front()->closed, lattices_.front()->around);
+                     lattices_.front()->closed && params.axis != Axis::w, lattices_.front()->around);
     const int spread = params.spread.value_or(forward_ ? 3 : 0);
     out.set_spread(finest_ == 2 ? halved(spread) : spread);
     if (forward_) out.add_field(0, budget, context.work_folder());

@@ -1,6 +1,7 @@
 #include "nodes/seam/solve/no_more.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <cmath>
 #include <vector>
 
@@ -13,7 +14,9 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
         const auto whole = [&](int axis) { return static_cast<int>(std::floor(at[axis])); };
         const int entry = whole(step->axis()) + step->start();
-        at[step->axis()] += step->start() - step->origin() + 0.5 * step->displacement(entry, step->first_lateral() + whole(step->lateral_axis()), whole(2));
+        at[step->axis()] +=
+            step->start() - step->origin() +
+            0.5 * step->displacement(entry, step->first_lateral() + whole(step->lateral_axis()), step->first_slice() + whole(step->slice_axis()));
     }
     return at;
 }
@@ -22,7 +25,7 @@ openvdb::Vec3d original_vertex(const std::vector<CarveStep>& steps, openvdb::Vec
 
 std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTask::Part& part, const CarvedSpace& space) {
     const int laterals = task.shape[lateral_dimension(task.axis)];
-    const auto per_frame = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(task.shape[2]);
+    const auto per_frame = static_cast<std::size_t>(laterals) * static_cast<std::size_t>(task.shape[slice_dimension(task.axis)]);
     const auto t = none.at.column / per_frame;
     const int c = static_cast<int>(none.at.column % per_frame), lateral = c % laterals, k = c / laterals;
     const auto& window = part.window;
@@ -35,8 +38,8 @@ std::string where_no_more(const NoSeam& none, const SeamTask& task, const SeamTa
     };
     const int last = window.first + none.found + none.at.vertices - 1;
     const auto span = fmt::format("{} to {}", window.first, last);
-    const auto column = fmt::format("column ({}, {}, {}), from {} to {},", task.axis == Axis::u ? span : std::to_string(lateral),
-                                    task.axis == Axis::u ? std::to_string(lateral) : span, k, world(window.first), world(last));
+    const auto column = fmt::format("column ({}), from {} to {},", fmt::join(vertex_of(task.axis, span, std::to_string(lateral), std::to_string(k)), ", "),
+                                    world(window.first), world(last));
     return fmt::format("{}window [{}, {}]: {} {}", part.prefix(), window.first, window.last,
                        part.static_ ? "over all frames" : fmt::format("in frame {}", space.frames()[t]),
                        none.at.free == 0 ? fmt::format("{} has no unprotected vertex left", column)

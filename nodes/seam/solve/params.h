@@ -17,7 +17,7 @@ class NodeCheck;
 
 template <>
 struct ChoiceNames<Axis> {
-    static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v}};
+    static constexpr std::array names = {std::pair{"u", Axis::u}, std::pair{"v", Axis::v}, std::pair{"w", Axis::w}};
 };
 
 template <>

@@ -45,7 +45,8 @@ private:
 
     /// The columns of the seams.
     Columns all_columns() const {
-        return {task_.shape[lateral_dimension(task_.axis)], task_.shape[2], static_cast<int>(setup_.space.frames().size()), energy_.closed(), energy_.around()};
+        return {task_.shape[lateral_dimension(task_.axis)], task_.shape[slice_dimension(task_.axis)], static_cast<int>(setup_.space.frames().size()),
+                energy_.closed(), energy_.around()};
     }
 
     /// Share of this search's work that a part is: by the seams that are yet to be found.

@@ -34,7 +34,7 @@ Window window_of(const std::string& name, const Auto<VertexRange>& stated, Axis 
 }  // namespace
 
 SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int finest) {
-    require_rig_stays(params, *space.lattices().front());
+    require_ends(params, *space.lattices().front());
     SeamTask out;
     out.axis = params.axis;
     out.shape = space.shape();
@@ -80,9 +80,16 @@ void require_vertex_left(const SolverParams& params, int size, const std::string
         fmt::format("count {} removes {} {} vertices along {}; at most {} can go", count, removed == size ? "all" : "more than the", size, axis, size - 1));
 }
 
-void require_rig_stays(const SolverParams& params, const Lattice& lattice) {
+void require_ends(const SolverParams& params, const Lattice& lattice) {
+    if (lattice.closed && params.axis == Axis::w && !params.pair_window)
+        throw Failure(
+            "the rig is closed, so that w has no end to take from or to add to: give a `window` and a `pair_window` beside it, between which the content moves "
+            "round, or leave the rig open (`closed: false`)");
     if (!lattice.around) return;
-    if (params.axis != Axis::u) throw Failure("the lattice goes around its rig, so that v closes and has no end to take from: carve `axis: u`");
+    if (params.axis == Axis::v) throw Failure("the lattice goes around its rig, so that v closes and has no end to take from: carve `axis: u`");
+    if (params.axis == Axis::w)
+        throw Failure(
+            "the lattice goes around its rig, which stays in place: carve `axis: u`, or make a lattice along the rig by lattice.build and carve its w");
     if (params.anchor != Anchor{})
         throw Failure(
             fmt::format("anchor {} would move the rig, which the lattice goes around and where all its columns meet: leave `anchor` out, so that the "

@@ -41,9 +41,9 @@ SeamTask task_of(const SolverParams& params, const CarvedSpace& space, int fines
 /// @throws Failure that says how many can go
 void require_vertex_left(const SolverParams& params, int size, const std::string& space);
 
-/// Requires what a lattice around a rig needs: that its u is carved, and that its rig stays in place.
+/// Requires an axis that begins and ends, or a pair window in a closed one. Around a rig, u is carved, and the rig stays in place.
 /// @throws Failure
-void require_rig_stays(const SolverParams& params, const Lattice& lattice);
+void require_ends(const SolverParams& params, const Lattice& lattice);
 
 /// The set of a task that has no seams yet.
 Seams empty_seams(const SolverParams& params, const SeamTask& task, const CarvedSpace& space);

@@ -116,7 +116,7 @@ TEST_CASE("a block's voxels are found around a rig where they are found one by o
             const auto voxel = Coord::round(transform->worldToIndex(mapping.position(middle)));
             const Coord block(voxel.x() & ~7, voxel.y() & ~7, voxel.z() & ~7);
             const auto range = places.move_to(block);
-            const auto reach = places.reach(Vec2d(-2, 0), Vec2d(3, 0));
+            const auto reach = places.reach(Vec3d(-2, 0, 0), Vec3d(3, 0, 0));
             for (int row = 0; row < 64; ++row) {
                 const auto first = block.offsetBy(row >> 3, row & 7, 0);
                 BlockPlaces::Row found;
@@ -130,7 +130,7 @@ TEST_CASE("a block's voxels are found around a rig where they are found one by o
                     const auto& place = found.places[static_cast<std::size_t>(z)];
                     if (place.at.x() > 0.01) REQUIRE(distance_around(lattice, place.at, *single) < 1e-7);
                     const auto source = place.at + Vec3d(3, 0, 0);
-                    const auto moved = places.moved(p, place, Vec2d(3, 0));
+                    const auto moved = places.moved(p, place, Vec3d(3, 0, 0));
                     REQUIRE((transform->indexToWorld(moved) - (world + mapping.position(source) - mapping.position(place.at))).length() < 1e-9);
                     REQUIRE(reach.isInside(Coord::floor(moved)));
                     const auto wrapped = [&](int axis, int size) {

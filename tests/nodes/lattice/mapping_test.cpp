@@ -82,7 +82,7 @@ int compared_in_blocks(std::mt19937& random, const Lattice& lattice, const openv
                     const auto& place = found.places[static_cast<std::size_t>(z)];
                     REQUIRE(distance(lattice, place.at, *single) < 1e-9);
                     const auto source = place.at + Vec3d(3, -1, 0);
-                    const auto moved = transform.indexToWorld(places.moved(p, place, openvdb::Vec2d(3, -1)));
+                    const auto moved = transform.indexToWorld(places.moved(p, place, openvdb::Vec3d(3, -1, 0)));
                     // A place at a plane is snapped to it, its direction is not.
                     const double tolerance = place.at.z() == std::round(place.at.z()) ? Mapping::snap : 1e-9;
                     REQUIRE((moved - (world + mapping.position(source) - mapping.position(place.at))).length() < tolerance);

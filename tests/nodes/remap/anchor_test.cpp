@@ -49,7 +49,7 @@ constexpr Anchor middle{Anchor::At::middle, 0}, high{Anchor::At::high, 0};
 
 TEST_CASE("an anchor shifts the whole result by whole voxels, softly carved or not, and what it frees is empty") {
     std::mt19937 random(2);
-    const auto axis = GENERATE(Axis::u, Axis::v);
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const double soft = GENERATE(0.0, 2.0);
     const auto grid = noisy_box();
@@ -61,7 +61,9 @@ TEST_CASE("an anchor shifts the whole result by whole voxels, softly carved or n
         for (auto at = CoordBBox(Coord(-6), Coord(22)).begin(); at; ++at) {
             auto from = *at;
             from[static_cast<int>(axis)] -= shift;
-            const bool beside = (axis == Axis::u ? (*at).y() < 0 || (*at).y() > 8 : (*at).x() < 0 || (*at).x() > 13) || (*at).z() < 0 || (*at).z() > 7;
+            bool beside = false;
+            for (const auto n : {lateral_dimension(axis), slice_dimension(axis)})
+                beside = beside || (*at)[static_cast<int>(n)] < 0 || (*at)[static_cast<int>(n)] >= shape[n];
             INFO("shift " << shift << " at " << *at);
             REQUIRE(moved->tree().isValueOn(*at) == (beside ? false : base->tree().isValueOn(from)));
             REQUIRE(moved->tree().getValue(*at) == Approx(beside ? 0 : base->tree().getValue(from)).margin(soft > 0 ? 1e-3 : 0));
@@ -80,7 +82,7 @@ TEST_CASE("the content of an anchored vertex stays: as many vertices go below it
     CHECK(anchored(seams, {Anchor::At::vertex, 9}).shifts == (kind == Kind::remove ? std::vector{0, 1, 2, 2} : std::vector{0, -1, -2, -2}));
 }
 
-TEST_CASE("anchored carves chain, along one axis and along both") {
+TEST_CASE("anchored carves chain, along one axis and along all") {
     std::mt19937 random(3);
     const auto grid = noisy_box();
     const auto first = random_seams(random, lattice, shape, Axis::u, Kind::insert, 3, {1});
@@ -90,11 +92,17 @@ TEST_CASE("anchored carves chain, along one axis and along both") {
     auto shrunk = grown;
     shrunk[0] -= 5;
     const auto third = random_seams(random, lattice, shrunk, Axis::v, Kind::remove, 2, {1});
-    const auto base = carved_by_sets(grid, lattice, {first, second, third});
-    const auto out = carved_by_sets(grid, lattice, {anchored(first, high), anchored(second, middle), anchored(third, high)});
-    // -3, then +2 along u; +2 along v.
-    for (auto at = CoordBBox(Coord(0), Coord(11, 6, 7)).begin(); at; ++at)
-        REQUIRE(out->tree().getValue((*at).offsetBy(-1, 2, 0)) == base->tree().getValue(*at));
+    auto flat = shrunk;
+    flat[1] -= 2;
+    const auto fourth = random_seams(random, lattice, flat, Axis::w, Kind::insert, 3, {1});
+    auto tall = flat;
+    tall[2] += 3;
+    const auto fifth = random_seams(random, lattice, tall, Axis::u, Kind::remove, 2, {1});
+    const auto base = carved_by_sets(grid, lattice, {first, second, third, fourth, fifth});
+    const auto out = carved_by_sets(grid, lattice, {anchored(first, high), anchored(second, middle), anchored(third, high), anchored(fourth, high), fifth});
+    // -3, then +2 along u; +2 along v; -3 along w.
+    for (auto at = CoordBBox(Coord(0), Coord(9, 6, 10)).begin(); at; ++at)
+        REQUIRE(out->tree().getValue((*at).offsetBy(-1, 2, -3)) == base->tree().getValue(*at));
 }
 
 TEST_CASE("points and bent lattices follow an anchor") {

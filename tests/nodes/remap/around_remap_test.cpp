@@ -71,7 +71,7 @@ Shift uneven(const Lattice& lattice, double by) {
 std::optional<Vec3d> source_of(const CarveMap& map, Vec3d at) {
     const auto& step = map.steps().front();
     if (!step.carves(at, 1)) return std::nullopt;
-    const StepColumns columns(step, at.y(), at.z());
+    const StepColumns columns(step, at);
     const int low = static_cast<int>(at.x());
     const double part = at.x() - low, below = columns.displacement(low), above = part > 0 ? columns.displacement(low + 1) : below;
     at.x() = step.held(at.x() + below + part * (above - below));

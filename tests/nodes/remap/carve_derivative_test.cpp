@@ -78,12 +78,13 @@ Mat3d around_z(const Vec3d& at) {
 TEST_CASE("displacements are filtered along the carved axis, narrower at its ends, and differ by central differences") {
     std::mt19937 random(1);
     for (int n = 0; n < 24; ++n) {
-        auto lattice = make_box(Vec3d(0), {n % 2 ? 19 : 7, n % 2 ? 1 + n % 5 : 20, 1 + n % 4}, 1.0, {0, 1, 2});
-        lattice.closed = n % 4 == 3;
+        const auto axis = n % 7 == 6 ? Axis::w : n % 2 ? Axis::u : Axis::v;
+        auto lattice = make_box(Vec3d(0), vertex_of(axis, n % 2 ? 19 : 20, n % 2 ? 1 + n % 5 : 7, 1 + n % 4), 1.0, {0, 1, 2});
+        lattice.closed = n % 4 == 3 && axis != Axis::w;
         lattice.hash = lattice_hash(lattice);
         const auto kind = n % 3 ? Seams::Kind::remove : Seams::Kind::insert;
-        auto seams = n % 5 == 0 ? random_pairs(random, lattice, lattice.shape, n % 2 ? Axis::u : Axis::v, kind, 3, {1})
-                                : random_seams(random, lattice, lattice.shape, n % 2 ? Axis::u : Axis::v, kind, 1 + n % 6, {1});
+        auto seams = n % 5 == 0 ? random_pairs(random, lattice, lattice.shape, axis, kind, 3, {1})
+                                : random_seams(random, lattice, lattice.shape, axis, kind, 1 + n % 6, {1});
         seams.closed = lattice.closed;
         const auto map = map_of(lattice, {seams});
         const auto& step = map.steps()[0];
@@ -91,12 +92,10 @@ TEST_CASE("displacements are filtered along the carved axis, narrower at its end
         for (int k = 0; k < step.slices(); ++k)
             for (int lateral = 0; lateral < step.laterals(); ++lateral)
                 for (int e = 0; e < step.after(); ++e) {
-                    Vec3d at(0, 0, k), gradient;
-                    at[step.axis()] = e;
-                    at[step.lateral_axis()] = lateral;
+                    Vec3d at(vertex_of<double>(axis, e, lateral, k).data()), gradient;
                     gradient[step.axis()] = central([&](int x) { return filtered(step, x, lateral, k); }, e, step.after(), false);
                     gradient[step.lateral_axis()] = central([&](int x) { return filtered(step, e, x, k); }, lateral, step.laterals(), false);
-                    gradient.z() = central([&](int x) { return filtered(step, e, lateral, x); }, k, step.slices(), step.closed());
+                    gradient[step.slice_axis()] = central([&](int x) { return filtered(step, e, lateral, x); }, k, step.slices(), step.closed());
                     const auto got = smooth.at(at, step);
                     INFO("case " << n << ", entry " << e << ", column " << lateral << ", " << k);
                     REQUIRE(got.d == Approx(filtered(step, e, lateral, k)).margin(1e-5));
@@ -105,8 +104,8 @@ TEST_CASE("displacements are filtered along the carved axis, narrower at its end
         // Between the vertices, trilinear.
         Vec3d at(0);
         at[step.axis()] = 4.25;
-        const auto low = smooth.at(Vec3d(step.axis() == 0 ? 4 : 0, step.axis() == 1 ? 4 : 0, 0), step),
-                   high = smooth.at(Vec3d(step.axis() == 0 ? 5 : 0, step.axis() == 1 ? 5 : 0, 0), step);
+        const auto low = smooth.at(Vec3d(vertex_of<double>(axis, 4, 0, 0).data()), step),
+                   high = smooth.at(Vec3d(vertex_of<double>(axis, 5, 0, 0).data()), step);
         CHECK(smooth.at(at, step).d == Approx(0.75 * low.d + 0.25 * high.d).margin(1e-5));
         CHECK((smooth.at(at, step).gradient - (0.75 * low.gradient + 0.25 * high.gradient)).length() < 1e-5);
     }

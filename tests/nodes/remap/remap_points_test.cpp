@@ -28,15 +28,15 @@ namespace {
 /// METHOD 6 to the letter, for a point between vertices: where it goes along the carved axis.
 /// @param close  set if rounding may decide, or if both seams of a pair claim the point
 std::vector<double> places_by_definition(const Seams& seams, const Vec3d& at, bool& close) {
-    const int axis = static_cast<int>(seams.axis), lateral_axis = 1 - axis;
-    const double u = at[axis], lateral = at[lateral_axis];
-    const int j = static_cast<int>(lateral), k = static_cast<int>(at.z());
-    const double b = lateral - j, c = at.z() - k;
+    const double u = at[static_cast<int>(dimension(seams.axis))], lateral = at[static_cast<int>(lateral_dimension(seams.axis))],
+                 slice = at[static_cast<int>(slice_dimension(seams.axis))];
+    const int j = static_cast<int>(lateral), k = static_cast<int>(slice);
+    const double b = lateral - j, c = slice - k;
     // Per window, original entries sorted within each column, then bilinear between the columns.
     const auto between = [&](const std::vector<Seams::Seam>& window, Kind kind) {
         std::vector<double> out(window.size());
         for (int n = 0; n < 4; ++n) {
-            const int column_j = std::min(j + (n & 1), seams.lateral() - 1), column_k = (k + (n >> 1)) % seams.shape[2];
+            const int column_j = std::min(j + (n & 1), seams.lateral() - 1), column_k = (k + (n >> 1)) % seams.slices();
             std::vector<int> entries;
             for (const auto& seam : window) entries.push_back(seam.at[static_cast<std::size_t>(column_j + seams.lateral() * column_k)]);
             if (kind == Kind::remove) {
@@ -109,13 +109,13 @@ const Lattice points_box = make_box(Vec3d(0), {30, 12, 14}, 1.0, {0, 1, 2});
 
 }  // namespace
 
-TEST_CASE("a point goes where the definition says, for any seams that are removed, inserted or paired, along u and v") {
+TEST_CASE("a point goes where the definition says, for any seams that are removed, inserted or paired, along u, v and w") {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0, 1);
-    const auto axis = GENERATE(Axis::u, Axis::v);
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const bool paired = GENERATE(false, true);
-    const auto lattice = make_box(Vec3d(0), {axis == Axis::u ? 24 : 6, axis == Axis::u ? 6 : 24, 7}, 1.0, {0, 1, 2});
+    const auto lattice = make_box(Vec3d(0), vertex_of(axis, 24, 6, 7), 1.0, {0, 1, 2});
     int gone = 0, several = 0;
     for (int round = 0; round < 30; ++round) {
         const auto seams =

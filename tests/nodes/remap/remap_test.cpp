@@ -127,8 +127,8 @@ TEMPLATE_TEST_CASE("on the voxels, carving is classical seam carving bit for bit
         auto shape = place.lattice.shape;
         const int length = 1 + n % 3;
         for (int step = 0; step < length; ++step) {
-            const auto axis = random() % 2 == 0 ? Axis::u : Axis::v;
-            const int room = shape[static_cast<std::size_t>(axis)];
+            const auto axis = static_cast<Axis>(random() % (shape[2] > 2 ? 3 : 2));
+            const int room = shape[dimension(axis)];
             const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
             sets.push_back(std::make_shared<Seams>(random_seams(random, place.lattice, shape, axis, kind, below(random, std::min(room - 1, 12)), {3, 4})));
             shape = sets.back()->shape_after(sets.back()->seams.size());
@@ -322,7 +322,7 @@ TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid 
         const auto grid = random_grid<TestType>(random);
         grid->setTransform(place.transform);
         grid->setGridClass(openvdb::GRID_STAGGERED);
-        const auto axis = n % 2 ? Axis::u : Axis::v;
+        const auto axis = n % 3 == 2 && place.lattice.shape[2] > 6 ? Axis::w : n % 2 ? Axis::u : Axis::v;
         auto seams = random_seams(random, place.lattice, place.lattice.shape, axis, n % 4 < 2 ? Seams::Kind::remove : Seams::Kind::insert, 1 + n % 5, {1});
         if (n % 3 == 0) {
             seams.anchor = {Anchor::At::high, 0};
@@ -345,7 +345,7 @@ TEMPLATE_TEST_CASE("softly carved on the voxels, components of a staggered grid 
         }
         CHECK(different == 0);
     }
-    CHECK(moved > 4000);
+    CHECK(moved > 3900);
 }
 
 TEST_CASE("a face at the end of what a warp leaves comes from the two faces around its place") {

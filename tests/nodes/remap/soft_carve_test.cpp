@@ -51,10 +51,10 @@ FloatGrid::Ptr blob(const std::array<int, 3>& shape) {
 
 TEST_CASE("a softly carved map rises along its axis, and half a vertex beyond its ends it meets those of the space before") {
     std::mt19937 random(1);
-    const auto axis = GENERATE(Axis::u, Axis::v);
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
     const double soft = GENERATE(0.5, 2.0, 5.0);
-    const auto lattice = make_box(Vec3d(0), {axis == Axis::u ? 24 : 7, axis == Axis::u ? 7 : 24, 6}, 1.0, {0, 1, 2});
+    const auto lattice = make_box(Vec3d(0), vertex_of(axis, 24, 7, 6), 1.0, {0, 1, 2});
     const auto seams = random_seams(random, lattice, lattice.shape, axis, kind, 7, {1, 2, 3});
     const auto map = soft_map(lattice, {seams}, {soft, 1}, 2);
     const auto& step = map.steps()[0];
@@ -133,23 +133,24 @@ TEST_CASE("pairs change nothing outside their windows, and what is between moves
 
 TEST_CASE("where voxels are vertices a soft carve reads between two of them, and untouched ones stay bit for bit") {
     std::mt19937 random(5);
-    const auto axis = GENERATE(Axis::u, Axis::v);
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const auto kind = GENERATE(Kind::remove, Kind::insert);
-    const auto lattice = make_box(Vec3d(0), {24, 23, 9}, 1.0, {0, 1, 2});
+    const auto shape = vertex_of(axis, 24, 23, 9);
+    const auto lattice = make_box(Vec3d(0), shape, 1.0, {0, 1, 2});
     auto seams = wavy_seams(lattice, axis, kind, 12, 3, 1.2);
-    const auto grid = blob({24, 23, 9});
+    const auto grid = blob(shape);
     const auto map = soft_map(lattice, {seams}, {2, 0});
     const auto& step = map.steps()[0];
     const auto carved = openvdb::gridConstPtrCast<FloatGrid>(carve_grid(grid, lattice, map, Interpolation::linear));
     auto before = grid->getConstAccessor(), after = carved->getConstAccessor();
-    for (auto at = CoordBBox(Coord(0), Coord(23, 22, 8)).begin(); at; ++at) {
+    for (auto at = CoordBBox(Coord(0), Coord(shape[0] - 1, shape[1] - 1, shape[2] - 1)).begin(); at; ++at) {
         const int entry = (*at)[step.axis()];
         if (entry > step.last()) {
             CHECK(after.getValue(*at) == 0);
             CHECK(!after.isValueOn(*at));
             continue;
         }
-        const double from = source(step, entry, (*at)[step.lateral_axis()], (*at).z()), low = std::floor(from);
+        const double from = source(step, entry, (*at)[step.lateral_axis()], (*at)[step.slice_axis()]), low = std::floor(from);
         auto a = *at, b = *at;
         a[step.axis()] = static_cast<int>(low);
         b[step.axis()] = static_cast<int>(low) + 1;

@@ -59,19 +59,18 @@ Shift bump(const Lattice& lattice, double by) {
 
 }  // namespace
 
-TEST_CASE("an even warp is even scaling, to a thousandth of a voxel, on the voxels and between them, along u and v") {
-    const auto axis = GENERATE(Axis::u, Axis::v);
+TEST_CASE("an even warp is even scaling, to a thousandth of a voxel, on the voxels and between them, along u, v and w") {
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
     const double by = GENERATE(-1.5, -7.25, 11.7);
     const double aside = GENERATE(0.0, 0.3);
-    const std::array shape = axis == Axis::u ? std::array{40, 9, 8} : std::array{9, 40, 8};
-    const auto lattice = make_box(Vec3d(aside, aside, 0), shape, 1.0, {0, 1, 2});
-    const int a = static_cast<int>(axis);
-    const auto grid = grid_of({Coord(-2), Coord(42, 42, 9)}, [&](const Vec3d& at) { return at[a] + 0.1 * at.z(); });
+    const auto lattice = make_box(Vec3d(aside), vertex_of(axis, 40, 9, 8), 1.0, {0, 1, 2});
+    const int a = static_cast<int>(axis), b = static_cast<int>(slice_dimension(axis));
+    const auto grid = grid_of({Coord(-2), Coord(42, 42, 42)}, [&](const Vec3d& at) { return at[a] + 0.1 * at[b]; });
     const auto out = carved_by_warp(grid, lattice, warped(lattice, evenly(lattice, by, axis), axis));
     for (int n = 1; n < static_cast<int>(39 + by); ++n) {
-        Coord at(4, 4, 3);
+        Coord at(4, 4, 4);
         at[a] = n;
-        CHECK(out->tree().getValue(at) == Approx(aside + (n - aside) * 39 / (39 + by) + 0.3).margin(1e-3));
+        CHECK(out->tree().getValue(at) == Approx(aside + (n - aside) * 39 / (39 + by) + 0.4).margin(1e-3));
     }
 }
 

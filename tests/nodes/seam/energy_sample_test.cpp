@@ -73,12 +73,12 @@ TEST_CASE("what is no energy has no code") {
 TEST_CASE("codes are those of the voxels under the vertices, contiguous along the carved axis") {
     const auto grid = energy_on(CoordBBox(Coord(-5), Coord(20)), 0.5, [](const Coord& at) { return 1000 + at.x() + 20 * at.y() + 400 * at.z(); });
     const auto lattice = make_box(Vec3d(1, 0.5, -1), {7, 5, 3}, 0.5, {0, 1, 2});
-    for (const auto axis : {Axis::u, Axis::v}) {
+    for (const auto axis : {Axis::u, Axis::v, Axis::w}) {
         const auto codes = sampled(*grid, lattice, axis);
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 5; ++j)
                 for (int i = 0; i < 7; ++i) {
-                    const auto place = axis == Axis::u ? (k * 5 + j) * 7 + i : (k * 7 + i) * 5 + j;
+                    const auto place = axis == Axis::u ? (k * 5 + j) * 7 + i : axis == Axis::v ? (k * 7 + i) * 5 + j : (j * 7 + i) * 3 + k;
                     REQUIRE(codes[static_cast<std::size_t>(place)] == encode_energy(float(1000 + (2 + i) + 20 * (1 + j) + 400 * (-2 + k))));
                 }
     }
@@ -94,14 +94,14 @@ TEST_CASE("columns through leaves and tiles of different values have the codes o
         if (random() % 3 == 0) grid->tree().setValueOn(at.offsetBy(1, 2, 3), 7.0f);
     }
     for (const double spacing : {1.0, 2.0})
-        for (const auto axis : {Axis::u, Axis::v}) {
+        for (const auto axis : {Axis::u, Axis::v, Axis::w}) {
             const auto lattice = make_box(Vec3d(-13, -11, -5), {18, 17, 15}, spacing, {0, 1, 2});
             const auto codes = sampled(*grid, lattice, axis);
             std::size_t n = 0;
-            for (int k = 0; k < 15; ++k)
-                for (int lateral = 0; lateral < lattice.shape[axis == Axis::u ? 1 : 0]; ++lateral)
-                    for (int entry = 0; entry < lattice.shape[axis == Axis::u ? 0 : 1]; ++entry, ++n) {
-                        const auto at = axis == Axis::u ? lattice.position(Vec3d(entry, lateral, k)) : lattice.position(Vec3d(lateral, entry, k));
+            for (int slice = 0; slice < lattice.shape[slice_dimension(axis)]; ++slice)
+                for (int lateral = 0; lateral < lattice.shape[lateral_dimension(axis)]; ++lateral)
+                    for (int entry = 0; entry < lattice.shape[dimension(axis)]; ++entry, ++n) {
+                        const auto at = lattice.position(Vec3d(vertex_of<double>(axis, entry, lateral, slice).data()));
                         REQUIRE(codes[n] == encode_energy(grid->tree().getValue(Coord::round(at))));
                     }
         }
@@ -179,10 +179,10 @@ TEST_CASE("between voxels, a column sees lone voxels and tiles, and elsewhere th
         grid->tree().addTile(1, Coord(8, 16, 0), 3, true);
         for (const auto& axes : {std::array{0, 1, 2}, std::array{1, 0, 2}, std::array{2, 1, 0}}) {
             const auto lattice = make_box(Vec3d(-3.3, 0.2, 0.4), {45, 37, 29}, 0.9, axes);
-            for (const auto axis : {Axis::u, Axis::v}) {
+            for (const auto axis : {Axis::u, Axis::v, Axis::w}) {
                 const auto codes = sampled(*grid, lattice, axis);
                 std::size_t place = 0, wrong = 0, others = 0;
-                for (int k = 0; k < lattice.shape[2]; ++k)
+                for (int k = 0; k < lattice.shape[slice_dimension(axis)]; ++k)
                     for (int lateral = 0; lateral < lattice.shape[lateral_dimension(axis)]; ++lateral)
                         for (int entry = 0; entry < lattice.shape[dimension(axis)]; ++entry, ++place) {
                             const auto at = vertex_of(axis, entry, lateral, k);

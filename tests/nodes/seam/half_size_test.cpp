@@ -181,13 +181,13 @@ TEST_CASE("a frame sampled at half size is the halved frame, also where most of 
     const auto tilted = make_box(openvdb::Vec3d(-3.3, 0.2, 0.4), {71, 37, 9}, 0.9, {1, 0, 2});
     for (const auto& grid : {on(0, content), on(2, content), on(0, far), empty, tile})
         for (const auto& lattice : {box({42, 31, 7}), box({71, 37, 9}), tilted})
-            for (const auto axis : {Axis::u, Axis::v})
+            for (const auto axis : {Axis::u, Axis::v, Axis::w})
                 for (const auto& set : {mask, mask_grid({})}) {
                     const auto shared = std::make_shared<Lattice>(lattice);
                     const FrameGrids grids{*grid, &*grid, set.get(), nullptr};
                     const auto fine = sample_frame(grids, shared, axis, Measure::vertex), coarse = sample_frame(grids, shared, axis, Measure::vertex, 2);
                     const ColumnShape shape{std::size_t(lattice.shape[dimension(axis)]), std::size_t(lattice.shape[lateral_dimension(axis)]),
-                                            std::size_t(lattice.shape[2])};
+                                            std::size_t(lattice.shape[slice_dimension(axis)])};
                     CHECK(coarse.energy == halves<MeanEnergy>(fine.energy, shape));
                     CHECK(coarse.field == halves<MeanField>(fine.field, shape));
                     CHECK(coarse.finest == 2);

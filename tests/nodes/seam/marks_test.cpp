@@ -179,12 +179,12 @@ TEST_CASE("masks travel with what earlier seams carved, and a new vertex is mark
     const std::vector<int> frames{5, 6, 7};
     const Layout layout{Coord(0), {Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}};
     for (int n = 0; n < 30; ++n) {
-        const auto lattice = box({8 + below(random, 6), 8 + below(random, 6), 1 + below(random, 4)});
+        const auto lattice = box({8 + below(random, 6), 8 + below(random, 6), 6 + below(random, 4)});
         const CoordBBox space(Coord(0), Coord(lattice.shape[0] - 1, lattice.shape[1] - 1, lattice.shape[2] - 1));
         std::vector<Ref<Seams>> after;
         auto shape = lattice.shape;
         for (int step = 0; step < 1 + n % 3; ++step) {
-            const auto axis = random() % 2 == 0 ? Axis::u : Axis::v;
+            const auto axis = static_cast<Axis>(random() % 3);
             const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
             const auto make = random() % 2 == 0 ? random_pairs : random_seams;
             after.push_back(std::make_shared<Seams>(make(random, lattice, shape, axis, kind, below(random, 3), frames)));
@@ -198,7 +198,7 @@ TEST_CASE("masks travel with what earlier seams carved, and a new vertex is mark
             const auto mean = [](const auto& a, const auto& b) { return Dense<float>::Voxel{0.5f * (a.value + b.value), true}; };
             const auto either = [](const auto& a, const auto& b) { return Dense<float>::Voxel{std::max(a.value, b.value), true}; };
             const auto carve_all = [&](const FloatGrid& grid, const auto& between) {
-                Dense<float> dense(grid, CoordBBox(Coord(0), Coord(23, 23, 8)));
+                Dense<float> dense(grid, CoordBBox(Coord(0), Coord(23, 23, 23)));
                 for (const auto& set : after) carve(dense, layout, *set, t, set->seams.size(), 0.0f, between);
                 return dense;
             };

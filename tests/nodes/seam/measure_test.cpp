@@ -36,12 +36,14 @@ TEST_CASE("by volume, a ring's vertices weigh as much as their distance from the
     const auto lattice = ring(Vec3d(30, 30, 10), {13, 4, planes}, 1.0, openvdb::Vec2d(-6, -2));
     const auto flat = energy_grid(CoordBBox(Coord(0), Coord(60, 60, 20)), [](const Coord&) { return 2.0f; });
     const double radius = ring_radius(planes, 1.0);
-    for (const auto axis : {Axis::u, Axis::v}) {
+    for (const auto axis : {Axis::u, Axis::v, Axis::w}) {
         const auto plain = sampled(*flat, lattice, axis, Measure::vertex), weighed = sampled(*flat, lattice, axis, Measure::volume);
         for (int k = 0; k < planes; ++k)
             for (int j = 0; j < 4; ++j)
                 for (int i = 0; i < 13; ++i) {
-                    const auto place = static_cast<std::size_t>(axis == Axis::u ? (k * 4 + j) * 13 + i : (k * 13 + i) * 4 + j);
+                    const auto place = static_cast<std::size_t>(axis == Axis::u   ? (k * 4 + j) * 13 + i
+                                                                : axis == Axis::v ? (k * 13 + i) * 4 + j
+                                                                                  : (j * 13 + i) * planes + k);
                     REQUIRE(decode_energy(plain[place]) == 2);
                     // Codes round to 5e-4; a ring of planes is a polygon, 6e-4 smaller.
                     REQUIRE(decode_energy(weighed[place]) == Approx(2 * (1 + (i - 6) / radius)).epsilon(1.2e-3));
@@ -88,5 +90,6 @@ TEST_CASE("in a straight box volume and vertices measure the same, to the last b
     std::mt19937 random(15);
     const auto energy = energy_grid(CoordBBox(Coord(0), Coord(20)), [&](const Coord&) { return static_cast<float>(below(random, 1000)); });
     for (const auto& lattice : {box({9, 8, 7}), make_box(Vec3d(0.3, 0.4, 1.7), {9, 8, 7}, 1.3, {2, 0, 1})})
-        for (const auto axis : {Axis::u, Axis::v}) CHECK(sampled(*energy, lattice, axis, Measure::vertex) == sampled(*energy, lattice, axis, Measure::volume));
+        for (const auto axis : {Axis::u, Axis::v, Axis::w})
+            CHECK(sampled(*energy, lattice, axis, Measure::vertex) == sampled(*energy, lattice, axis, Measure::volume));
 }

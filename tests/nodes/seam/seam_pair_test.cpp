@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE("on the voxels, carving pairs is classical carving of both wi
         auto shape = lattice.shape;
         const int length = 1 + n % 3;
         for (int step = 0; step < length; ++step) {
-            const auto axis = random() % 2 == 0 ? Axis::u : Axis::v;
+            const auto axis = static_cast<Axis>(random() % 3);
             const auto kind = random() % 2 == 0 ? Seams::Kind::remove : Seams::Kind::insert;
             const int count = below(random, shape[static_cast<std::size_t>(axis)] / 3 + 1);
             const bool pairs = step == 0 || random() % 2 == 0;

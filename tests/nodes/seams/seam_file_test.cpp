@@ -91,7 +91,8 @@ constexpr auto changed =
 
 TEST_CASE("seams come back from their file as they were") {
     const Scratch scratch;
-    for (const auto& seams : {some_seams(), some_seams(Axis::v), some_seams(Axis::u, Seams::Kind::insert), some_seams(Axis::v, Seams::Kind::remove, 0)}) {
+    for (const auto& seams :
+         {some_seams(), some_seams(Axis::v), some_seams(Axis::u, Seams::Kind::insert), some_seams(Axis::v, Seams::Kind::remove, 0), some_seams(Axis::w)}) {
         write_seams(scratch / "seams.vdb", seams);
         CHECK(equal(read_seams(scratch / "seams.vdb"), seams));
     }
@@ -183,7 +184,7 @@ TEST_CASE("a seam file is what the contract says, to any reader of .vdb") {
 
 TEST_CASE("a seam file that is wrong is refused with the reason") {
     CHECK(metadata_fault("fluidcarve_axis", "") == "the file has no text 'fluidcarve_axis' in its metadata, so it is no seam file");
-    CHECK(metadata_fault("fluidcarve_axis", "w") == "'fluidcarve_axis' must be u or v, not 'w'");
+    CHECK(metadata_fault("fluidcarve_axis", "x") == "'fluidcarve_axis' must be u, v or w, not 'x'");
     CHECK(metadata_fault("fluidcarve_shape", "7,5,4") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,4'");
     CHECK(metadata_fault("fluidcarve_shape", "7,5,4,3,") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,4,3,'");
     CHECK(metadata_fault("fluidcarve_shape", "7,5,400000,3") == "'fluidcarve_shape' must be four numbers from 1 to 65535, I,J,K,T, not '7,5,400000,3'");

@@ -34,13 +34,13 @@ double bump(int entry, int lateral, int k, int t) {
 
 /// Where a carved place comes from, by the step's displacements.
 double source(const CarveStep& step, const Vec3d& at) {
-    const int j = std::min(static_cast<int>(at[step.lateral_axis()]), step.last_lateral()), k = static_cast<int>(at.z());
+    const int j = std::min(static_cast<int>(at[step.lateral_axis()]), step.last_lateral()), k = static_cast<int>(at[step.slice_axis()]);
     const int e = std::min(static_cast<int>(at[step.axis()]), step.last());
     const auto d = [&](int de, int dj, int dk) {
         return static_cast<double>(
             step.soft()->entry(e + de, std::min(j + dj, step.last_lateral()), step.closed() ? (k + dk) % step.slices() : std::min(k + dk, step.slices() - 1)));
     };
-    const double x = at[step.axis()] - e, y = at[step.lateral_axis()] - j, z = at.z() - k;
+    const double x = at[step.axis()] - e, y = at[step.lateral_axis()] - j, z = at[step.slice_axis()] - k;
     double out = at[step.axis()];
     for (int n = 0; n < 8; ++n) out += (n & 1 ? x : 1 - x) * (n & 2 ? y : 1 - y) * (n & 4 ? z : 1 - z) * d(n & 1, n >> 1 & 1, n >> 2 & 1);
     return out;
@@ -120,8 +120,8 @@ TEST_CASE("a warp leaves as many whole vertices as hold its content in all colum
 }
 
 TEST_CASE("the map of a warp undoes it: even scaling is even, and each vertex comes from where it went") {
-    const auto axis = GENERATE(Axis::u, Axis::v);
-    const auto lattice = box(axis == Axis::u ? std::array{40, 6, 5} : std::array{6, 40, 5});
+    const auto axis = GENERATE(Axis::u, Axis::v, Axis::w);
+    const auto lattice = box(vertex_of(axis, 40, 6, 5));
     for (const double by : {-1.5, -7.25, 12.0, -20.0}) {
         const auto map = map_of(lattice, {warped(lattice, evenly(lattice, by, axis), axis)});
         const auto& step = map.steps().at(0);
@@ -130,7 +130,8 @@ TEST_CASE("the map of a warp undoes it: even scaling is even, and each vertex co
     const auto map = map_of(lattice, {warped(lattice, bump, axis)});
     const auto& step = map.steps().at(0);
     for (int n = 0; n < 400; ++n) {
-        Vec3d from(0, 0, n % 9 / 2.0);
+        Vec3d from(0.0);
+        from[step.slice_axis()] = n % 9 / 2.0;
         from[step.axis()] = n % 79 / 2.0;
         from[step.lateral_axis()] = n % 11 / 2.0;
         const auto to = carved_coordinates(map, from);
