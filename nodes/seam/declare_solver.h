@@ -28,7 +28,10 @@ Declare<Node>& declare_solver(Declare<Node>& node) {
         .input("after", &Ports::after,
                "Seam sets and warps of this lattice that are carved before, in order. The new seams are found in the space that they leave; windows count its "
                "vertices.")
-        .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
+        .param(
+            "axis", &Params::axis,
+            "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, along it: planes leave or are doubled, and what lies behind them "
+            "moves along the rig.")
         .required("count", &Params::count, Unit::seams, any_number(),
                   "Number of seams: negative removes, positive inserts. N% is a share of the vertices along the axis, rounded: -20% of 1920 removes 384.")
         .param("window", &Params::window, Unit::vertices, any_number(),

@@ -327,7 +327,7 @@ NodeType warp_solve() {
         .input("after", &Ports::after,
                "Sets of seams, or warps, of this lattice that are carved before, in order. The warp is found in the space that they leave; windows and amounts "
                "count its vertices.")
-        .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows.")
+        .param("axis", &Params::axis, "The dimension of the lattice that shrinks or grows: u or v, across the rig; w, along it.")
         .param("amount", &Params::amount, Unit::vertices, any_number(),
                "By how much the lattice grows along the axis: negative shrinks. A number of vertices, such as -7.25, or N%, a share of the vertices along the "
                "axis. Or a curve, {along: w, at: [[0, 0], [0.4, -12], [1, -12]]}: amounts at places along the lattice, from 0, the first plane, to 1, the last "

@@ -28,8 +28,8 @@ struct CarvedTorch {
     nlohmann::json report;
     std::vector<FloatGrid::ConstPtr> before, after;
 
-    explicit CarvedTorch(int count) {
-        auto call = fmt::format("run pipelines/torch.yaml -q --progress none --report {} --set count={}", scratch / "report.json", count);
+    explicit CarvedTorch(int count, const std::string& pipeline = "torch") {
+        auto call = fmt::format("run pipelines/{}.yaml -q --progress none --report {} --set count={}", pipeline, scratch / "report.json", count);
         for (const auto& [param, file] :
              {std::pair("out", "fire.####.vdb"), std::pair("moved", "handle.####.obj"), std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
             call += fmt::format(" --set {}={}", param, scratch / file);
@@ -117,6 +117,28 @@ double widened(const CarvedTorch& carved) {
 }
 
 }  // namespace
+
+TEST_CASE("a flame that is made lower or higher along its path keeps its width, its sway and its foot", "[long]") {
+    const auto height = [](const FloatGrid& flame) { return flame.evalActiveVoxelBoundingBox().max().z(); };
+    for (const int count : {-40, 24}) {
+        const CarvedTorch carved(count, "flame_lower");
+        check_foot(carved);
+        double was = 0, is = 0, wider = 0;
+        for (std::size_t t = 0; t < carved.before.size(); ++t) {
+            was += height(*carved.before[t]);
+            is += height(*carved.after[t]);
+            for (const int from : {14, 18}) wider += section(*carved.after[t], from).width / section(*carved.before[t], from).width;
+        }
+        INFO("count " << count << ": height " << is / was << " of before, width " << wider / (2.0 * static_cast<double>(carved.before.size())));
+        if (count < 0) CHECK(is < 0.75 * was);
+        else CHECK(is > 1.15 * was);
+        CHECK(wider / (2.0 * static_cast<double>(carved.before.size())) == Approx(1).margin(0.3));
+        // The flame as it was at 28 is now where its path led it.
+        const int there = count < 0 ? 20 : 34;
+        const auto before = waving(carved.before, 28), after = waving(carved.after, there);
+        CHECK(dot(before, after) / std::sqrt(dot(before, before) * dot(after, after)) > 0.6);
+    }
+}
 
 TEST_CASE("a torch that is made narrower waves as before, with its foot on the handle", "[long]") {
     const CarvedTorch carved(-10);

@@ -49,8 +49,8 @@ struct Carved {
     Scratch scratch;
     nlohmann::json report;
 
-    explicit Carved(int count) {
-        std::string call = "run pipelines/trail.yaml -q --progress none --set sheet.show=maximum --report " + (scratch / "report.json") +
+    explicit Carved(int count, const std::string& pipeline = "trail") {
+        std::string call = "run pipelines/" + pipeline + ".yaml -q --progress none --set sheet.show=maximum --report " + (scratch / "report.json") +
                            " --set count=" + std::to_string(count);
         for (const auto& [param, file] : {std::pair("out", "trail.####.vdb"), std::pair("seams", "seams.vdb"), std::pair("sheet", "sheet.png")})
             call += std::string(" --set ") + param + "=" + (scratch / file);
@@ -60,7 +60,6 @@ struct Carved {
         CHECK(ran.err.find("rim w") == std::string::npos);
         report = nlohmann::json::parse(Scratch::read(scratch / "report.json"));
         REQUIRE(report["lattices"]["tube"]["folded_cells"] == 0);
-        REQUIRE(report["lattices"]["tube"]["around"] == true);
     }
     FloatGrid::ConstPtr density() const { return density_of(scratch / ("trail.00" + std::to_string(frame) + ".vdb")); }
 };
@@ -95,6 +94,7 @@ TEST_CASE("the trail gets thinner and thicker in all directions alike, loses not
     const auto before = density_of(TEST_DATA "/trail/trail.0048.vdb");
     for (const int count : {-3, 3}) {
         const Carved carved(count);
+        REQUIRE(carved.report["lattices"]["tube"]["around"] == true);
         const auto after = carved.density();
         // All of it, and the fresh half near the rocket, where it is thin.
         for (const auto& [first, last] : {std::pair(part, 3 * part), std::pair(0, whole)}) {
@@ -127,5 +127,45 @@ TEST_CASE("the trail gets thinner and thicker in all directions alike, loses not
             REQUIRE(is.getValue(value.getCoord()) == *value);
         }
         CHECK(outside > 100);
+    }
+}
+
+TEST_CASE("a trail that is made longer or shorter runs along its path, as thick as before, and its cloud on the ground stays bit for bit", "[long]") {
+    const auto before = density_of(TEST_DATA "/trail/trail.0048.vdb");
+    const auto top = [](const FloatGrid& grid) { return grid.indexToWorld(grid.evalActiveVoxelBoundingBox().max()).z(); };
+    Rig rig;
+    rig.points = read_curve(TEST_DATA "/trail/path.csv");
+    std::vector<Vec3d> way;
+    const auto points = extended(rig, 2.5).points;
+    for (std::size_t n = 0; n + 1 < points.size(); ++n)
+        for (int part = 0; part < 50; ++part) way.push_back(points[n] + (points[n + 1] - points[n]) * (part / 50.0));
+    // Mean distance of the smoke in its upper part from the path, weighed by density.
+    const auto thickness = [&](const FloatGrid& grid) {
+        double sum = 0, mass = 0;
+        for (auto value = grid.cbeginValueOn(); value; ++value) {
+            const auto at = grid.indexToWorld(value.getCoord());
+            if (at.z() < 3) continue;
+            double nearest = 1e9;
+            for (const auto& point : way) nearest = std::min(nearest, (point - at).length());
+            sum += *value * nearest;
+            mass += *value;
+        }
+        return sum / mass;
+    };
+    for (const int count : {-40, 54}) {
+        const Carved carved(count, "trail_longer");
+        const auto after = carved.density();
+        INFO("count " << count << ": top " << top(*before) << " -> " << top(*after) << ", distance " << thickness(*before) << " -> " << thickness(*after));
+        if (count < 0) CHECK(top(*after) < top(*before) - 0.4);
+        else CHECK(top(*after) > top(*before) + 0.8);
+        CHECK(thickness(*after) == Approx(thickness(*before)).epsilon(0.25));
+        std::size_t there = 0, different = 0;
+        for (auto value = before->cbeginValueOn(); value; ++value) {
+            if (value.getCoord().z() > 20) continue;
+            ++there;
+            different += after->tree().getValue(value.getCoord()) != *value;
+        }
+        CHECK(there > 10000);
+        CHECK(different == 0);
     }
 }
