@@ -122,8 +122,9 @@ public:
         for (const auto* const velocity : {a.velocity.get(), b.velocity.get()}) {
             if (!velocity) continue;
             tbb::parallel_for(0, box_.size[0], [&](int x) {
-                const openvdb::tools::GridSampler<VectorGrid::ConstAccessor, openvdb::tools::BoxSampler> values(velocity->getConstAccessor(),
-                                                                                                                velocity->transform());
+                // A sampler refers to the accessor.
+                const auto accessor = velocity->getConstAccessor();
+                const openvdb::tools::GridSampler<VectorGrid::ConstAccessor, openvdb::tools::BoxSampler> values(accessor, velocity->transform());
                 auto at = static_cast<std::size_t>(x * box_.stride[0]);
                 for (int y = 0; y < box_.size[1]; ++y)
                     for (int z = 0; z < box_.size[2]; ++z, ++at) {
@@ -291,8 +292,8 @@ double mismatch(const MovingFrame& a, const MovingFrame& b, double scale, std::u
 
 double typical_speed(const MovingFrame& frame) {
     if (!frame.velocity) return 0;
-    const openvdb::tools::GridSampler<VectorGrid::ConstAccessor, openvdb::tools::PointSampler> values(frame.velocity->getConstAccessor(),
-                                                                                                      frame.velocity->transform());
+    const auto accessor = frame.velocity->getConstAccessor();
+    const openvdb::tools::GridSampler<VectorGrid::ConstAccessor, openvdb::tools::PointSampler> values(accessor, frame.velocity->transform());
     double sum = 0, count = 0;
     for (auto leaf = frame.shown->tree().cbeginLeaf(); leaf; ++leaf)
         for (auto value = leaf->cbeginValueOn(); value; ++value) {

@@ -1,11 +1,8 @@
 #include "nodes/time/retime.h"
 
-#include "nodes/field/collocate.h"
-#include "nodes/field/same_transform.h"
 #include "nodes/time/between.h"
-#include "nodes/time/motion.h"
 #include "nodes/time/pace.h"
-#include "nodes/time/volume_store.h"
+#include "nodes/time/sequence.h"
 
 #include <fmt/format.h>
 
@@ -43,33 +40,24 @@ public:
     }
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) { return Pace(params, frames).frames(); }
 
-    void add(const Params&, const Ports& io, Context& context) {
-        if (!store_) store_.emplace(context.memory_budget(), context.work_folder());
-        auto frame = *io.source;
-        // The velocity goes along as the last grid: mostly it is one of the source's, and its tree is kept once.
-        if (io.velocity) frame.grids.push_back(io.velocity);
-        store_->add(std::make_shared<Volume>(std::move(frame)));
-        source_.push_back(context.frame());
-        has_velocity_ = io.velocity != nullptr;
-    }
+    void add(const Params&, const Ports& io, Context& context) { source_.add(*io.source, io.velocity, context); }
 
     void finish(const Params& params, Ports&, Context& context) {
-        pace_.emplace(params, source_);
-        if (!has_velocity_ || source_.size() < 2) return;
+        pace_.emplace(params, source_.numbers());
+        if (!source_.has_velocity() || source_.size() < 2) return;
         scale_ = params.scale ? *params.scale : found_scale(context);
         context.report("retime", {{"scale", scale_}});
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
         const auto moment = pace_->moment(context.frame());
-        const auto a = frame_at(moment.place);
+        const auto a = source_.at(moment.place);
         auto out = std::make_shared<Volume>(a.volume);
         if (moment.share > 0) {
-            const auto b = frame_at(moment.place + 1);
+            const auto b = source_.at(moment.place + 1);
             const auto shown = shown_in(a, b);
             VectorGrid::Ptr motion;
-            if (shown)
-                motion = motion_between(shown->first, shown->second, scale_ * (source_[moment.place + 1] - source_[moment.place]), context.memory_budget());
+            if (shown) motion = motion_between(shown->first, shown->second, scale_ * frames_behind(moment.place), context.memory_budget());
             else context.warn("no float grid shows where things move to: frames between those of the source are blended");
             *out = volume_between(a.volume, b.volume, moment.share, motion.get(), params.transport);
         }
@@ -78,36 +66,6 @@ public:
     }
 
 private:
-    struct Frame {
-        Volume volume;
-        Ref<VectorGrid> velocity;
-    };
-
-    Frame frame_at(std::size_t place) const {
-        Frame out{*store_->at(place), nullptr};
-        if (!has_velocity_) return out;
-        out.velocity = openvdb::gridConstPtrCast<VectorGrid>(out.volume.grids.back());
-        out.volume.grids.pop_back();
-        return out;
-    }
-
-    /// The grid that shows most: a density, else the float grid with the most active voxels. Nothing if there is none.
-    static std::optional<std::pair<MovingFrame, MovingFrame>> shown_in(const Frame& a, const Frame& b) {
-        std::optional<std::pair<MovingFrame, MovingFrame>> out;
-        std::uint64_t most = 0;
-        for (const auto& grid : a.volume.grids) {
-            const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid), now = openvdb::gridConstPtrCast<FloatGrid>(b.volume.find(grid->getName()));
-            if (!old || !now || old->transform() != now->transform() || !cubes_along_axes(old->transform())) continue;
-            const bool density = old->getName() == "density" || old->getGridClass() == openvdb::GRID_LEVEL_SET;
-            const auto voxels = density ? ~std::uint64_t{0} : old->activeVoxelCount();
-            if (voxels <= most) continue;
-            most = voxels;
-            const auto velocity = [](const Frame& frame) { return frame.velocity ? collocated(frame.velocity) : nullptr; };
-            out.emplace(MovingFrame{old, velocity(a)}, MovingFrame{now, velocity(b)});
-        }
-        return out;
-    }
-
     /// The scale at which a few pairs of frames fit best, moved to the moment halfway. World units per frame, of a velocity of 1.
     double found_scale(Context& context) const {
         struct Pair {
@@ -120,8 +78,8 @@ private:
         const auto gaps = source_.size() - 1, count = std::min(most_pairs, gaps);
         for (std::size_t n = 0; n < count; ++n) {
             const auto place = (2 * n + 1) * gaps / (2 * count);
-            if (const auto shown = shown_in(frame_at(place), frame_at(place + 1))) {
-                pairs.push_back({shown->first, shown->second, source_[place + 1] - source_[place]});
+            if (const auto shown = shown_in(source_.at(place), source_.at(place + 1))) {
+                pairs.push_back({shown->first, shown->second, frames_behind(place)});
                 speed = std::max(speed, typical_speed(shown->first) / shown->first.shown->voxelSize().x());
             }
         }
@@ -156,10 +114,11 @@ private:
         return (low + high) / 2 / speed;
     }
 
-    std::optional<VolumeStore> store_;
-    std::vector<int> source_;  ///< frame numbers
+    /// From a frame of the source to the next.
+    int frames_behind(std::size_t place) const { return source_.numbers()[place + 1] - source_.numbers()[place]; }
+
+    Sequence source_;
     std::optional<Pace> pace_;
-    bool has_velocity_ = false;
     double scale_ = 0;
 };
 

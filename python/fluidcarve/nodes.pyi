@@ -1396,10 +1396,31 @@ class SeamsFamily:
         Writes seams or a warp to one .vdb file. Any smaller number of the seams can be carved from it later.
         """
 
+class TimeLoop(Node):
+    volume: Output
+
 class TimeRetime(Node):
     volume: Output
 
 class TimeFamily:
+    def loop(
+        self,
+        source: Source,
+        frames: int | Param,
+        *,
+        name: str = ...,
+        velocity: Source = ...,
+        fade: int | Literal["auto"] | Param = ...,
+        loops: int | Param = ...,
+        start: int | Literal["auto"] | Param = ...,
+        transport: Literal["mac_cormack", "semi_lagrangian"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeLoop:
+        """
+        A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames fade into
+        those before its first, moved towards them.
+        """
     def retime(
         self,
         source: Source,

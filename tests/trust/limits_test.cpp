@@ -69,7 +69,8 @@ TEST_CASE("without a free descriptor a run ends, and its output is whole or abse
         INFO(descriptors);
         std::filesystem::remove(copying.out());
         const auto called = copying.run(fmt::format("exec 2>&1; ulimit -n {}; ", descriptors));
-        CHECK(called.code < 4);
+        // 127: not even the loader has one.
+        CHECK((called.code < 4 || called.code == 127));
         CHECK((called.code == 0) == std::filesystem::exists(copying.out()));
         if (called.code == 0) CHECK(std::filesystem::file_size(copying.out()) > 38'000);
     }
