@@ -12,12 +12,37 @@
 #include <limits>
 
 namespace fluidcarve {
+
+namespace {
+/// Lengths that a loop may have, frames.
+struct Lengths {
+    int least = 0, most = 0;
+};
+}  // namespace
+
+/// The lengths are stated as `n` or `[least, most]`.
+template <>
+struct ParamTraits<Lengths> {
+    static Shape shape() { return {Shape::Kind::any_of, {}, {ParamTraits<int>::shape(), ParamTraits<std::vector<int>>::shape()}}; }
+    static std::optional<Lengths> parse(const Value& value, ValueReader& reader) {
+        if (value.kind == Value::Kind::scalar) {
+            const auto one = ParamTraits<int>::parse(value, reader);
+            return one ? std::optional(Lengths{*one, *one}) : std::nullopt;
+        }
+        const auto both = ParamTraits<std::vector<int>>::parse(value, reader);
+        if (!both) return std::nullopt;
+        if (both->size() != 2) return reader.fault(value, fmt::format("must have one number or two, not {}", both->size())), std::nullopt;
+        return Lengths{(*both)[0], (*both)[1]};
+    }
+    static std::string text(const Lengths& lengths) { return fmt::format("[{}, {}]", lengths.least, lengths.most); }
+};
+
 namespace {
 
 class Loop {
 public:
     struct Params {
-        int count = 24;
+        Lengths lengths;
         Auto<int> fade;
         int loops = 1;
         Auto<int> start;
@@ -30,14 +55,17 @@ public:
     };
 
     static void check(const Params& params, NodeCheck& check) {
-        if (params.fade && *params.fade >= params.count)
-            check.fault("fade", fmt::format("a fade of {} frames leaves none of the {} frames of the loop as it is; lower it", *params.fade, params.count));
+        const auto [least, most] = params.lengths;
+        if (least < 2 || most > most_frames) check.fault("frames", fmt::format("'frames' must be from 2 to {}", most_frames));
+        if (least > most) check.fault("frames", fmt::format("'frames' must rise: [{}, {}]", most, least));
+        if (params.fade && *params.fade >= least)
+            check.fault("fade", fmt::format("a fade of {} frames leaves none of the {} frames of the loop as it is; lower it", *params.fade, least));
     }
 
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         const auto place = Place(params, frames);
         std::vector<int> out;
-        for (int n = 0; n < params.count * params.loops; ++n) out.push_back(place.first + place.step * n);
+        for (int n = 0; n < params.lengths.most * params.loops; ++n) out.push_back(place.first + place.step * n);
         return out;
     }
 
@@ -48,23 +76,21 @@ public:
 
     void finish(const Params& params, Ports&, Context& context) {
         place_ = Place(params, source_.numbers());
-        const auto length = static_cast<std::size_t>(params.count);
-        const auto [first, least] = best(length);
-        begin_ = first;
-        const int from = source_.numbers()[begin_], to = source_.numbers()[begin_ + length - 1];
-        context.report("loop", {{"first", from}, {"last", to}, {"fade", place_.fade}, {"difference", least}});
-        if (least > much) context.warn(unlike(length, least));
+        const auto [least, most] = params.lengths;
+        loop_ = best(params, static_cast<std::size_t>(least), static_cast<std::size_t>(most));
+        const int from = source_.numbers()[loop_.first], to = source_.numbers()[loop_.first + loop_.length - 1];
+        context.report("loop", {{"first", from}, {"last", to}, {"frames", loop_.length}, {"fade", loop_.fade}, {"difference", loop_.difference}});
+        if (loop_.difference > much) context.warn(unlike(params));
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
-        const auto n = static_cast<std::size_t>((context.frame() - place_.first) / place_.step % params.count);
-        const auto length = static_cast<std::size_t>(params.count), at = begin_ + n;
-        if (n + place_.fade < length) {
+        const auto length = loop_.length, n = static_cast<std::size_t>((context.frame() - place_.first) / place_.step) % length, at = loop_.first + n;
+        if (n + loop_.fade < length) {
             io.volume = std::make_shared<Volume>(source_.at(at).volume);
             return;
         }
         // The first frame of the fade shows least of what comes before the loop, the last one most.
-        const double share = static_cast<double>(n + place_.fade - length + 1) / static_cast<double>(place_.fade + 1);
+        const double share = static_cast<double>(n + loop_.fade - length + 1) / static_cast<double>(loop_.fade + 1);
         const auto a = source_.at(at), b = source_.at(before(at, length));
         auto shown = shown_in(a, b);
         VectorGrid::Ptr motion;
@@ -77,12 +103,12 @@ public:
     }
 
 private:
+    static constexpr int most_frames = 100000;
     static constexpr double much = 4;  ///< difference of the ends from which on it is warned of
 
     /// What is known of a loop before the frames are.
     struct Place {
         int first = 1, step = 1;
-        std::size_t fade = 0;
 
         Place() = default;
         /// @throws Failure if the sequence is shorter than the loop, or lacks frames
@@ -94,48 +120,47 @@ private:
                         fmt::format("a loop needs all frames, but between {} and {} some are left out; state `frames` without a gap, or let "
                                     "`missing: hold` of the reader fill it",
                                     frames[n - 1], frames[n]));
-            const auto length = static_cast<std::size_t>(params.count);
-            if (length > frames.size())
-                throw Failure(fmt::format("a loop of {} frames needs as many of the source, which has {}; lower 'frames'", length, frames.size()));
-            fade = params.fade ? static_cast<std::size_t>(*params.fade) : (length + 3) / 4;
+            if (static_cast<std::size_t>(params.lengths.most) > frames.size())
+                throw Failure(fmt::format("a loop of {} frames needs as many of the source, which has {}; lower 'frames'", params.lengths.most, frames.size()));
         }
     };
 
     /// The frame into which one at the loop's end fades: a loop before it. Before the first frame of the source, that one is held.
     static std::size_t before(std::size_t at, std::size_t length) { return at - std::min(at, length); }
 
-    /// A loop's first frame, and the mean difference of the frames that fade into each other.
+    /// A part of the source as a loop.
     struct Closed {
-        std::size_t first;
-        double difference;
+        std::size_t first = 0, length = 1, fade = 0;
+        double difference = std::numeric_limits<double>::max();  ///< mean of the frames that fade into each other
     };
-    /// The loop of a length that closes best.
-    Closed best(std::size_t length) const {
-        Closed out{0, std::numeric_limits<double>::max()};
-        for (std::size_t first = 0; first + length <= source_.size(); ++first) {
-            double sum = 0;
-            for (auto at = first + length - place_.fade; at < first + length; ++at) sum += thumbnails_.difference(before(at, length), at);
-            if (const double mean = sum / static_cast<double>(place_.fade); mean < out.difference) out = {first, mean};
+    /// The loop that closes best, of all lengths in a range.
+    Closed best(const Params& params, std::size_t least, std::size_t most) const {
+        Closed out;
+        for (auto length = least; length <= most; ++length) {
+            const auto fade = params.fade ? static_cast<std::size_t>(*params.fade) : (length + 3) / 4;
+            for (std::size_t first = 0; first + length <= source_.size(); ++first) {
+                double sum = 0;
+                for (auto at = first + length - fade; at < first + length; ++at) sum += thumbnails_.difference(before(at, length), at);
+                if (const double mean = sum / static_cast<double>(fade); mean < out.difference) out = {first, length, fade, mean};
+            }
         }
         return out;
     }
 
     /// What a warning says of ends that differ much, and which length near the one asked for would close better.
-    std::string unlike(std::size_t length, double least) const {
-        const auto out = fmt::format("the ends of the loop differ {:.2g} times as much as neighbouring frames, so that their fade will be seen", least);
-        auto better = length;
-        for (auto other = std::max(place_.fade + 1, length - length / 4); other <= std::min(length + length / 4, source_.size()); ++other)
-            if (const double here = best(other).difference; here < least) {
-                least = here;
-                better = other;
-            }
-        return better == length ? out + "; a longer sequence leaves more choice" : fmt::format("{}; with `frames: {}` it would be {:.2g}", out, better, least);
+    std::string unlike(const Params& params) const {
+        const auto out =
+            fmt::format("the ends of the loop differ {:.2g} times as much as neighbouring frames, so that their fade will be seen", loop_.difference);
+        const auto near = loop_.length / 4;
+        const auto other = best(params, std::max(loop_.fade + 1, loop_.length - near), std::min(loop_.length + near, source_.size()));
+        return other.length == loop_.length ? out + "; a longer sequence leaves more choice"
+                                            : fmt::format("{}; with `frames: {}` it would be {:.2g}", out, other.length, other.difference);
     }
 
     Sequence source_;
     Thumbnails thumbnails_;
     Place place_;
-    std::size_t begin_ = 0;  ///< index of the first frame into which the end fades
+    Closed loop_;
 };
 
 }  // namespace
@@ -147,7 +172,9 @@ NodeType time_loop() {
                          "moved towards them.")
         .input("source", &Loop::Ports::source, "The grids, or one grid.")
         .input("velocity", &Loop::Ports::velocity, "Velocity, staggered or not. Where ends match is judged by where things move to, too.")
-        .required("frames", &Params::count, Unit::frames, between(2, 1e6), "Length of the loop.")
+        .required("frames", &Params::lengths,
+                  "Length of the loop, in frames. [20, 30] takes the length in this range that closes best, writes 30 frames in any case, in which it goes "
+                  "round, and reports the length.")
         .param("fade", &Params::fade, Unit::frames, between(1, 1e5),
                "Number of its last frames that fade. It is best if the source has so many frames more than the loop: else its first frame is held. auto is a "
                "quarter.")

@@ -1406,7 +1406,7 @@ class TimeFamily:
     def loop(
         self,
         source: Source,
-        frames: int | Param,
+        frames: Sequence[int | Param] | int | Param,
         *,
         name: str = ...,
         velocity: Source = ...,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <filesystem>
 
 // `time.loop`, run by the program on a puff of smoke.
 
@@ -93,6 +94,19 @@ TEST_CASE("a loop of a motion that does not repeat closes without a jump, and sa
     for (int n = 0; n < 10; ++n)
         most = std::max(most, puff_off(*puff_in(loop_file(scratch, "out", 1 + n)), *puff_in(loop_file(scratch, "out", 1 + (n + 1) % 10))));
     CHECK(most < 1.2 * largest);
+}
+
+TEST_CASE("of a range of lengths the one that closes best is taken, and goes round in the longest") {
+    const Scratch scratch;
+    write_puffs(scratch, 21, circling(12));
+    const auto ran = loop(scratch, 21, "frames: [9, 15]");
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK(nlohmann::json::parse(Scratch::read(scratch / "report.json"))["loop"]["loop"]["frames"] == 12);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)), *puff_in(loop_file(scratch, "out", 13))) == 0);
+    CHECK(std::filesystem::exists(loop_file(scratch, "out", 15)));
+    CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 16)));
+    CHECK_THAT(loop(scratch, 21, "frames: [15, 9]").err, Catch::Contains("'frames' must rise: [9, 15]"));
 }
 
 TEST_CASE("a loop that the sequence can't give is refused with its place") {
