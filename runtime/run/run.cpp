@@ -169,17 +169,21 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
     }
 }
 
-/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, could not be kept. @return whether they could
+/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, are not there. @return whether they are
 bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared, const RunRequest& request, Report& report) {
-    const auto fault = prepared.cache().fault();
-    if (request.wish.to.empty() || fault.empty()) return true;
+    if (request.wish.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (plan.digested[n] || (plan.targets[n] && !pipeline.writes(n))) {
-            const auto& node = pipeline.nodes[n];
-            report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
-            return false;
-        }
+    auto fault = prepared.cache().fault();
+    const auto left = shares(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const bool asked = plan.digested[n] ? digests_apart(node) : plan.targets[n] && node.kept && !pipeline.writes(n);
+        if (!asked || (fault.empty() && left[n].runs == 0)) continue;
+        if (fault.empty()) fault = prepared.fault_of_contents();
+        if (fault.empty()) fault = "they are not in the work folder; does something clean it? Run again";
+        report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
+        return false;
+    }
     return true;
 }
 
@@ -313,7 +317,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
             prepared.cache().finish();
-            if (report.faults().empty() && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
+            if (report.faults().empty() && (whole || !cancelled()) && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.inputs().timelines, to_do, report);

@@ -141,6 +141,9 @@ std::string fault_of(const Job& job, const Reference& reference, const std::stri
     if (auto fault = foreign_fault(); !fault.empty()) return fault;
     if (ended.errors.find("fault of fluidcarve itself") != std::string::npos) return "it calls the fault its own: " + ended.errors;
     if (ended.code != 0 && ended.errors.empty()) return fmt::format("it ends with {} and says nothing", ended.code);
+    if (ended.code == 0 && !job.then.empty())
+        if (const auto after = call(job.then, place.scratch.path(), ""); after.code != 0)
+            return fmt::format("it ends with 0, but the next command does not find what it was to keep, and ends with {}: {}", after.code, after.errors);
 
     const auto again = call(job.command, place.scratch.path(), "");
     if (again.code != 0) return fmt::format("the fault is over, but the command ends with {}: {}", again.code, again.errors);
