@@ -206,17 +206,36 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
     history.save();
 }
 
-/// Warns of damaged or unwritable cache entries.
+/// Whether the system grants the threads of a run; says so if it does not.
+bool grants_threads(const RunRequest& request) {
+    try {
+        require_threads(request.options.threads);
+        return true;
+    } catch (const Failure& failure) {
+        tell(fmt::format("failed: {}", failure.what()));
+        return false;
+    }
+}
+
+/// Warns of a work folder whose results could not be read.
+void tell_of_unread(const Cache& cache) {
+    if (const auto unread = cache.unread(); !unread.empty()) tell("warning: results of earlier runs could not be used: " + unread);
+}
+
+/// Warns of damaged, unreadable or unwritable cache entries.
 void tell_of_cache(const Cache& cache, const Report& report) {
     if (cache.damaged() > 0)
         tell(fmt::format("warning: {} damaged {} in the work folder {} computed again", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
-    if (!cache.fault().empty() && report.faults().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
+    if (!report.faults().empty()) return;
+    if (cache.fault().empty()) tell_of_unread(cache);
+    else tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
 }  // namespace
 
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
+    if (!grants_threads(request)) return exit_code::node_failed;
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
@@ -227,6 +246,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     if (!report.faults().empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+    if (!request.quiet) tell_of_unread(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     auto as_json = to_json(forecast);
@@ -247,11 +267,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
     }
-    try {
-        require_threads(request.options.threads);
-    } catch (const Failure& failure) {
-        return tell(fmt::format("failed: {}", failure.what())), exit_code::node_failed;
-    }
+    if (!grants_threads(request)) return exit_code::node_failed;
     const auto record = request.task.empty() ? std::string() : task_record(request.options.work_folder, request.task, request.deliver);
     std::optional<Manifest> manifest;
     try {
