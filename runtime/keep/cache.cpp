@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -95,14 +96,15 @@ T number_at(const char* data) {
     return out;
 }
 
-/// Opens an entry for reading. @return below 0 if it is not there, is no regular file, or lies outside of --confine
+/// Opens an entry for reading. @return below 0: the error, -ENOENT too if it is no regular file, or lies outside of --confine
 int open_entry(const std::string& path) {
-    if (!Confinement::of_program().refusal(path).empty()) return -1;
+    if (!Confinement::of_program().refusal(path).empty()) return -ENOENT;
     const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat about {};
-    if (file < 0 || (fstat(file, &about) == 0 && S_ISREG(about.st_mode))) return file;
+    if (file < 0) return -errno;
+    if (fstat(file, &about) == 0 && S_ISREG(about.st_mode)) return file;
     close(file);
-    return -1;
+    return -ENOENT;
 }
 
 bool read_all(int file, char* into, std::size_t size) {
@@ -160,8 +162,14 @@ void Cache::touch(const Key& key) const {
 std::optional<Json> Cache::look(const Key& key) const {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
-    std::uint64_t size = 0;
-    if (file.number >= 0) return header_of(file.number, size);
+    if (file.number >= 0) {
+        std::uint64_t size = 0;
+        errno = 0;
+        auto header = header_of(file.number, size);
+        if (!header) note(key, errno);
+        return header;
+    }
+    note(key, -file.number);
     const auto packed = packs_.read(key);
     return packed ? header_in(*packed, packed->size()) : std::nullopt;
 }
@@ -282,6 +290,23 @@ void Cache::finish() {
         const std::lock_guard lock(mutex_);
         fault_ = failure.what();
     }
+}
+
+void Cache::look_again() {
+    packs_.look_again();
+    const std::lock_guard lock(mutex_);
+    unread_.clear();
+}
+
+void Cache::note(const Key& key, int error) const {
+    if (error == 0 || error == ENOENT) return;
+    const std::lock_guard lock(mutex_);
+    if (unread_.empty()) unread_ = fmt::format("cannot read {}: {}", path_of(key), std::strerror(error));
+}
+
+std::string Cache::unread() const {
+    const std::lock_guard lock(mutex_);
+    return unread_.empty() ? packs_.unread() : unread_;
 }
 
 std::string Cache::fault() const {

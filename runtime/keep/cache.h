@@ -40,7 +40,7 @@ public:
     /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size is damaged.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
     /// Makes later calls find what other processes have stored meanwhile.
-    void look_again() { packs_.look_again(); }
+    void look_again();
     /// Marks an entry as used now, for `trim`.
     void touch(const Key& key) const;
     /// Reads an entry and checks every byte. Nothing if there is no entry, or it is damaged; a damaged entry is removed, or no longer found
@@ -53,6 +53,8 @@ public:
     /// To be called when nothing more is stored. What the system has lost of it is then a fault.
     void finish();
     std::string fault() const;
+    /// Why entries that may be there are not found: what the system refused first, with the path. Empty: nothing.
+    std::string unread() const;
     /// Number of damaged entries found so far.
     std::size_t damaged() const { return damaged_ + packs_.damaged(); }
 
@@ -75,6 +77,8 @@ private:
     /// Reads a whole entry and checks every byte; a damaged entry is removed.
     std::optional<Read> read(const Key& key);
     void remove_damaged(const Key& key);
+    /// Takes note of an error of the system; nothing for none, and for what is not there.
+    void note(const Key& key, int error) const;
 
     const Registry& registry_;
     const std::string work_folder_, folder_;
@@ -82,6 +86,7 @@ private:
     mutable Packs packs_;
     mutable std::mutex mutex_;
     std::string fault_;
+    mutable std::string unread_;
     std::atomic<std::size_t> damaged_{0};
 };
 

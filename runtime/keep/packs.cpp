@@ -95,8 +95,11 @@ std::optional<std::vector<char>> Packs::read(const Key& key) {
     const Descriptor file{open_pack(pack)};
     std::vector<char> out(place.size);
     const bool there = file.number >= 0;
+    errno = there ? 0 : -file.number;
     if (there && read_at(file.number, place.offset, out.data(), out.size()) && sum_of(out.data(), out.size()) == place.sum) return out;
+    const int code = errno;
     lock.lock();
+    note(path_of(pack, closed), code);
     damaged_ += there ? 1 : 0;
     if (auto& now = places_[key]; now.written == place.written) now.size = 0;
     return std::nullopt;
@@ -107,6 +110,7 @@ void Packs::look_again() {
     end_own();
     packs_.clear();
     places_.clear();
+    unread_.clear();
     scanned_ = false;
 }
 
@@ -162,6 +166,15 @@ std::size_t Packs::damaged() const {
     return damaged_;
 }
 
+std::string Packs::unread() const {
+    const std::lock_guard lock(mutex_);
+    return unread_;
+}
+
+void Packs::note(const std::string& path, int error) {
+    if (error != 0 && error != ENOENT && unread_.empty()) unread_ = fmt::format("cannot read {}: {}", path, std::strerror(error));
+}
+
 bool Packs::is_name(std::string_view name) {
     const auto digits = name.substr(0, name_digits), ending = name.substr(digits.size());
     return Key::parse(digits) && (ending == closed || ending == opened);
@@ -178,13 +191,16 @@ void Packs::scan() {
         packs_.push_back({name.substr(0, name_digits)});
         const Descriptor file{open_pack(packs_.back())};
         if (file.number >= 0) scan(packs_.size() - 1, file.number);
+        else note(path_of(packs_.back(), closed), -file.number);
     }
+    note(folder_, error.value());
 }
 
 void Packs::scan(std::size_t n, int file) {
     auto& end = packs_[n].end;
     const auto size = size_of(file);
     RecordHead head{};
+    errno = 0;
     while (read_at(file, end, &head, sizeof head) && is_whole(head)) {
         const auto begin = end + sizeof head;
         if (begin > size || head.size > size - begin) return;
@@ -192,12 +208,16 @@ void Packs::scan(std::size_t n, int file) {
         if (head.written >= place.written) place = {n, begin, head.size, head.written, head.sum};
         end = begin + head.size;
     }
+    note(path_of(packs_[n], closed), errno);
 }
 
 int Packs::open_pack(const Pack& pack) const {
-    for (const auto* const ending : {closed, opened, closed})
+    int error = ENOENT;
+    for (const auto* const ending : {closed, opened, closed}) {
         if (const int file = open(path_of(pack, ending).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK); file >= 0) return file;
-    return -1;
+        if (errno != ENOENT) error = errno;
+    }
+    return -error;
 }
 
 void Packs::begin_own() {

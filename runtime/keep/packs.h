@@ -46,6 +46,8 @@ public:
     void touch(const Key& key);
     /// Number of damaged records that `read` found.
     std::size_t damaged() const;
+    /// Why records that may be there are not found: what the system refused first, with the path. Empty: nothing.
+    std::string unread() const;
 
     /// Whether a file of this name is a pack, if it begins as one.
     static bool is_name(std::string_view name);
@@ -75,8 +77,10 @@ private:
     void scan();
     /// Finds the records of an open pack from its known end on.
     void scan(std::size_t pack, int file);
-    /// Opens a pack that may just be renamed. @return below 0: it is gone
+    /// Opens a pack that may just be renamed. @return below 0: the error, -ENOENT if it is gone
     int open_pack(const Pack& pack) const;
+    /// Takes note of an error of the system; nothing for none, and for what is not there.
+    void note(const std::string& path, int error);
     /// Finds a pack to append to, or makes one. @throws Failure
     void begin_own();
     bool claim(std::size_t pack);
@@ -90,6 +94,7 @@ private:
     std::size_t own_ = 0;  ///< the pack that this process appends to
     int own_file_ = -1;    ///< below 0: none
     std::size_t damaged_ = 0;
+    std::string unread_;
 };
 
 }  // namespace fluidcarve

@@ -123,6 +123,18 @@ bool WorkFolder::marked() const {
     return false;
 }
 
+std::string WorkFolder::unread() const {
+    auto folders = std::vector{fs::path(path_)};
+    for (const auto* const part : parts) folders.push_back(fs::path(path_) / part);
+    for (const auto& folder : folders) {
+        std::error_code error;
+        const fs::directory_iterator opened(folder, error);
+        if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+            return fmt::format("cannot look through {}: {}", folder.string(), error.message());
+    }
+    return {};
+}
+
 std::string WorkFolder::link_fault() const {
     std::error_code none;
     for (const auto* const part : parts)

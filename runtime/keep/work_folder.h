@@ -18,6 +18,8 @@ public:
     /// Makes the folder and marks it if it is missing or empty. @throws Failure if it can't be made
     void make() const;
     bool marked() const;
+    /// Why nothing tells what is in the folder: it, or a part of it, is there and can't be listed. Empty: it can, or is not there.
+    std::string unread() const;
     /// What keeps fluidcarve from removing files in the folder, with the remedy; empty: nothing, or there is no folder.
     std::string fault() const;
     /// Why nothing may be kept in the folder: a part of it is a link. Empty: none is.

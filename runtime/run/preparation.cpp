@@ -2,6 +2,8 @@
 
 #include "runtime/run/outlooks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -68,6 +70,14 @@ void Preparation::each_file(const std::function<void(std::size_t node, std::size
             if (pipeline_.nodes[n].rate != Rate::frame) break;
         }
     }
+}
+
+std::string Preparation::fault_of_contents() {
+    std::string out;
+    each_file([&](std::size_t, std::size_t, const std::string& path) {
+        if (out.empty() && !files_.of(path)) out = fmt::format("{} could not be read when the run began, so that nothing tells its content; run again", path);
+    });
+    return out;
 }
 
 void Preparation::compare(Manifest& manifest) {

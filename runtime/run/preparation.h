@@ -43,6 +43,9 @@ public:
     Store& store() { return store_; }
     InputGuard& guard() { return guard_; }
 
+    /// Why nothing is kept of what follows from an input file: its content could not be read when the run began. Empty: all contents are known.
+    std::string fault_of_contents();
+
     /// How much of a node's growing result is kept, when the run begins.
     std::optional<GrownResult> grown(std::size_t node) const { return grown_[node]; }
 

@@ -51,6 +51,8 @@ Prerequisites wait_for_prerequisites(const Pipeline& pipeline, Preparation& prep
         Prerequisites out{prepared.schedule(), {}, {}};
         out.shares = shares(pipeline, prepared.plan(), out.schedule, uncached);
         out.missing = missing_in(pipeline, prepared.plan(), out.shares, request);
+        if (const auto unread = prepared.cache().unread(); !unread.empty())
+            for (auto& fault : out.missing) fault.message = "nothing tells whether its results are in the work folder: " + unread;
         if (out.missing.empty() || cancelled() || Clock::now() >= end) return out;
         std::this_thread::sleep_for(between_looks);
         prepared.cache().look_again();

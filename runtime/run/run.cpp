@@ -169,17 +169,21 @@ bool execute(const Pipeline& pipeline, const Registry& registry, const RunReques
     }
 }
 
-/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, could not be kept. @return whether they could
+/// Reports a failure if results that `--to` asks for, which lie in the work folder alone, are not there. @return whether they are
 bool keeps_what_was_asked(const Pipeline& pipeline, Preparation& prepared, const RunRequest& request, Report& report) {
-    const auto fault = prepared.cache().fault();
-    if (request.wish.to.empty() || fault.empty()) return true;
+    if (request.wish.to.empty() || !request.options.cache) return true;
     const auto& plan = prepared.plan();
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (plan.digested[n] || (plan.targets[n] && !pipeline.writes(n))) {
-            const auto& node = pipeline.nodes[n];
-            report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
-            return false;
-        }
+    auto fault = prepared.cache().fault();
+    const auto left = shares(pipeline, plan, prepared.schedule(), prepared.uncached_schedule());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        const auto& node = pipeline.nodes[n];
+        const bool asked = plan.digested[n] ? digests_apart(node) : plan.targets[n] && node.kept && !pipeline.writes(n);
+        if (!asked || (fault.empty() && left[n].runs == 0)) continue;
+        if (fault.empty()) fault = prepared.fault_of_contents();
+        if (fault.empty()) fault = "they are not in the work folder; does something clean it? Run again";
+        report.failed({node.name, node.type->name, std::nullopt, "its results could not be kept for other runs: " + fault, Failure::Kind::data});
+        return false;
+    }
     return true;
 }
 
@@ -202,17 +206,36 @@ void remember_costs(const Pipeline& pipeline, const Preparation& prepared, const
     history.save();
 }
 
-/// Warns of damaged or unwritable cache entries.
+/// Whether the system grants the threads of a run; says so if it does not.
+bool grants_threads(const RunRequest& request) {
+    try {
+        require_threads(request.options.threads);
+        return true;
+    } catch (const Failure& failure) {
+        tell(fmt::format("failed: {}", failure.what()));
+        return false;
+    }
+}
+
+/// Warns of a work folder whose results could not be read.
+void tell_of_unread(const Cache& cache) {
+    if (const auto unread = cache.unread(); !unread.empty()) tell("warning: results of earlier runs could not be used: " + unread);
+}
+
+/// Warns of damaged, unreadable or unwritable cache entries.
 void tell_of_cache(const Cache& cache, const Report& report) {
     if (cache.damaged() > 0)
         tell(fmt::format("warning: {} damaged {} in the work folder {} computed again", cache.damaged(), cache.damaged() == 1 ? "result" : "results",
                          cache.damaged() == 1 ? "was" : "were"));
-    if (!cache.fault().empty() && report.faults().empty()) tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
+    if (!report.faults().empty()) return;
+    if (cache.fault().empty()) tell_of_unread(cache);
+    else tell(fmt::format("warning: results could not be kept for other runs: {}", cache.fault()));
 }
 
 }  // namespace
 
 int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRequest& request, bool json) {
+    if (!grants_threads(request)) return exit_code::node_failed;
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     if (!request.quiet)
@@ -223,6 +246,7 @@ int plan_pipeline(const Pipeline& pipeline, const Registry& registry, const RunR
     if (!report.faults().empty() || prepared.frames().empty()) return exit_code::input;
     const auto schedule = prepared.schedule();
     const auto to_do = shares(pipeline, prepared.plan(), schedule, prepared.uncached_schedule());
+    if (!request.quiet) tell_of_unread(prepared.cache());
     const History history(request.options.cache ? request.options.work_folder : std::string(), pipeline.name);
     const auto forecast = make_forecast(pipeline, prepared, schedule, to_do, history, request.options);
     auto as_json = to_json(forecast);
@@ -243,11 +267,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
             return tell(fmt::format("failed: {}: {}", what, failure.what())), exit_code::node_failed;
         }
     }
-    try {
-        require_threads(request.options.threads);
-    } catch (const Failure& failure) {
-        return tell(fmt::format("failed: {}", failure.what())), exit_code::node_failed;
-    }
+    if (!grants_threads(request)) return exit_code::node_failed;
     const auto record = request.task.empty() ? std::string() : task_record(request.options.work_folder, request.task, request.deliver);
     std::optional<Manifest> manifest;
     try {
@@ -313,7 +333,7 @@ int run_pipeline(const Pipeline& pipeline, const Registry& registry, const RunRe
                 execute(pipeline, registry, request, prepared, schedule, report, costs, request.profile_path.empty() ? nullptr : &profile, cancelled, told);
             whole = all_done(report, to_do);
             prepared.cache().finish();
-            if (report.faults().empty() && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
+            if (report.faults().empty() && (whole || !cancelled()) && !keeps_what_was_asked(pipeline, prepared, request, report)) stopped = true;
             status.end(exit_of(report, cancelled() && !whole, stopped));
             remember_costs(pipeline, prepared, costs, report, history);
             conclude(pipeline, prepared.inputs().timelines, to_do, report);

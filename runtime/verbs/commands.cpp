@@ -94,11 +94,18 @@ std::optional<std::chrono::seconds> age_of(std::string_view text) {
     return number * unit->second;
 }
 
+/// Says how far the runs in a work folder have come.
+int status(const std::string& folder, bool json) {
+    if (const auto fault = WorkFolder(folder).unread(); !fault.empty()) return complain("failed: " + fault + "\n"), exit_code::input;
+    return print(job_status_text(folder, json)), exit_code::done;
+}
+
 /// Removes files of fluidcarve from a work folder, and the folder if it is then empty.
 int clean(const std::string& path, const std::string& older, bool dry_run) {
     const WorkFolder folder(path);
     WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run};
     if (!older.empty() && !wish.older) return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)), exit_code::usage;
+    if (const auto fault = folder.unread(); !fault.empty()) return complain("failed: " + fault + "\n"), exit_code::input;
     if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
     try {
         const auto cleaned = folder.clean(wish);
@@ -351,7 +358,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*check_verb) return check(pipeline, json, verbose, open, registry);
     if (*plan_verb) return plan(pipeline, plan_arguments, json, registry);
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
-    if (*status_verb) return print(job_status_text(status_folder, json)), exit_code::done;
+    if (*status_verb) return status(status_folder, json);
     if (*view_verb) return view_pipeline(pipeline, view, registry);
     if (*clean_verb) return clean(clean_folder, older, dry_run);
     if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);

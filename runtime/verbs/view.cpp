@@ -3,6 +3,7 @@
 #include "graph/views/provenance.h"
 #include "runtime/run/interrupt.h"
 #include "runtime/run/preparation.h"
+#include "runtime/tell/breakdown.h"
 #include "runtime/tell/outcome.h"
 #include "runtime/tell/report.h"
 
@@ -80,14 +81,21 @@ void take_what_is_there(Document& document, const Registry& registry) {
 }
 
 /// Whether a run would have to find seams: a solver upstream of a node is not in the work folder with all that is wanted.
+/// @throws Failure if nothing tells, since the work folder or an input can't be read
 bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunRequest& request) {
     Report report(pipeline);
     Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
     // What is missing is told by the run.
     if (prepared.frames().empty() || !prepared.inputs().missing.empty()) return false;
     const auto to_do = shares(pipeline, prepared.plan(), prepared.schedule(), prepared.uncached_schedule());
-    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n)
-        if (to_do[n].runs > 0 && pipeline.nodes[n].type->growth) return true;
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        if (to_do[n].runs == 0 || !pipeline.nodes[n].type->growth) continue;
+        auto fault = prepared.cache().unread();
+        if (!fault.empty()) fault += "; make it readable, or name another work folder with --work";
+        else if (request.options.cache) fault = prepared.fault_of_contents();
+        if (!fault.empty()) throw Failure("nothing tells whether the seams are found: " + fault, Failure::Kind::input);
+        return true;
+    }
     return false;
 }
 
@@ -183,9 +191,14 @@ int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Regis
     };
     if (!build()) return exit_code::usage;
     bool left_out = false;
-    if (!view.solve && field(document.nodes.find(name), "seams") && must_solve(pipeline, registry, *request)) {
+    try {
+        require_threads(request->options.threads);
+        left_out = !view.solve && field(document.nodes.find(name), "seams") && must_solve(pipeline, registry, *request);
+    } catch (const Failure& failure) {
+        return complain(fmt::format("failed: {}\n", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+    }
+    if (left_out) {
         leave_out_seams(document.nodes.find(name)->value);
-        left_out = true;
         if (!build()) return exit_code::usage;
     }
     const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));

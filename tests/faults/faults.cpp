@@ -135,12 +135,13 @@ std::string fault_of(const Job& job, const Reference& reference, const std::stri
     const auto ended = call(job.command, place.scratch.path(), fmt::format("FAULT_KIND={} FAULT_AT={}", kind, at));
     if (ended.hung) return "it hangs";
     if (ended.signal) return fmt::format("it is ended by signal {}: {}", ended.signal, ended.errors);
-    const bool told = !job.lacks.empty() && ended.errors.find(job.lacks) != std::string::npos;
-    if (auto fault = told ? std::string() : fault_of_files(place, reference, ended.code == 0); !fault.empty())
-        return fmt::format("it ends with {}, but {}", ended.code, fault);
+    if (auto fault = fault_of_files(place, reference, ended.code == 0); !fault.empty()) return fmt::format("it ends with {}, but {}", ended.code, fault);
     if (auto fault = foreign_fault(); !fault.empty()) return fault;
     if (ended.errors.find("fault of fluidcarve itself") != std::string::npos) return "it calls the fault its own: " + ended.errors;
     if (ended.code != 0 && ended.errors.empty()) return fmt::format("it ends with {} and says nothing", ended.code);
+    if (ended.code == 0 && !job.then.empty())
+        if (const auto after = call(job.then, place.scratch.path(), ""); after.code != 0)
+            return fmt::format("it ends with 0, but the next command does not find what it was to keep, and ends with {}: {}", after.code, after.errors);
 
     const auto again = call(job.command, place.scratch.path(), "");
     if (again.code != 0) return fmt::format("the fault is over, but the command ends with {}: {}", again.code, again.errors);

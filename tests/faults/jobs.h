@@ -10,7 +10,7 @@ struct Job {
     std::string name;
     std::vector<std::string> before;  ///< commands that run first, without faults; {} is the program
     std::string command;              ///< the one that calls fail in
-    std::string lacks = {};           ///< what it says when it makes another file, since it found nothing kept; empty: it never does
+    std::string then = {};            ///< a command that ends well after one that did, since it finds what that kept; empty: nothing is to be kept
 };
 
 /// One of each kind: carving, solving, files of seams, the work folder, pages, reports, images, farms.

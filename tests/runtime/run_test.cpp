@@ -169,6 +169,23 @@ TEST_CASE("with --to only a node and what it needs run") {
     CHECK(ran.count("finish") == 1);
 }
 
+TEST_CASE("a result that --to asks for and that is kept under no key fails the run") {
+    // The files of toy.count are not there, so that their contents are unknown.
+    const std::string squares = "frames: 1-2\nnodes:\n  count: {type: toy.count, path: in.##}\n  square: {type: toy.square, number: count}\n";
+    RunRequest request;
+    request.wish.to = "square";
+    const auto asked = run(squares, request);
+    CHECK(asked.code == exit_code::node_failed);
+    REQUIRE(failures(asked).size() == 1);
+    CHECK_THAT(failures(asked).front(), Catch::StartsWith("square -: its results could not be kept for other runs: ") &&
+                                            Catch::EndsWith("in.01 could not be read when the run began, so that nothing tells its content; run again"));
+    request.options.cache = false;
+    CHECK(run(squares, request).code == exit_code::done);
+    request.options.cache = true;
+    const auto unkept = "{type: toy.square, cache: false, number: count}";
+    CHECK(run(squares.substr(0, squares.find("{type: toy.square")) + unkept + "\n", request).code == exit_code::done);
+}
+
 TEST_CASE("frames alive never exceed --in-flight, whatever arrives late") {
     for (const int limit : {1, 3, 8}) {
         RunRequest request;

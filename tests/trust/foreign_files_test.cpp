@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <sys/stat.h>
+#include <unistd.h>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -153,4 +154,47 @@ TEST_CASE("a result that --to asks for and that can't be kept fails the run, as 
     CHECK(written.code == 0);
     CHECK(fs::exists(scratch / "out.0001.vdb"));
     CHECK(Scratch::read(scratch / "work/cache") == "a file in the place of the folder");
+}
+
+TEST_CASE("a work folder that can't be read is told as such, and not taken for an empty one") {
+    // Root may read all.
+    const std::string nobody = geteuid() == 0 ? "setpriv --reuid=54321 --regid=54321 --clear-groups " : "";
+    if (call_shell(nobody + FLUIDCARVE_PROGRAM " --version").code != 0) {
+        WARN("skipped: the build is for its owner alone");
+        return;
+    }
+    const Scratch scratch;
+    fs::copy_file(TEST_DATA "/vdb/gaffer_arnold_sphere.vdb", scratch / "in.0001.vdb");
+    scratch.write("p.yaml",
+                  "fluidcarve: 1\nframes: 1\nnodes:\n  sim: {type: vdb.read, path: in.####.vdb, grids: {density: float}}\n"
+                  "  energy: {type: energy.gradient, field: sim.density}\n  box: {type: lattice.box, fit: sim.density}\n"
+                  "  seams: {type: seam.greedy, energy: energy, lattice: box, axis: u, count: -2}\n"
+                  "  carved: {type: remap.grids, source: sim, lattice: box, seams: seams}\n"
+                  "  out: {type: vdb.write, source: carved, path: out.####.vdb}\n");
+    fs::permissions(scratch.path(), fs::perms::all);
+    const auto call = [&](const std::string& verb) {
+        return call_shell("cd " + scratch.path() + "; export FLUIDCARVE_WORK=work; " + nobody + FLUIDCARVE_PROGRAM " " + verb);
+    };
+    REQUIRE(call("run p.yaml -q").code == 0);
+    for (const std::string folder : {"work", "work/cache"}) {
+        INFO(folder);
+        fs::permissions(scratch / folder, fs::perms::none);
+        const auto viewed = call("view p.yaml -o view.html --progress none");
+        CHECK(viewed.code == 3);
+        CHECK_THAT(viewed.err, Catch::StartsWith("failed: nothing tells whether the seams are found: cannot read work/cache/") &&
+                                   Catch::EndsWith(": Permission denied; make it readable, or name another work folder with --work\n"));
+        CHECK(!fs::exists(scratch / "view.html"));
+        const auto only = call("run p.yaml --only carved --progress none");
+        CHECK(only.code == 3);
+        CHECK_THAT(only.err, Catch::Contains("seams (seam.greedy): nothing tells whether its results are in the work folder: cannot read work/cache/"));
+        CHECK_THAT(call("plan p.yaml").err, Catch::StartsWith("warning: results of earlier runs could not be used: cannot read work/cache/"));
+        for (const std::string verb : {"status", "status --json", "clean"}) {
+            INFO(verb);
+            const auto called = call(verb);
+            CHECK(called.err == "failed: cannot look through " + folder + ": Permission denied\n");
+            CHECK(called.code == 3);
+        }
+        fs::permissions(scratch / folder, fs::perms::owner_all);
+    }
+    CHECK(call("view p.yaml -o view.html -q").code == 0);
 }
