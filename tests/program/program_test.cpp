@@ -79,7 +79,8 @@ TEST_CASE("every shipped pipeline opens with its purpose, is good, and runs", "[
                                  std::regex_replace(text, frames_of, fmt::format("\nframes: {}-{}\n", stated.str(1), std::stoi(stated.str(1)) + 1)));
         // One lit picture is enough.
         const std::string flat = pipeline == "pipelines/plume.yaml" || text.find("show: render") == std::string::npos ? "" : " --set sheet.show=maximum";
-        const auto ran = fluidcarve_program("run -q " + file + flat + (shot ? " --progress none --set CACHES=" + scratch.path() + " " : own_params()) +
+        const std::string whole = text.find("time.loop") == std::string::npos ? "" : " --set length=2";
+        const auto ran = fluidcarve_program("run -q " + file + flat + whole + (shot ? " --progress none --set CACHES=" + scratch.path() + " " : own_params()) +
                                             "--report " + (scratch / "report.json"));
         CHECK(ran.err == "");
         CHECK(ran.code == 0);
@@ -327,7 +328,7 @@ changes = {
     "an empty list of terms": lambda p, n: put(n["look"], "terms", []),
     "a text for a number": lambda p, n: put(n["spin"], "gain", "much"),
     "a number out of range": lambda p, n: put(n["spin"], "gain", -1),
-    "an unknown choice": lambda p, n: put(n["seams"], "axis", "w"),
+    "an unknown choice": lambda p, n: put(n["seams"], "axis", "x"),
     "a vector of two": lambda p, n: put(n["sim"], "translate", [1, 2]),
     "a cache that is no bool": lambda p, n: put(n["spin"], "cache", "often"),
     "a node name with a space": lambda p, n: put(n, "my node", n["spin"]),
