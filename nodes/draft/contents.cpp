@@ -207,14 +207,12 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
         out.matter = Matter::particles;
         out.main = points.front();
         out.alone = grids.all("float").empty() && grids.all("vec3s").empty();
-        out.velocity = velocity_beside(grids, out.main);
         const auto& attributes = grids.facts(out.main).at("points").at("attributes");
         out.identified = attributes.contains("id") && attributes.at("id").get<std::string>().starts_with("int");
     } else if (!level_sets.empty()) {
         out.matter = Matter::level_set;
         out.main = named(level_sets, surfaces);
         if (out.main.empty()) out.main = level_sets.front();
-        out.velocity = velocity_beside(grids, out.main);
     } else if (!fogs.empty() || !vectors.empty()) {
         out.vectors = fogs.empty();
         out.main = out.vectors ? vectors.front() : fogs.front();
@@ -228,6 +226,7 @@ Contents contents_of_volumes(const std::vector<Facts>& files) {
     out.voxel = grids.voxel(out.main);
     out.box = grids.box(out.main);
     if (!out.vectors) out.highest = grids.highest(out.main);
+    if (!out.vectors) out.velocity = velocity_beside(grids, out.main);
     if (out.matter != Matter::particles) out.same = grids.same(out.main);
     const bool y_up = out.profile == "houdini" || out.profile == "embergen";
     out.source = sources_of(grids.boxes(out.main), out.voxel, y_up ? 1 : 2);

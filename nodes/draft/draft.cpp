@@ -3,6 +3,7 @@
 #include "graph/text/problem.h"
 #include "graph/text/words.h"
 #include "graph/text/yaml_text.h"
+#include "graph/types/frames.h"
 #include "nodes/draft/contents.h"
 
 #include <fmt/format.h>
@@ -38,6 +39,7 @@ public:
     Draft(const DraftRequest& request) : request_(request), contents_(contents_of(request.facts)) {}
 
     std::string text() {
+        if (request_.axis == 't') return in_time();
         switch (contents_.matter) {
             case Matter::smoke:
             case Matter::fire: fog(); break;
@@ -87,6 +89,48 @@ private:
         if (!request_.frames.empty())
             out += fmt::format("\n# The frames whose files are there. State them, and one that is missing is told: {}\nframes: auto\n", request_.frames);
         return out + "\nnodes:";
+    }
+
+    /// A pipeline that makes the sequence shorter or longer.
+    std::string in_time() {
+        if (request_.frames.empty()) throw Failure("--axis t: one file has no frames to take or to add; give a sequence, such as smoke.####.vdb");
+        const bool volume = contents_.matter == Matter::smoke || contents_.matter == Matter::fire || contents_.matter == Matter::level_set;
+        if (!volume) throw Failure("--axis t: only volumes can be made shorter or longer in time (time.retime)");
+        if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() || !request_.solver_fields.empty() ||
+            !request_.remap_fields.empty())
+            throw Failure("--axis t: no seam is sought in time, so leave out --solver, --warp, --protect, --seams and what else is for seams");
+        std::string fault;
+        const auto frames = FrameSet::parse(request_.frames, fault);
+        const auto before = frames ? static_cast<double>(frames->frames().size()) : 0;
+        const double count = std::atof(request_.count.c_str());
+        const auto after = std::lround(before + (request_.count.ends_with('%') ? before * count / 100 : count));
+        if (after < 2) throw Failure(fmt::format("--axis t: {} of {:.0f} frames leaves {}; leave two at least", request_.count, before, after));
+        std::string velocity;
+        if (!contents_.velocity.empty()) velocity = offer(contents_.velocity, "velocity", "vector");
+        comment("`sim` alone means all grids of the files.");
+        reader("vdb.read", "grids");
+        comment(velocity.empty() ? "What follows has the new frames. The files have no velocity, so that what is seen tells where things move."
+                                 : "What follows has the new frames. The velocity says where things move, and is scaled by the speed.");
+        Fields pace{{"source", "sim"}, {"frames", "\"${length}\""}};
+        if (!velocity.empty()) pace.insert(pace.begin() + 1, {"velocity", velocity});
+        node("paced", "time.retime", pace);
+        node("out", "vdb.write", {{"source", "paced"}, {"path", "\"${out}\""}});
+        if (!request_.sheet.empty()) {
+            comment("Some of its frames in one picture.");
+            const auto grid = text_value(contents_.matter == Matter::fire ? contents_.flame : contents_.main);
+            node("sheet", "preview.sheet",
+                 {{"before", "paced"}, {"grid", grid}, {"axis", contents_.profile == "houdini" ? "z" : "y"}, {"path", "\"${sheet}\""}});
+        }
+        auto out = fmt::format(
+            "# {} in time: {:.0f} frames become {}.\n# Another length, other files: --set length=48 --set sim=FILES --set out=FILES\n"
+            "fluidcarve: 1\n\nparams:\n",
+            after < before ? "Shorter" : "Longer", before, after);
+        out += fmt::format("  sim: {{type: path, default: {}, doc: \"Input sequence.\"}}\n", text_value(request_.input));
+        out += fmt::format("  length: {{type: int, default: {}, min: 1, doc: \"Frames of the result.\"}}\n", after);
+        out += fmt::format("  out: {{type: path, default: {}, doc: \"The sequence at its new pace.\"}}\n", text_value(request_.out));
+        if (!request_.sheet.empty())
+            out += fmt::format("  sheet: {{type: path, default: {}, doc: \"Some frames in one picture.\"}}\n", text_value(request_.sheet));
+        return out + fmt::format("\nframes: {}\n\nnodes:", request_.frames) + nodes_;
     }
 
     // Parts that all pipelines have.

@@ -99,12 +99,14 @@ void CarveArguments::declare(CLI::App& verb) {
     verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder that holds one sequence: volumes, images, particles or meshes")
         ->required()
         ->type_name("FILES");
-    verb.add_option("count", count, "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a share of the size; with --warp also -12.5")
+    verb.add_option(
+            "count", count,
+            "Number of seams: -12 makes it narrower by twelve voxels, 12 wider; -20% is a share of the size; with --warp also -12.5; with --axis t frames")
         ->required()
         ->type_name("COUNT");
     verb.add_option("-o,--out", out, "The carved files; with a frame token such as #### if there are several")->required()->type_name("FILES");
-    verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider")
-        ->check(CLI::IsMember({"x", "y", "z"}))
+    verb.add_option("--axis", axis, "The axis of the files along which it becomes narrower or wider; t: shorter or longer in time, by frames")
+        ->check(CLI::IsMember({"x", "y", "z", "t"}))
         ->capture_default_str();
     verb.add_option("--solver", solver,
                     "What finds the seams, a type of the family `seam`, such as pyramid (default: pyramid; for level sets and particles --warp)")

@@ -102,6 +102,25 @@ TEST_CASE("the pipeline that carve prints makes the same files") {
     CHECK(fluidcarve_program("diff " + (scratch / "a.0051.vdb") + " " + (scratch / "b.0051.vdb")).code == 0);
 }
 
+TEST_CASE("carve makes a sequence shorter or longer in time, and says what has none") {
+    const Scratch scratch;
+    const auto carve = [&](const std::string& arguments) { return fluidcarve_program("carve " + arguments + " --axis t -o " + (scratch / "t.####.vdb")); };
+    const auto ran = carve(plume + " -50% --progress none");
+    INFO(ran.err);
+    REQUIRE(ran.code == 0);
+    CHECK(fs::exists(scratch / "t.0053.vdb"));
+    CHECK_FALSE(fs::exists(scratch / "t.0054.vdb"));
+    CHECK_THAT(fluidcarve_program("diff tests/data/plume/plume.0056.vdb " + (scratch / "t.0053.vdb")).out, Catch::Contains("density: the same"));
+    const auto longer = carve(plume + " 5 --print-pipeline");
+    CHECK_THAT(longer.out, Catch::StartsWith("# Longer in time: 6 frames become 11.\n"));
+    CHECK_THAT(longer.out, Catch::Contains("velocity: sim.velocity") && Catch::Contains("default: 11"));
+    CHECK(carve("tests/data/plume/plume.0051.vdb -2").err == "--axis t: one file has no frames to take or to add; give a sequence, such as smoke.####.vdb\n");
+    CHECK(carve(plume + " -5").err == "--axis t: -5 of 6 frames leaves 1; leave two at least\n");
+    CHECK_THAT(carve(plume + " -2 --protect density=1").err,
+               Catch::StartsWith("--axis t: no seam is sought in time, so leave out --solver, --warp, --protect"));
+    CHECK(carve("tests/data/images/rocket.jpg -2").code == 2);
+}
+
 TEST_CASE("carve takes images", "[long]") {
     const Scratch scratch;
     const auto ran = fluidcarve_program("carve tests/data/images/rocket.jpg -5% -o " + (scratch / "r.png"));
