@@ -5,11 +5,14 @@
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/GridTransformer.h>
+#include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetTracker.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/ValueTransformer.h>
+#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 
@@ -73,10 +76,45 @@ typename GridT::ConstPtr grid_between(const GridT* a, const GridT* b, double sha
     return out;
 }
 
-}  // namespace
+/// A float or vector grid of two frames, of which one may be null: then the other fades.
+template <class GridT>
+typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b, const std::function<double(const openvdb::Vec3d&)>& share) {
+    const auto& first = a ? *a : *b;
+    const auto out = first.deepCopy();
+    const bool alike = a && b && a->transform() == b->transform();
+    if (alike) out->topologyUnion(*b);
+    out->tree().voxelizeActiveTiles();
+    using Value = typename GridT::ValueType;
+    using Element = typename openvdb::VecTraits<Value>::ElementType;
+    const auto nothing = first.background();
+    openvdb::tree::LeafManager<typename GridT::TreeType> leaves(out->tree());
+    leaves.foreach ([&](auto& leaf, std::size_t) {
+        std::optional<typename GridT::ConstAccessor> old, now;
+        if (a) old.emplace(a->getConstAccessor());
+        if (b) now.emplace(b->getConstAccessor());
+        for (auto value = leaf.beginValueOn(); value; ++value) {
+            const auto at = value.getCoord();
+            const auto world = out->indexToWorld(at);
+            const auto part = static_cast<Element>(share(world));
+            const Value before = a ? old->getValue(at) : nothing;
+            const Value after = !b ? nothing : alike || !a ? now->getValue(at) : openvdb::tools::BoxSampler::sample(*now, b->worldToIndex(world));
+            // One side alone keeps its bits.
+            if (part == 0) value.setValue(before);
+            else if (part == 1) value.setValue(after);
+            else value.setValue(Value(before * (1 - part) + after * part));
+        }
+    });
+    if constexpr (std::is_same_v<GridT, FloatGrid>)
+        if (first.getGridClass() == openvdb::GRID_LEVEL_SET) return renormalize(*out), out;
+    openvdb::tools::deactivate(out->tree(), out->background());
+    openvdb::tools::pruneInactive(out->tree());
+    return out;
+}
 
-Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion, Transport transport) {
-    const auto& nearer = share < 0.5 ? a : b;
+/// The grids of one of two volumes, the floats and vectors among them mixed of both.
+/// @param mix  makes a grid of two of one type, of which one may be null
+template <class Mix>
+Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix& mix) {
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all, const std::string& name) {
         const auto found = std::ranges::find(all, name);
@@ -85,14 +123,24 @@ Volume volume_between(const Volume& a, const Volume& b, double share, const Vect
     auto out = nearer;
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
         const auto before = in(a, first, names[n]), after = in(b, second, names[n]);
-        const auto mix = [&]<class GridT>(const GridT*) {
+        const auto mixed = [&]<class GridT>(const GridT*) {
             const auto old = openvdb::gridConstPtrCast<GridT>(before), now = openvdb::gridConstPtrCast<GridT>(after);
-            out.grids[n] = grid_between(old.get(), now.get(), share, motion, transport);
+            out.grids[n] = mix(old.get(), now.get());
         };
-        if (out.grids[n]->isType<FloatGrid>()) mix(static_cast<const FloatGrid*>(nullptr));
-        else if (out.grids[n]->isType<VectorGrid>()) mix(static_cast<const VectorGrid*>(nullptr));
+        if (out.grids[n]->isType<FloatGrid>()) mixed(static_cast<const FloatGrid*>(nullptr));
+        else if (out.grids[n]->isType<VectorGrid>()) mixed(static_cast<const VectorGrid*>(nullptr));
     }
     return out;
+}
+
+}  // namespace
+
+Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion, Transport transport) {
+    return paired(a, b, share < 0.5 ? a : b, [&](const auto* old, const auto* now) { return grid_between(old, now, share, motion, transport); });
+}
+
+Volume volume_mixed(const Volume& a, const Volume& b, const std::function<double(const openvdb::Vec3d&)>& share, const Volume& nearer) {
+    return paired(a, b, nearer, [&](const auto* old, const auto* now) { return grid_mixed(old, now, share); });
 }
 
 Volume scaled(const Volume& volume, const std::string& name, double by) {

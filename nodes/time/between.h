@@ -3,6 +3,7 @@
 #include "graph/types/param.h"
 #include "nodes/payloads.h"
 
+#include <functional>
 #include <string>
 
 namespace fluidcarve {
@@ -21,6 +22,11 @@ struct ChoiceNames<Transport> {
 /// @param share   of the way from `a` to `b`, between 0 and 1
 /// @param motion  from `a` to `b`, world units; null: nothing moves
 Volume volume_between(const Volume& a, const Volume& b, double share, const VectorGrid* motion, Transport transport);
+
+/// The volume of two, by a share of the second that differs from place to place. Whole numbers, masks and points are those of the nearer one.
+/// @param share   at a world position, from 0 to 1
+/// @param nearer  `a` or `b`
+Volume volume_mixed(const Volume& a, const Volume& b, const std::function<double(const openvdb::Vec3d&)>& share, const Volume& nearer);
 
 /// Multiplies the grids of a name by a number: velocities, where time goes faster. @return the volume itself if it has none, or the number is 1
 Volume scaled(const Volume& volume, const std::string& name, double by);

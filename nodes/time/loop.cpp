@@ -2,6 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/time/between.h"
+#include "nodes/time/closing.h"
 #include "nodes/time/sequence.h"
 #include "nodes/time/thumbnails.h"
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace fluidcarve {
 
@@ -46,7 +48,6 @@ public:
         Auto<int> fade;
         int loops = 1;
         Auto<int> start;
-        Transport transport = Transport::semi_lagrangian;
     };
     struct Ports {
         Ref<Volume> source;
@@ -81,6 +82,7 @@ public:
         const int from = source_.numbers()[loop_.first], to = source_.numbers()[loop_.first + loop_.length - 1];
         context.report("loop", {{"first", from}, {"last", to}, {"frames", loop_.length}, {"fade", loop_.fade}, {"difference", loop_.difference}});
         if (loop_.difference > much) context.warn(unlike(params));
+        find_closing(context);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -89,17 +91,10 @@ public:
             io.volume = std::make_shared<Volume>(source_.at(at).volume);
             return;
         }
-        // The first frame of the fade shows least of what comes before the loop, the last one most.
-        const double share = static_cast<double>(n + loop_.fade - length + 1) / static_cast<double>(loop_.fade + 1);
-        const auto a = source_.at(at), b = source_.at(before(at, length));
-        auto shown = shown_in(a, b);
-        VectorGrid::Ptr motion;
-        if (shown) {
-            // What moved in a whole loop, no velocity tells.
-            shown->first.velocity = shown->second.velocity = nullptr;
-            motion = motion_between(shown->first, shown->second, 0, context.memory_budget());
-        }
-        io.volume = std::make_shared<Volume>(volume_between(a.volume, b.volume, share, motion.get(), params.transport));
+        const auto frame = n + loop_.fade - length;
+        const auto a = source_.at(at).volume, b = source_.at(before(at, length)).volume;
+        const auto share = [&](const openvdb::Vec3d& world) { return closing_ ? closing_->share(frame, world) : double(frame + 1) / double(loop_.fade + 1); };
+        io.volume = std::make_shared<Volume>(volume_mixed(a, b, share, 2 * frame + 1 < loop_.fade ? a : b));
     }
 
 private:
@@ -147,6 +142,32 @@ private:
         return out;
     }
 
+    /// Finds where and when the end goes over into what comes before. Places that differ much take longer.
+    void find_closing(Context& context) {
+        openvdb::CoordBBox box;
+        FloatGrid::ConstPtr like;
+        const auto each = [&](const auto& visit) {
+            for (std::size_t n = 0; n < loop_.fade; ++n) {
+                context.check_cancelled();
+                const auto at = loop_.first + loop_.length - loop_.fade + n;
+                const auto shown = shown_in(source_.at(at), source_.at(before(at, loop_.length)));
+                if (!shown || (like && shown->first.shown->transform() != like->transform())) return false;
+                visit(shown->first.shown, shown->second.shown);
+            }
+            return true;
+        };
+        const bool alike = each([&](const FloatGrid::ConstPtr& end, const FloatGrid::ConstPtr& before) {
+            like = end;
+            for (const auto& grid : {end, before}) box.expand(grid->evalActiveVoxelBoundingBox());
+        });
+        if (!alike || box.empty()) return;
+        constexpr double briefest = 3;
+        const auto all = static_cast<double>(loop_.fade);
+        closing_.emplace(*like, loop_.fade, std::clamp(loop_.difference, std::min(briefest, all), all), box);
+        each([&](const FloatGrid::ConstPtr& end, const FloatGrid::ConstPtr& before) { closing_->add(*end, *before); });
+        closing_->finish();
+    }
+
     /// What a warning says of ends that differ much, and which length near the one asked for would close better.
     std::string unlike(const Params& params) const {
         const auto out =
@@ -161,6 +182,7 @@ private:
     Thumbnails thumbnails_;
     Place place_;
     Closed loop_;
+    std::optional<Closing> closing_;  ///< nothing if no grid shows where both sides match
 };
 
 }  // namespace
@@ -168,8 +190,8 @@ private:
 NodeType time_loop() {
     using Params = Loop::Params;
     return Declare<Loop>("time.loop",
-                         "A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames fade into those before its first, "
-                         "moved towards them.")
+                         "A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames go over into those before its "
+                         "first, each place when both match best there.")
         .input("source", &Loop::Ports::source, "The grids, or one grid.")
         .input("velocity", &Loop::Ports::velocity, "Velocity, staggered or not. Where ends match is judged by where things move to, too.")
         .required("frames", &Params::lengths,
@@ -180,7 +202,6 @@ NodeType time_loop() {
                "quarter.")
         .param("loops", &Params::loops, Unit::none, between(1, 1000), "How often the loop is written, one behind the other, to look at it.")
         .param("start", &Params::start, Unit::frames, any_number(), "Number of the first frame. auto is that of the source.")
-        .param("transport", &Params::transport, "How values are moved. mac_cormack is sharper, and takes twice as long.")
         .output("volume", &Loop::Ports::volume,
                 "The same grids. Frames before the fade stay bit for bit. Whole numbers, masks and points are those of the nearer side.")
         .names_as("volume", "source")

@@ -1413,13 +1413,12 @@ class TimeFamily:
         fade: int | Literal["auto"] | Param = ...,
         loops: int | Param = ...,
         start: int | Literal["auto"] | Param = ...,
-        transport: Literal["mac_cormack", "semi_lagrangian"] | Param = ...,
         doc: str = ...,
         cache: bool = ...,
     ) -> TimeLoop:
         """
-        A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames fade into
-        those before its first, moved towards them.
+        A loop of a wished length: of all parts of the sequence the one that closes best. Its last frames go over into
+        those before its first, each place when both match best there.
         """
     def retime(
         self,
