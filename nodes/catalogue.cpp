@@ -87,6 +87,7 @@
 #include "nodes/seams/payload_type.h"
 #include "nodes/seams/read.h"
 #include "nodes/seams/write.h"
+#include "nodes/time/carve.h"
 #include "nodes/time/loop.h"
 #include "nodes/time/retime.h"
 #include "nodes/usd/write.h"
@@ -186,6 +187,7 @@ Registry builtin_registry() {
     out.add(filter_seam());
     out.add(preview_page());
     out.add(preview_sheet());
+    out.add(time_carve());
     out.add(time_loop());
     out.add(time_retime());
     out.add(usd_write());

@@ -99,7 +99,7 @@ typename GridT::ConstPtr grid_mixed(const GridT* a, const GridT* b, const std::f
             const Value before = a ? old->getValue(at) : nothing;
             const Value after = !b ? nothing : alike || !a ? now->getValue(at) : openvdb::tools::BoxSampler::sample(*now, b->worldToIndex(world));
             // One side alone keeps its bits.
-            if (part == 0) value.setValue(before);
+            if (part == 0 || before == after) value.setValue(before);
             else if (part == 1) value.setValue(after);
             else value.setValue(Value(before * (1 - part) + after * part));
         }

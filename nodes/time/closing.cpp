@@ -30,7 +30,7 @@ Closing::Closing(const FloatGrid& like, std::size_t frames, double width, const 
     for (auto* const values : {&when_, &weight_, &all_}) values->assign(count_of(size_), 0);
 }
 
-void Closing::add(const FloatGrid& end, const FloatGrid& before) {
+void Closing::add(const FloatGrid& first, const FloatGrid& second) {
     std::vector<float> squares(when_.size());
     const auto add_from = [&](const FloatGrid& grid, const FloatGrid& other, bool both) {
         const auto values = other.getConstAccessor();
@@ -45,8 +45,8 @@ void Closing::add(const FloatGrid& end, const FloatGrid& before) {
                         static_cast<std::size_t>(cube.z())] += off * off;
         }
     };
-    add_from(end, before, true);
-    add_from(before, end, false);
+    add_from(first, second, true);
+    add_from(second, first, false);
     smooth(squares, 2);
     const float sum = std::reduce(squares.begin(), squares.end()), mean = sum > 0 ? sum / static_cast<float>(squares.size()) : 1;
     const auto moment = static_cast<float>(++added_);
@@ -69,7 +69,7 @@ void Closing::finish() {
         when_[n] = static_cast<float>(std::clamp(static_cast<double>(when_[n] / all_[n]), middle - reach, middle + reach));
 }
 
-double Closing::share(std::size_t frame, const openvdb::Vec3d& world) const {
+double Closing::share(int pair, const openvdb::Vec3d& world) const {
     const auto voxel = space_->worldToIndex(world);
     std::array<std::size_t, 3> cell{}, next{};
     std::array<double, 3> part{};
@@ -91,7 +91,7 @@ double Closing::share(std::size_t frame, const openvdb::Vec3d& world) const {
         }
         when += weight * when_[(at[0] * static_cast<std::size_t>(size_.y()) + at[1]) * static_cast<std::size_t>(size_.z()) + at[2]];
     }
-    const double x = std::clamp((static_cast<double>(frame + 1) - when) / width_ + 0.5, 0.0, 1.0);
+    const double x = std::clamp((pair + 1 - when) / width_ + 0.5, 0.0, 1.0);
     return x * x * (3 - 2 * x);
 }
 

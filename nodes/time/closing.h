@@ -7,24 +7,24 @@
 
 namespace fluidcarve {
 
-/// Where and when the end of a loop goes over into what comes before it: a surface in space and time. Each place goes over when both sides differ least
-/// there, in a few frames; so all but a few places show one side alone (METHOD 12 "Loops").
+/// Where and when one run of frames goes over into another: a surface in space and time. Each place goes over when both differ least there, in a few
+/// frames; so all but a few places show one of them alone (METHOD 12 "Surfaces in time").
 class Closing {
 public:
     /// @param like    whose space the surface is in
-    /// @param frames  of the end that fade, at least 1
+    /// @param frames  pairs of frames, at least 1
     /// @param width   frames in which a place goes over, at least 1, at most `frames`
     /// @param box     of all voxels that show something
     Closing(const FloatGrid& like, std::size_t frames, double width, const openvdb::CoordBBox& box);
 
-    /// Adds the frame at a place among those that fade, and the one into which it fades, in rising order. They must have the transform of `like`.
-    void add(const FloatGrid& end, const FloatGrid& before);
+    /// Adds the next pair: a frame of the first run, and the one into which it goes over. They must have the transform of `like`.
+    void add(const FloatGrid& first, const FloatGrid& second);
     /// Call it when all are added.
     void finish();
 
-    /// Share of what comes before the loop, from 0 to 1.
-    /// @param frame  place among the frames that fade
-    double share(std::size_t frame, const openvdb::Vec3d& world) const;
+    /// Share of the second run, from 0 to 1: 0 before the first pair, 1 behind the last.
+    /// @param pair  from 0 on
+    double share(int pair, const openvdb::Vec3d& world) const;
 
 private:
     /// Averages with the neighbours along all axes, by weights 1, 2 and 1.

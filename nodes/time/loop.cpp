@@ -91,10 +91,10 @@ public:
             io.volume = std::make_shared<Volume>(source_.at(at).volume);
             return;
         }
-        const auto frame = n + loop_.fade - length;
+        const auto frame = static_cast<int>(n + loop_.fade - length);
         const auto a = source_.at(at).volume, b = source_.at(before(at, length)).volume;
         const auto share = [&](const openvdb::Vec3d& world) { return closing_ ? closing_->share(frame, world) : double(frame + 1) / double(loop_.fade + 1); };
-        io.volume = std::make_shared<Volume>(volume_mixed(a, b, share, 2 * frame + 1 < loop_.fade ? a : b));
+        io.volume = std::make_shared<Volume>(volume_mixed(a, b, share, 2 * frame + 1 < static_cast<int>(loop_.fade) ? a : b));
     }
 
 private:

@@ -1396,6 +1396,9 @@ class SeamsFamily:
         Writes seams or a warp to one .vdb file. Any smaller number of the seams can be carved from it later.
         """
 
+class TimeCarve(Node):
+    volume: Output
+
 class TimeLoop(Node):
     volume: Output
 
@@ -1403,6 +1406,20 @@ class TimeRetime(Node):
     volume: Output
 
 class TimeFamily:
+    def carve(
+        self,
+        source: Source,
+        count: int | str | Param,
+        *,
+        name: str = ...,
+        start: int | Literal["auto"] | Param = ...,
+        doc: str = ...,
+        cache: bool = ...,
+    ) -> TimeCarve:
+        """
+        The same sequence, some frames shorter or longer, at its own pace: a slab of frames leaves, or is shown twice,
+        each place of it at the moment when both sides match best there. What follows this node has the new frames.
+        """
     def loop(
         self,
         source: Source,

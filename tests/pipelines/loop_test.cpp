@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-// `time.loop`, run by the program on a puff of smoke.
+// `time.loop` and `time.carve`, run by the program on a puff of smoke.
 
 using namespace fluidcarve;
 using openvdb::Vec3d;
@@ -38,12 +38,12 @@ auto circling(double period) {
     return [period](int frame) { return 8.0 * Vec3d(std::cos(2 * M_PI * frame / period), std::sin(2 * M_PI * frame / period), 0); };
 }
 
-Called loop(const Scratch& scratch, int last, const std::string& params, const std::string& options = "") {
+Called loop(const Scratch& scratch, int last, const std::string& params, const std::string& options = "", const std::string& type = "loop") {
     const auto pipeline = scratch.write("loop.yaml", fmt::format("fluidcarve: 1\nframes: 1-{}\nnodes:\n"
                                                                  "  sim: {{type: vdb.read, path: {}, grids: {{density: float}}}}\n"
-                                                                 "  loop: {{type: time.loop, source: sim, {}}}\n"
+                                                                 "  loop: {{type: time.{}, source: sim, {}}}\n"
                                                                  "  out: {{type: vdb.write, source: loop, path: {}}}\n",
-                                                                 last, scratch / "puff.####.vdb", params, scratch / "out.####.vdb"));
+                                                                 last, scratch / "puff.####.vdb", type, params, scratch / "out.####.vdb"));
     return call_shell(fmt::format("{} run {} --no-cache --progress none --report {} {}", FLUIDCARVE_PROGRAM, pipeline, scratch / "report.json", options));
 }
 
@@ -121,4 +121,27 @@ TEST_CASE("a loop that the sequence can't give is refused with its place") {
     text.replace(text.find("frames: 1-6"), 11, "frames: 1-3,5-6");
     const auto gap = scratch.write("gap.yaml", text);
     CHECK_THAT(fluidcarve_program("check " + gap).err, Catch::Contains("a loop needs all frames, but between 3 and 5 some are left out"));
+}
+
+TEST_CASE("of a sequence with a pause, the pause is what leaves in time, and all other frames keep their bits") {
+    const Scratch scratch;
+    // It rests from frame 8 to 13.
+    const auto moment = [](int frame) { return frame <= 8 ? frame : frame <= 13 ? 8 : frame - 5; };
+    write_puffs(scratch, 21, [&](int frame) { return circling(40)(moment(frame)); });
+    REQUIRE(loop(scratch, 21, "count: -5", "", "carve").code == 0);
+    for (int n = 1; n <= 16; ++n) CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)), *puff_in(loop_file(scratch, "puff", n <= 8 ? n : n + 5))) == 0);
+    CHECK_FALSE(std::filesystem::exists(loop_file(scratch, "out", 17)));
+}
+
+TEST_CASE("a sequence that becomes longer in time begins and ends as before, and does not jump") {
+    const Scratch scratch;
+    write_puffs(scratch, 16, circling(60));
+    REQUIRE(loop(scratch, 16, "count: 25%", "", "carve").code == 0);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 1)), *puff_in(loop_file(scratch, "puff", 1))) == 0);
+    CHECK(puff_off(*puff_in(loop_file(scratch, "out", 20)), *puff_in(loop_file(scratch, "puff", 16))) == 0);
+    const double step = puff_off(*puff_in(loop_file(scratch, "puff", 1)), *puff_in(loop_file(scratch, "puff", 2)));
+    for (int n = 1; n < 20; ++n) CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)), *puff_in(loop_file(scratch, "out", n + 1))) < 1.5 * step);
+    CHECK_THAT(loop(scratch, 16, "count: -15", "", "carve").err,
+               Catch::Contains("loop.yaml:5:3: count -15 of 16 frames: at least two must stay, and at most as many as there are, less two, can be doubled"));
+    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err, Catch::Contains("count 15 of 16 frames"));
 }

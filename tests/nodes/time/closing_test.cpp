@@ -12,7 +12,7 @@ using openvdb::Vec3d;
 namespace {
 
 const CoordBBox bar(Coord(0), Coord(95, 7, 7));
-constexpr std::size_t fading = 6;
+constexpr int fading = 6;
 
 /// A bar of values: some in its left half, others in its right half.
 FloatGrid::Ptr halves(float left, float right) {
@@ -25,8 +25,8 @@ FloatGrid::Ptr halves(float left, float right) {
 /// Both sides match in the second frame on the left, in the fifth on the right.
 Closing closing() {
     const auto end = halves(1, 1);
-    Closing out(*end, fading, 3, bar);
-    for (std::size_t n = 0; n < fading; ++n) out.add(*end, *halves(n == 1 ? 1.0f : 2.0f, n == 4 ? 1.0f : 2.0f));
+    Closing out(*end, static_cast<std::size_t>(fading), 3, bar);
+    for (int n = 0; n < fading; ++n) out.add(*end, *halves(n == 1 ? 1.0f : 2.0f, n == 4 ? 1.0f : 2.0f));
     out.finish();
     return out;
 }
@@ -43,8 +43,10 @@ TEST_CASE("each place goes over when both sides match best there, smoothly betwe
         const Vec3d at(x, 4, 4);
         CHECK(surface.share(0, at) < 0.35);
         CHECK(surface.share(fading - 1, at) > 0.65);
-        for (std::size_t n = 1; n < fading; ++n) CHECK(surface.share(n, at) >= surface.share(n - 1, at));
-        for (std::size_t n = 0; n < fading && x > 0; ++n) CHECK(std::abs(surface.share(n, at) - surface.share(n, Vec3d(x - 1, 4, 4))) < 0.1);
+        CHECK(surface.share(-1, at) == 0);
+        CHECK(surface.share(fading, at) == 1);
+        for (int n = 1; n < fading; ++n) CHECK(surface.share(n, at) >= surface.share(n - 1, at));
+        for (int n = 0; n < fading && x > 0; ++n) CHECK(std::abs(surface.share(n, at) - surface.share(n, Vec3d(x - 1, 4, 4))) < 0.1);
     }
 }
 
