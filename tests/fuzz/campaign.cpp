@@ -30,7 +30,10 @@ Score run(const Campaign& campaign, const std::string& program, std::size_t coun
             Random random(seed * apart + n);
             auto words = campaign.make(n, random, scratch);
             words.insert(words.begin(), program);
-            const auto ended = call(words, scratch.path());
+            auto ended = call(words, scratch.path());
+            // On a busy machine a call may only have waited for its turn.
+            constexpr double longer = 12 * patience;
+            if (ended.hung) ended = call(words, scratch.path(), longer);
             auto fault = fault_of(ended);
             if (fault.empty() && campaign.judge) fault = campaign.judge(ended, scratch);
             const std::lock_guard lock(mutex);
