@@ -65,13 +65,13 @@ set -euo pipefail
 package=$1/package.deb
 files() { find / -xdev \( -path /proc -o -path "$1" -o -path /var/log -o -path /var/cache -o -path /var/lib/apt \) -prune -o -print | sort; }
 apt-get update -qq
-apt-get satisfy -y -qq --no-install-recommends "$(dpkg-deb -f "$package" Depends)" >/dev/null
+apt-get satisfy -y -qq -o Dpkg::Use-Pty=0 --no-install-recommends "$(dpkg-deb -f "$package" Depends)" >/dev/null
 files "$1" >"$1/before"
-apt-get install -y -qq "$package" >/dev/null
+apt-get install -y -qq -o Dpkg::Use-Pty=0 "$package" >/dev/null
 setpriv --reuid 1234 --regid 1234 --clear-groups bash "$1/try.sh" "$1" package /usr
 mkdir /usr/share/fluidcarve/python/fluidcarve/__pycache__
 touch /usr/share/fluidcarve/python/fluidcarve/__pycache__/kept.pyc
-apt-get purge -y -qq fluidcarve >/dev/null
+apt-get purge -y -qq -o Dpkg::Use-Pty=0 fluidcarve >/dev/null
 files "$1" >"$1/after"
 diff "$1/before" "$1/after"
 echo "package: installed, used and removed without a rest"

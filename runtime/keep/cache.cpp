@@ -217,7 +217,7 @@ std::optional<Cache::Entry> Cache::load(const Key& key) {
                 continue;
             }
             const auto& types = registry_.payloads();
-            const auto type = std::find_if(types.begin(), types.end(), [&](const PayloadType& each) { return each.name == output.at("type"); });
+            const auto type = std::find_if(types.begin(), types.end(), [&](const PayloadType& each) { return output.at("type") == each.name; });
             if (type == types.end() || !type->read || type->version != output.at("version")) return std::nullopt;
             const auto length = output.at("bytes").get<std::uint64_t>();
             if (length > file->bytes.size() - seal_size - at) return remove_damaged(key), std::nullopt;

@@ -39,7 +39,7 @@ Json answer_of(const std::string& path, const ReadFacts& read) {
 }
 
 ReadFile outcome_of(const std::string& path, const Json& answer) {
-    if (answer.contains("facts")) return {answer["facts"], {}};
+    if (answer.contains("facts")) return {std::make_optional<Json>(answer["facts"]), {}};
     const auto fault = answer.value("threw", std::string("its reader gave no sensible answer"));
     return {{}, fault.find(path) == std::string::npos ? fmt::format("{}: {}", path, fault) : fault};
 }

@@ -55,7 +55,9 @@ TEST_CASE("an alias repeats its value") {
 }
 
 TEST_CASE("an alias of what is not there is refused") {
-    CHECK(read("a: [1, *x]\n").text == "f.yaml:1:8: not YAML: the referenced anchor is not defined\na: [1, *x]\n       ^\n");
+    // Newer versions of yaml-cpp name it, too.
+    CHECK_THAT(read("a: [1, *x]\n").text,
+               Catch::StartsWith("f.yaml:1:8: not YAML: the referenced anchor is not defined") && Catch::EndsWith("\na: [1, *x]\n       ^\n"));
 }
 
 TEST_CASE("an alias into itself is refused") {
