@@ -144,8 +144,8 @@ TEST_CASE("planes of a box leave as rows of the turned box do, bit for bit", "[l
         REQUIRE(ran.code == 0);
         return scratch / name + ".####.vdb";
     };
-    for (const std::string seams : {"type: seam.pyramid, count: -9", "type: seam.greedy, count: 7, anchor: high", "type: seam.pyramid, count: 8, thickness: auto",
-                                    "type: warp.solve, amount: -6.5"}) {
+    for (const std::string seams : {"type: seam.pyramid, count: -9", "type: seam.greedy, count: 7, anchor: high",
+                                    "type: seam.pyramid, count: 8, thickness: auto", "type: warp.solve, amount: -6.5"}) {
         INFO(seams);
         CHECK(difference(carve("along", "xyz", "w", seams), carve("turned", "xzy", "v", seams)) == "");
     }
