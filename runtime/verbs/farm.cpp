@@ -8,6 +8,7 @@
 #include "runtime/jobs/job_status.h"
 #include "runtime/jobs/plan_farm.h"
 #include "runtime/run/interrupt.h"
+#include "runtime/tell/breakdown.h"
 #include "runtime/tell/terminal.h"
 
 #include <fmt/format.h>
@@ -142,10 +143,11 @@ int farm(const FarmArguments& arguments, const PipelineArguments& pipeline_argum
         environment_of(document, pipeline), CLI::detail::split_up(arguments.prefix), executable_of(arguments, command.front()), {"run"}, run.words(), {}};
     for (auto& word : pipeline_arguments.words()) shared.pipeline.push_back(std::move(word));
     shared.again = fmt::format("cd {} && {}", shell_word(fs::current_path().string()), shell_line(command));
-    const auto job = plan_farm(pipeline, registry, *request, chunking, shared);
-    if (!job) return exit_code::input;
-    if (arguments.dry_run) return print(arguments.json ? json_text(to_json(*job), 2) + "\n" : to_text(*job)), exit_code::done;
     try {
+        require_threads(request->options.threads);
+        const auto job = plan_farm(pipeline, registry, *request, chunking, shared);
+        if (!job) return exit_code::input;
+        if (arguments.dry_run) return print(arguments.json ? json_text(to_json(*job), 2) + "\n" : to_text(*job)), exit_code::done;
         record_job(*job, engine.name);
         auto asked = arguments.request;
         asked.chunk_ranges = !arguments.no_chunk_extension;
