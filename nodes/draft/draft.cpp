@@ -4,6 +4,7 @@
 #include "graph/text/words.h"
 #include "graph/text/yaml_text.h"
 #include "graph/types/frames.h"
+#include "graph/types/param.h"
 #include "nodes/draft/contents.h"
 
 #include <fmt/format.h>
@@ -63,6 +64,16 @@ private:
         nodes_ += "}\n";
     }
 
+    /// The line of a param; none without a value.
+    static std::string param(const char* name, const char* type, const std::string& value, const char* doc) {
+        return value.empty() ? value : fmt::format("  {}: {{type: {}, default: {}, doc: \"{}\"}}\n", name, type, value, doc);
+    }
+    static std::string path_param(const char* name, const std::string& value, const char* doc) {
+        return param(name, "path", value.empty() ? value : text_value(value), doc);
+    }
+    /// Whether the count is no whole number.
+    bool fraction() const { return !request_.count.ends_with('%') && request_.count.find_first_of(".eE") != std::string::npos; }
+
     std::string head() const {
         const std::array titles{"smoke", "fire", "a level set", "particles", "an image", "a mesh"};
         auto out =
@@ -70,22 +81,15 @@ private:
                         titles.at(static_cast<std::size_t>(contents_.matter)), request_.axis, warps() ? "a warp squeezes or draws it out" : "seams leave");
         out += "# Another amount, other files: --set count=-12 --set sim=FILES --set out=FILES\n";
         out += "fluidcarve: 1\n\nparams:\n";
-        const auto param = [&](const char* name, const char* type, const std::string& value, const char* doc) {
-            if (!value.empty()) out += fmt::format("  {}: {{type: {}, default: {}, doc: \"{}\"}}\n", name, type, value, doc);
-        };
-        const auto path = [&](const char* name, const std::string& value, const char* doc) {
-            param(name, "path", value.empty() ? value : text_value(value), doc);
-        };
-        path("sim", request_.input, request_.frames.empty() ? "Input file." : "Input sequence.");
-        const bool fraction = !request_.count.ends_with('%') && request_.count.find_first_of(".eE") != std::string::npos;
-        if (fraction && !warps())
+        out += path_param("sim", request_.input, request_.frames.empty() ? "Input file." : "Input sequence.");
+        if (fraction() && !warps())
             throw Failure(fmt::format("seams are whole: take {:.0f} or {:.0f}; a warp carves by fractions, too (carve --warp)",
                                       std::floor(std::atof(request_.count.c_str())), std::ceil(std::atof(request_.count.c_str()))));
-        param("count", fraction ? "float" : "count", request_.count,
-              warps() ? "Voxels, or a share of the size: negative makes it narrower." : "Seams, or a share of the size: negative removes, positive inserts.");
-        path("out", request_.out, "What was carved.");
-        path("seams", request_.seams, "The seams, to use again without solving.");
-        path("sheet", request_.sheet, "Before, after and the seams in one picture.");
+        out += param(
+            "count", fraction() ? "float" : "count", request_.count,
+            warps() ? "Voxels, or a share of the size: negative makes it narrower." : "Seams, or a share of the size: negative removes, positive inserts.");
+        out += path_param("out", request_.out, "What was carved.") + path_param("seams", request_.seams, "The seams, to use again without solving.") +
+               path_param("sheet", request_.sheet, "Before, after and the seams in one picture.");
         if (!request_.frames.empty())
             out += fmt::format("\n# The frames whose files are there. State them, and one that is missing is told: {}\nframes: auto\n", request_.frames);
         return out + "\nnodes:";
@@ -99,12 +103,12 @@ private:
         if (!request_.solver.empty() || !request_.protect.empty() || !request_.seams.empty() || !request_.solver_fields.empty() ||
             !request_.remap_fields.empty())
             throw Failure("--axis t: no seam is sought in time, so leave out --solver, --warp, --protect, --seams and what else is for seams");
+        if (fraction()) throw Failure(fmt::format("--axis t: frames are whole, not {}", request_.count));
         std::string fault;
         const auto frames = FrameSet::parse(request_.frames, fault);
-        const auto before = frames ? static_cast<double>(frames->frames().size()) : 0;
-        const double count = std::atof(request_.count.c_str());
-        const auto after = std::lround(before + (request_.count.ends_with('%') ? before * count / 100 : count));
-        if (after < 2) throw Failure(fmt::format("--axis t: {} of {:.0f} frames leaves {}; leave two at least", request_.count, before, after));
+        const int before = frames ? static_cast<int>(frames->frames().size()) : 0;
+        const int after = before + Count{std::atof(request_.count.c_str()), request_.count.ends_with('%')}.of(before);
+        if (after < 2) throw Failure(fmt::format("--axis t: {} of {} frames leaves {}; leave two at least", request_.count, before, after));
         std::string velocity;
         if (!contents_.velocity.empty()) velocity = offer(contents_.velocity, "velocity", "vector");
         comment("`sim` alone means all grids of the files.");
@@ -121,16 +125,13 @@ private:
             node("sheet", "preview.sheet",
                  {{"before", "paced"}, {"grid", grid}, {"axis", contents_.profile == "houdini" ? "z" : "y"}, {"path", "\"${sheet}\""}});
         }
-        auto out = fmt::format(
-            "# {} in time: {:.0f} frames become {}.\n# Another length, other files: --set length=48 --set sim=FILES --set out=FILES\n"
-            "fluidcarve: 1\n\nparams:\n",
-            after < before ? "Shorter" : "Longer", before, after);
-        out += fmt::format("  sim: {{type: path, default: {}, doc: \"Input sequence.\"}}\n", text_value(request_.input));
-        out += fmt::format("  length: {{type: int, default: {}, min: 1, doc: \"Frames of the result.\"}}\n", after);
-        out += fmt::format("  out: {{type: path, default: {}, doc: \"The sequence at its new pace.\"}}\n", text_value(request_.out));
-        if (!request_.sheet.empty())
-            out += fmt::format("  sheet: {{type: path, default: {}, doc: \"Some frames in one picture.\"}}\n", text_value(request_.sheet));
-        return out + fmt::format("\nframes: {}\n\nnodes:", request_.frames) + nodes_;
+        return fmt::format(
+                   "# {} in time: {} frames become {}.\n# Another length, other files: --set length=48 --set sim=FILES --set out=FILES\n"
+                   "fluidcarve: 1\n\nparams:\n",
+                   after < before ? "Shorter" : "Longer", before, after) +
+               path_param("sim", request_.input, "Input sequence.") + param("length", "int", std::to_string(after), "Frames of the result.") +
+               path_param("out", request_.out, "The sequence at its new pace.") + path_param("sheet", request_.sheet, "Some frames in one picture.") +
+               fmt::format("\nframes: {}\n\nnodes:", request_.frames) + nodes_;
     }
 
     // Parts that all pipelines have.

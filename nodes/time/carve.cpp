@@ -2,8 +2,7 @@
 
 #include "graph/text/problem.h"
 #include "nodes/time/between.h"
-#include "nodes/time/closing.h"
-#include "nodes/time/sequence.h"
+#include "nodes/time/time_surface.h"
 
 #include <fmt/format.h>
 
@@ -27,10 +26,10 @@ public:
 
     static std::vector<int> retimes(const Params& params, const std::vector<int>& frames) {
         const int before = static_cast<int>(frames.size()), by = params.count.of(before);
-        if (before + by < 2 || std::abs(by) > before - 2)
-            throw Failure(fmt::format("count {} of {} frames: at least two must stay, and at most as many as there are, less two, can be doubled",
-                                      ParamTraits<Count>::text(params.count), before));
-        const int first = params.start.value_or(frames.front()), step = before > 1 ? frames[1] - frames[0] : 1;
+        if (std::abs(by) > before - 2)
+            throw Failure(fmt::format("count {} is too much: of {} frames at most {} can leave or be doubled", ParamTraits<Count>::text(params.count), before,
+                                      std::max(before - 2, 0)));
+        const int first = params.start.value_or(frames.front()), step = step_of(frames);
         std::vector<int> out;
         for (int n = 0; n < before + by; ++n) out.push_back(first + step * n);
         return out;
@@ -44,31 +43,11 @@ public:
         // Of the moments where both sides exist, the first and the last show one side alone.
         const auto far = static_cast<std::size_t>(std::abs(by_)), moments = source_.size() - far;
         if (by_ == 0 || moments < 3) return;
-        openvdb::CoordBBox box;
-        FloatGrid::ConstPtr like;
-        const auto each = [&](const auto& visit) {
-            for (std::size_t n = 1; n + 1 < moments; ++n) {
-                context.check_cancelled();
-                const auto earlier = source_.at(n), later = source_.at(n + far);
-                const auto shown = by_ < 0 ? shown_in(earlier, later) : shown_in(later, earlier);
-                if (!shown || (like && shown->first.shown->transform() != like->transform())) return false;
-                visit(shown->first.shown, shown->second.shown);
-            }
-            return true;
-        };
-        const bool alike = each([&](const FloatGrid::ConstPtr& one, const FloatGrid::ConstPtr& other) {
-            like = one;
-            for (const auto& grid : {one, other}) box.expand(grid->evalActiveVoxelBoundingBox());
-        });
-        if (!alike || box.empty()) {
-            context.warn("no float grid of one transform shows where both sides match: all places change at one moment, in the middle");
-            return;
-        }
-        // A little less than two: if a place goes over in a frame, those beside it keep their bits.
+        std::vector<std::pair<std::size_t, std::size_t>> pairs;
+        for (std::size_t n = 1; n + 1 < moments; ++n) pairs.emplace_back(by_ < 0 ? std::pair(n, n + far) : std::pair(n + far, n));
+        // A little less than two frames: if a place goes over in a frame, those beside it keep their bits.
         constexpr double brief = 1.8;
-        surface_.emplace(*like, moments - 2, std::min(brief, static_cast<double>(moments - 2)), box);
-        each([&](const FloatGrid::ConstPtr& one, const FloatGrid::ConstPtr& other) { surface_->add(*one, *other); });
-        surface_->finish();
+        surface_ = surface_between(source_, pairs, std::min(brief, static_cast<double>(pairs.size())), context);
     }
 
     void run(const Params&, Ports& io, Context& context) const {
@@ -89,7 +68,7 @@ private:
     Sequence source_;
     std::vector<int> frames_;
     int by_ = 0;
-    std::optional<Closing> surface_;
+    std::optional<TimeSurface> surface_;  ///< nothing: all places go over in the middle
 };
 
 }  // namespace

@@ -2,15 +2,15 @@
 
 #include "graph/text/problem.h"
 #include "nodes/time/between.h"
-#include "nodes/time/closing.h"
-#include "nodes/time/sequence.h"
 #include "nodes/time/thumbnails.h"
+#include "nodes/time/time_surface.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace fluidcarve {
@@ -72,7 +72,7 @@ public:
 
     void add(const Params&, const Ports& io, Context& context) {
         source_.add(*io.source, io.velocity, context);
-        thumbnails_.add(source_.at(source_.size() - 1));
+        thumbnails_.add(*io.source, io.velocity);
     }
 
     void finish(const Params& params, Ports&, Context& context) {
@@ -82,7 +82,7 @@ public:
         const int from = source_.numbers()[loop_.first], to = source_.numbers()[loop_.first + loop_.length - 1];
         context.report("loop", {{"first", from}, {"last", to}, {"frames", loop_.length}, {"fade", loop_.fade}, {"difference", loop_.difference}});
         if (loop_.difference > much) context.warn(unlike(params));
-        find_closing(context);
+        find_surface(context);
     }
 
     void run(const Params& params, Ports& io, Context& context) const {
@@ -93,7 +93,7 @@ public:
         }
         const auto frame = static_cast<int>(n + loop_.fade - length);
         const auto a = source_.at(at).volume, b = source_.at(before(at, length)).volume;
-        const auto share = [&](const openvdb::Vec3d& world) { return closing_ ? closing_->share(frame, world) : double(frame + 1) / double(loop_.fade + 1); };
+        const auto share = [&](const openvdb::Vec3d& world) { return surface_ ? surface_->share(frame, world) : double(frame + 1) / double(loop_.fade + 1); };
         io.volume = std::make_shared<Volume>(volume_mixed(a, b, share, 2 * frame + 1 < static_cast<int>(loop_.fade) ? a : b));
     }
 
@@ -107,14 +107,7 @@ private:
 
         Place() = default;
         /// @throws Failure if the sequence is shorter than the loop, or lacks frames
-        Place(const Params& params, const std::vector<int>& frames) : first(params.start.value_or(frames.front())) {
-            if (frames.size() > 1) step = frames[1] - frames[0];
-            for (std::size_t n = 1; n < frames.size(); ++n)
-                if (frames[n] - frames[n - 1] != step)
-                    throw Failure(
-                        fmt::format("a loop needs all frames, but between {} and {} some are left out; state `frames` without a gap, or let "
-                                    "`missing: hold` of the reader fill it",
-                                    frames[n - 1], frames[n]));
+        Place(const Params& params, const std::vector<int>& frames) : first(params.start.value_or(frames.front())), step(step_of(frames)) {
             if (static_cast<std::size_t>(params.lengths.most) > frames.size())
                 throw Failure(fmt::format("a loop of {} frames needs as many of the source, which has {}; lower 'frames'", params.lengths.most, frames.size()));
         }
@@ -133,39 +126,24 @@ private:
         Closed out;
         for (auto length = least; length <= most; ++length) {
             const auto fade = params.fade ? static_cast<std::size_t>(*params.fade) : (length + 3) / 4;
+            std::vector<double> off;  // of each frame that may fade
+            for (auto at = length - fade; at < source_.size(); ++at) off.push_back(thumbnails_.difference(before(at, length), at));
             for (std::size_t first = 0; first + length <= source_.size(); ++first) {
-                double sum = 0;
-                for (auto at = first + length - fade; at < first + length; ++at) sum += thumbnails_.difference(before(at, length), at);
-                if (const double mean = sum / static_cast<double>(fade); mean < out.difference) out = {first, length, fade, mean};
+                const auto from = off.begin() + static_cast<std::ptrdiff_t>(first);
+                const double mean = std::accumulate(from, from + static_cast<std::ptrdiff_t>(fade), 0.0) / static_cast<double>(fade);
+                if (mean < out.difference) out = {first, length, fade, mean};
             }
         }
         return out;
     }
 
     /// Finds where and when the end goes over into what comes before. Places that differ much take longer.
-    void find_closing(Context& context) {
-        openvdb::CoordBBox box;
-        FloatGrid::ConstPtr like;
-        const auto each = [&](const auto& visit) {
-            for (std::size_t n = 0; n < loop_.fade; ++n) {
-                context.check_cancelled();
-                const auto at = loop_.first + loop_.length - loop_.fade + n;
-                const auto shown = shown_in(source_.at(at), source_.at(before(at, loop_.length)));
-                if (!shown || (like && shown->first.shown->transform() != like->transform())) return false;
-                visit(shown->first.shown, shown->second.shown);
-            }
-            return true;
-        };
-        const bool alike = each([&](const FloatGrid::ConstPtr& end, const FloatGrid::ConstPtr& before) {
-            like = end;
-            for (const auto& grid : {end, before}) box.expand(grid->evalActiveVoxelBoundingBox());
-        });
-        if (!alike || box.empty()) return;
+    void find_surface(Context& context) {
+        std::vector<std::pair<std::size_t, std::size_t>> pairs;
+        for (auto at = loop_.first + loop_.length - loop_.fade; at < loop_.first + loop_.length; ++at) pairs.emplace_back(at, before(at, loop_.length));
         constexpr double briefest = 3;
         const auto all = static_cast<double>(loop_.fade);
-        closing_.emplace(*like, loop_.fade, std::clamp(loop_.difference, std::min(briefest, all), all), box);
-        each([&](const FloatGrid::ConstPtr& end, const FloatGrid::ConstPtr& before) { closing_->add(*end, *before); });
-        closing_->finish();
+        surface_ = surface_between(source_, pairs, std::clamp(loop_.difference, std::min(briefest, all), all), context);
     }
 
     /// What a warning says of ends that differ much, and which length near the one asked for would close better.
@@ -182,7 +160,7 @@ private:
     Thumbnails thumbnails_;
     Place place_;
     Closed loop_;
-    std::optional<Closing> closing_;  ///< nothing if no grid shows where both sides match
+    std::optional<TimeSurface> surface_;  ///< nothing: all places go over alike
 };
 
 }  // namespace

@@ -147,14 +147,15 @@ public:
         }
         const auto nothing = Numbers(box_.count());
         for (int round = 0; round < rounds; ++round) {
-            auto [from, to] = halfway();
             Vectors rest{nothing, nothing, nothing};
             std::array<Numbers, 6> tensor{nothing, nothing, nothing, nothing, nothing, nothing};
-            Numbers middle(box_.count());
-            auto& change = to;
-            for (std::size_t n = 0; n < middle.size(); ++n) {
-                middle[n] = 0.5f * (from[n] + to[n]);
-                change[n] -= from[n];
+            auto middle = nothing, change = nothing;
+            {
+                const auto [from, to] = halfway();
+                for (std::size_t n = 0; n < middle.size(); ++n) {
+                    middle[n] = 0.5f * (from[n] + to[n]);
+                    change[n] = to[n] - from[n];
+                }
             }
             box_.each([&](std::size_t at, int x, int y, int z) {
                 const auto slope = slopes(middle, at, {x, y, z});

@@ -55,7 +55,7 @@ public:
         auto out = std::make_shared<Volume>(a.volume);
         if (moment.share > 0) {
             const auto b = source_.at(moment.place + 1);
-            const auto shown = shown_in(a, b);
+            const auto shown = moving_in(a, b);
             VectorGrid::Ptr motion;
             if (shown) motion = motion_between(shown->first, shown->second, scale_ * frames_behind(moment.place), context.memory_budget());
             else context.warn("no float grid shows where things move to: frames between those of the source are blended");
@@ -78,7 +78,7 @@ private:
         const auto gaps = source_.size() - 1, count = std::min(most_pairs, gaps);
         for (std::size_t n = 0; n < count; ++n) {
             const auto place = (2 * n + 1) * gaps / (2 * count);
-            if (const auto shown = shown_in(source_.at(place), source_.at(place + 1))) {
+            if (const auto shown = moving_in(source_.at(place), source_.at(place + 1))) {
                 pairs.push_back({shown->first, shown->second, frames_behind(place)});
                 speed = std::max(speed, typical_speed(shown->first) / shown->first.shown->voxelSize().x());
             }

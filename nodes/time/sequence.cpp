@@ -1,7 +1,10 @@
 #include "nodes/time/sequence.h"
 
+#include "graph/text/problem.h"
 #include "nodes/field/collocate.h"
 #include "nodes/field/same_transform.h"
+
+#include <fmt/format.h>
 
 namespace fluidcarve {
 
@@ -12,6 +15,8 @@ void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, const 
     if (velocity) frame.grids.push_back(velocity);
     store_->add(std::make_shared<Volume>(std::move(frame)));
     numbers_.push_back(context.frame());
+    for (const auto& grid : source.grids)
+        if (grid->isType<FloatGrid>()) box_.expand(grid->evalActiveVoxelBoundingBox());
     has_velocity_ = velocity != nullptr;
 }
 
@@ -23,20 +28,39 @@ SequenceFrame Sequence::at(std::size_t place) const {
     return out;
 }
 
-std::optional<std::pair<MovingFrame, MovingFrame>> shown_in(const SequenceFrame& a, const SequenceFrame& b) {
-    std::optional<std::pair<MovingFrame, MovingFrame>> out;
+std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> shown_in(const Volume& a, const Volume& b) {
+    std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> out;
     std::uint64_t most = 0;
-    for (const auto& grid : a.volume.grids) {
-        const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid), now = openvdb::gridConstPtrCast<FloatGrid>(b.volume.find(grid->getName()));
+    for (const auto& grid : a.grids) {
+        const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid), now = openvdb::gridConstPtrCast<FloatGrid>(b.find(grid->getName()));
         if (!old || !now || old->transform() != now->transform() || !cubes_along_axes(old->transform())) continue;
         const bool density = old->getName() == "density" || old->getGridClass() == openvdb::GRID_LEVEL_SET;
         const auto voxels = density ? ~std::uint64_t{0} : old->activeVoxelCount();
         if (voxels <= most) continue;
         most = voxels;
-        const auto velocity = [](const SequenceFrame& frame) { return frame.velocity ? collocated(frame.velocity) : nullptr; };
-        out.emplace(MovingFrame{old, velocity(a)}, MovingFrame{now, velocity(b)});
+        out.emplace(old, now);
     }
     return out;
+}
+
+std::optional<std::pair<MovingFrame, MovingFrame>> moving_in(const SequenceFrame& a, const SequenceFrame& b) {
+    const auto shown = shown_in(a.volume, b.volume);
+    if (!shown) return std::nullopt;
+    const auto moving = [](const FloatGrid::ConstPtr& grid, const SequenceFrame& frame) {
+        return MovingFrame{grid, frame.velocity ? collocated(frame.velocity) : nullptr};
+    };
+    return std::pair(moving(shown->first, a), moving(shown->second, b));
+}
+
+int step_of(const std::vector<int>& frames) {
+    const int step = frames.size() > 1 ? frames[1] - frames[0] : 1;
+    for (std::size_t n = 1; n < frames.size(); ++n)
+        if (frames[n] - frames[n - 1] != step)
+            throw Failure(
+                fmt::format("all frames are needed, but between {} and {} some are left out; state `frames` without a gap, or let `missing: hold` of "
+                            "the reader fill it",
+                            frames[n - 1], frames[n]));
+    return step;
 }
 
 }  // namespace fluidcarve

@@ -1,5 +1,8 @@
 #include "nodes/time/thumbnails.h"
 
+#include "nodes/field/collocate.h"
+#include "nodes/time/sequence.h"
+
 #include <openvdb/tools/Interpolation.h>
 
 #include <cmath>
@@ -24,10 +27,11 @@ double squared_difference(const Tree& a, const Tree& b) {
 
 }  // namespace
 
-void Thumbnails::add(const SequenceFrame& frame) {
+void Thumbnails::add(const Volume& volume, const Ref<VectorGrid>& given) {
     auto& out = frames_.emplace_back();
-    if (const auto moving = shown_in(frame, frame)) {
-        const auto& [shown, velocity] = moving->first;
+    if (const auto grids = shown_in(volume, volume)) {
+        const auto& shown = grids->first;
+        const auto velocity = given ? collocated(given) : nullptr;
         openvdb::tree::ValueAccessor<openvdb::FloatTree> values(out.shown);
         openvdb::tree::ValueAccessor<openvdb::Vec3STree> momenta(out.momentum);
         std::optional<VectorGrid::ConstAccessor> velocities;

@@ -1,9 +1,10 @@
 #pragma once
 
-#include "nodes/time/sequence.h"
+#include "nodes/payloads.h"
 
 #include <openvdb/openvdb.h>
 
+#include <array>
 #include <vector>
 
 namespace fluidcarve {
@@ -12,7 +13,8 @@ namespace fluidcarve {
 class Thumbnails {
 public:
     /// Adds the next frame.
-    void add(const SequenceFrame& frame);
+    /// @param velocity  null: none
+    void add(const Volume& volume, const Ref<VectorGrid>& velocity);
 
     std::size_t size() const { return frames_.size(); }
     /// How much two frames differ, by what they show and, if there is a velocity, by how it moves. About 1 for neighbouring frames.

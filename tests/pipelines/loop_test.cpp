@@ -116,11 +116,11 @@ TEST_CASE("a loop that the sequence can't give is refused with its place") {
     CHECK_THAT(said("frames: 9"), Catch::Contains("loop.yaml:5:3: a loop of 9 frames needs as many of the source, which has 6; lower 'frames'"));
     CHECK_THAT(said("frames: 4, fade: 4"), Catch::Contains("a fade of 4 frames leaves none of the 4 frames of the loop as it is; lower it"));
     CHECK_THAT(said("frames: 1"), Catch::Contains("loop.yaml:5"));
-    CHECK_THAT(loop(scratch, 6, "frames: 3", "-f 1").err, !Catch::Contains("a loop needs all frames"));
+    CHECK_THAT(loop(scratch, 6, "frames: 3", "-f 1").err, !Catch::Contains("all frames are needed"));
     auto text = Scratch::read(scratch / "loop.yaml");
     text.replace(text.find("frames: 1-6"), 11, "frames: 1-3,5-6");
     const auto gap = scratch.write("gap.yaml", text);
-    CHECK_THAT(fluidcarve_program("check " + gap).err, Catch::Contains("a loop needs all frames, but between 3 and 5 some are left out"));
+    CHECK_THAT(fluidcarve_program("check " + gap).err, Catch::Contains("all frames are needed, but between 3 and 5 some are left out"));
 }
 
 TEST_CASE("of a sequence with a pause, the pause is what leaves in time, and all other frames keep their bits") {
@@ -142,6 +142,10 @@ TEST_CASE("a sequence that becomes longer in time begins and ends as before, and
     const double step = puff_off(*puff_in(loop_file(scratch, "puff", 1)), *puff_in(loop_file(scratch, "puff", 2)));
     for (int n = 1; n < 20; ++n) CHECK(puff_off(*puff_in(loop_file(scratch, "out", n)), *puff_in(loop_file(scratch, "out", n + 1))) < 1.5 * step);
     CHECK_THAT(loop(scratch, 16, "count: -15", "", "carve").err,
-               Catch::Contains("loop.yaml:5:3: count -15 of 16 frames: at least two must stay, and at most as many as there are, less two, can be doubled"));
-    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err, Catch::Contains("count 15 of 16 frames"));
+               Catch::Contains("loop.yaml:5:3: count -15 is too much: of 16 frames at most 14 can leave or be doubled"));
+    CHECK_THAT(loop(scratch, 16, "count: 15", "", "carve").err, Catch::Contains("count 15 is too much"));
+    auto text = Scratch::read(scratch / "loop.yaml");
+    text.replace(text.find("frames: 1-16"), 12, "frames: 1-14,16");
+    text.replace(text.find("count: 15"), 9, "count: -1");
+    CHECK_THAT(fluidcarve_program("check " + scratch.write("gap.yaml", text)).err, Catch::Contains("all frames are needed, but between 14 and 16"));
 }

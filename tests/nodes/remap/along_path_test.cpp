@@ -60,7 +60,7 @@ TEST_CASE("along a bent path, what lies behind a seam moves on along the path, a
     const auto got = carved<FloatGrid>(grid, helix_path, map);
     // Planes of the carved space, counted as in the lattice: those before the seams come from `head` further, those behind from `tail`.
     const int head = anchor.at == Anchor::At::low ? 0 : -by, tail = head + by;
-    const Mapping mapping(map.extended(helix_path), map.reach()), own(helix_path);
+    const Mapping mapping(map.extended(helix_path), map.reach());
     const int below = map.below()[2], reach = static_cast<int>(3 * soft);
     int stayed = 0, moved = 0, freed = 0;
     for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel) {

@@ -1,4 +1,4 @@
-#include "nodes/time/closing.h"
+#include "nodes/time/time_surface.h"
 
 #include "nodes/time/between.h"
 
@@ -23,9 +23,9 @@ FloatGrid::Ptr halves(float left, float right) {
 }
 
 /// Both sides match in the second frame on the left, in the fifth on the right.
-Closing closing() {
+TimeSurface surface_of_halves() {
     const auto end = halves(1, 1);
-    Closing out(*end, static_cast<std::size_t>(fading), 3, bar);
+    TimeSurface out(*end, static_cast<std::size_t>(fading), 3, bar);
     for (int n = 0; n < fading; ++n) out.add(*end, *halves(n == 1 ? 1.0f : 2.0f, n == 4 ? 1.0f : 2.0f));
     out.finish();
     return out;
@@ -34,7 +34,7 @@ Closing closing() {
 }  // namespace
 
 TEST_CASE("each place goes over when both sides match best there, smoothly between them and in time") {
-    const auto surface = closing();
+    const auto surface = surface_of_halves();
     const Vec3d left(8, 4, 4), right(88, 4, 4);
     CHECK(surface.share(3, left) > 0.95);
     CHECK(surface.share(3, right) < 0.3);

@@ -1,21 +1,24 @@
 #pragma once
 
 #include "nodes/payloads.h"
+#include "nodes/time/sequence.h"
 
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace fluidcarve {
 
 /// Where and when one run of frames goes over into another: a surface in space and time. Each place goes over when both differ least there, in a few
 /// frames; so all but a few places show one of them alone (METHOD 12 "Surfaces in time").
-class Closing {
+class TimeSurface {
 public:
     /// @param like    whose space the surface is in
     /// @param frames  pairs of frames, at least 1
     /// @param width   frames in which a place goes over, at least 1, at most `frames`
     /// @param box     of all voxels that show something
-    Closing(const FloatGrid& like, std::size_t frames, double width, const openvdb::CoordBBox& box);
+    TimeSurface(const FloatGrid& like, std::size_t frames, double width, const openvdb::CoordBBox& box);
 
     /// Adds the next pair: a frame of the first run, and the one into which it goes over. They must have the transform of `like`.
     void add(const FloatGrid& first, const FloatGrid& second);
@@ -37,5 +40,12 @@ private:
     openvdb::Coord low_, size_;               ///< in cubes
     std::vector<float> when_, weight_, all_;  ///< `[x][y][z]`; when_: the moment, from 1 to `frames`, once finished
 };
+
+/// The surface at which one run of frames goes over into another.
+/// @param pairs  places in the source: of a frame of the first run, and of the one into which it goes over; at least one
+/// @param width  as above
+/// @return nothing if no grid shows in all frames where both match; a warning says so
+std::optional<TimeSurface> surface_between(const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs, double width,
+                                           Context& context);
 
 }  // namespace fluidcarve

@@ -1,4 +1,4 @@
-#include "nodes/time/closing.h"
+#include "nodes/time/time_surface.h"
 
 #include <tbb/parallel_for.h>
 
@@ -18,7 +18,7 @@ std::size_t count_of(const Coord& size) { return static_cast<std::size_t>(size.x
 
 }  // namespace
 
-Closing::Closing(const FloatGrid& like, std::size_t frames, double width, const openvdb::CoordBBox& box)
+TimeSurface::TimeSurface(const FloatGrid& like, std::size_t frames, double width, const openvdb::CoordBBox& box)
     : space_(like.transform().copy()), frames_(frames), width_(width) {
     const auto cubes = [&](const Coord& voxel) { return Coord(voxel.x() >> shift_, voxel.y() >> shift_, voxel.z() >> shift_); };
     const auto measure = [&] {
@@ -30,7 +30,7 @@ Closing::Closing(const FloatGrid& like, std::size_t frames, double width, const 
     for (auto* const values : {&when_, &weight_, &all_}) values->assign(count_of(size_), 0);
 }
 
-void Closing::add(const FloatGrid& first, const FloatGrid& second) {
+void TimeSurface::add(const FloatGrid& first, const FloatGrid& second) {
     std::vector<float> squares(when_.size());
     const auto add_from = [&](const FloatGrid& grid, const FloatGrid& other, bool both) {
         const auto values = other.getConstAccessor();
@@ -59,7 +59,7 @@ void Closing::add(const FloatGrid& first, const FloatGrid& second) {
     }
 }
 
-void Closing::finish() {
+void TimeSurface::finish() {
     // Between the places that show most, the moment changes smoothly.
     for (std::size_t n = 0; n < when_.size(); ++n) when_[n] = all_[n] * (when_[n] / weight_[n]);
     smooth(when_, 4);
@@ -69,7 +69,7 @@ void Closing::finish() {
         when_[n] = static_cast<float>(std::clamp(static_cast<double>(when_[n] / all_[n]), middle - reach, middle + reach));
 }
 
-double Closing::share(int pair, const openvdb::Vec3d& world) const {
+double TimeSurface::share(int pair, const openvdb::Vec3d& world) const {
     const auto voxel = space_->worldToIndex(world);
     std::array<std::size_t, 3> cell{}, next{};
     std::array<double, 3> part{};
@@ -95,7 +95,7 @@ double Closing::share(int pair, const openvdb::Vec3d& world) const {
     return x * x * (3 - 2 * x);
 }
 
-void Closing::smooth(std::vector<float>& values, int times) const {
+void TimeSurface::smooth(std::vector<float>& values, int times) const {
     const std::array<std::size_t, 3> size{static_cast<std::size_t>(size_.x()), static_cast<std::size_t>(size_.y()), static_cast<std::size_t>(size_.z())};
     const std::array<std::size_t, 3> stride{size[1] * size[2], size[2], 1};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -113,6 +113,26 @@ void Closing::smooth(std::vector<float>& values, int times) const {
             }
         });
     }
+}
+
+std::optional<TimeSurface> surface_between(const Sequence& source, const std::vector<std::pair<std::size_t, std::size_t>>& pairs, double width,
+                                           Context& context) {
+    if (source.box().empty()) return std::nullopt;
+    std::optional<TimeSurface> out;
+    FloatGrid::ConstPtr like;
+    for (const auto& [first, second] : pairs) {
+        context.check_cancelled();
+        const auto shown = shown_in(source.at(first).volume, source.at(second).volume);
+        if (!shown || (like && shown->first->transform() != like->transform())) {
+            context.warn("no float grid of one transform shows in all frames where both sides match: all places go over at once");
+            return std::nullopt;
+        }
+        like = shown->first;
+        if (!out) out.emplace(*like, pairs.size(), width, source.box());
+        out->add(*like, *shown->second);
+    }
+    out->finish();
+    return out;
 }
 
 }  // namespace fluidcarve
