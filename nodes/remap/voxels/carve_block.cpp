@@ -88,9 +88,8 @@ bool CarveBlock::move_to(const openvdb::BBoxd& carved) {
         for (std::size_t d = 0; d < 3; ++d) {
             const double from = range.min()[axes[d]] - snap_width, to = range.max()[axes[d]] + snap_width, begin = first[d], end = last[d];
             meets = meets && to >= begin && from <= end;
-            // Before the first plane and behind the last there is no lattice.
-            const bool all_planes = axes[d] == 2 && first[d] == 0 && last[d] >= map_.reach()[2] - 1;
-            within = within && (all_planes || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
+            // Planes that a step does not hold lie beyond the lattice, or another step frees them.
+            within = within && (axes[d] == 2 || (range.min()[axes[d]] >= begin && range.max()[axes[d]] <= end));
             table.first[d] = static_cast<int>(std::clamp(from, begin, end));
             table.size[d] = static_cast<int>(std::clamp(to, begin, end)) + 2 - table.first[d];
         }

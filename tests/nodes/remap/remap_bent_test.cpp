@@ -182,6 +182,33 @@ TEST_CASE("a straight lattice of planes is carved as a box is") {
     }
 }
 
+TEST_CASE("chains along all axes carve a straight lattice of planes as they carve a box, whatever the anchors") {
+    std::mt19937 random(11);
+    const auto box = make_box(Vec3d(0.1, 0.2, 0.3), {15, 14, 13}, 0.4, {2, 0, 1});
+    const auto planes = as_planes(box);
+    const CoordBBox voxels(Coord(-8), Coord(26));
+    const auto grid = sampled<FloatGrid>(voxels, 0.3, swirl);
+    for (int n = 0; n < 24; ++n) {
+        std::vector<std::shared_ptr<const Seams>> of_box, of_planes;
+        auto shape = box.shape;
+        for (int step = 0; step < 3; ++step) {
+            auto seams = random_seams(random, box, shape, static_cast<Axis>(random() % 3), random() % 2 ? Seams::Kind::remove : Seams::Kind::insert, 3, {1});
+            for (auto& each : seams.seams) each = straight_seam(seams, static_cast<int>(random() % 5));
+            if (seams.kind == Seams::Kind::insert)
+                for (int s = 0; s < 3; ++s) seams.seams[static_cast<std::size_t>(s)] = straight_seam(seams, 2 + s);
+            seams.anchor = {std::array{Anchor::At::low, Anchor::At::middle, Anchor::At::high}[random() % 3], 0};
+            seams.find_shifts();
+            shape = seams.shape_after(3);
+            of_box.push_back(std::make_shared<Seams>(seams));
+            seams.lattice_hash = planes.hash;
+            of_planes.push_back(std::make_shared<Seams>(seams));
+        }
+        INFO("case " << n);
+        const CarveMap straight(box, of_box, 1, {}), general(planes, of_planes, 1, {});
+        CHECK(difference(*carved<FloatGrid>(grid, box, straight), *carved<FloatGrid>(grid, planes, general), voxels) < 1e-5);
+    }
+}
+
 TEST_CASE("a bar of ten voxels is gone after ten seams in a lattice that is turned by seven degrees") {
     auto lattice = make_box(Vec3d(0), {40, 30, 6}, 1.0, {0, 1, 2});
     const double angle = 7 * M_PI / 180;
