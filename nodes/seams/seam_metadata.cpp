@@ -105,7 +105,7 @@ Failure wrong_seams(const std::string& message) { return Failure(message, Failur
 
 std::string cut_short(const std::string& text) {
     constexpr std::size_t most = 60;
-    return text.size() <= most ? text : text.substr(0, most) + "...";
+    return text.size() <= most ? text : fmt::format("{}...", std::string_view(text).substr(0, most));
 }
 
 std::string seam_text(const openvdb::MetaMap& metadata, const std::string& name, const std::string& owner) {

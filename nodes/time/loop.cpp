@@ -85,7 +85,7 @@ public:
         find_surface(context);
     }
 
-    void run(const Params& params, Ports& io, Context& context) const {
+    void run(const Params&, Ports& io, Context& context) const {
         const auto length = loop_.length, n = static_cast<std::size_t>((context.frame() - place_.first) / place_.step) % length, at = loop_.first + n;
         if (n + loop_.fade < length) {
             io.volume = std::make_shared<Volume>(source_.at(at).volume);
