@@ -2,7 +2,7 @@
 """Makes the archives that run on any Linux, from a build: archive.py BUILD DIST
 
 fluidcarve-VERSION-linux-x86_64.tar.zst holds the program with all of its libraries, the loader and the C library too. The modules with their
-libraries are archives of their own, to be unpacked over it. Beside them: SPDX lists of what is inside.
+libraries are archives of their own, to be unpacked over it. Beside them: SPDX lists of what is inside, and the add-on of Blender.
 The same build gives the same bytes: files bear the time SOURCE_DATE_EPOCH.
 """
 
@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 
 FONTS = [f"/usr/share/fonts/truetype/dejavu/{name}" for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]
 HERE = pathlib.Path(__file__).parent
@@ -153,12 +154,27 @@ def pack(tree, dist, epoch):
     return target
 
 
+def pack_addon(version, dist, epoch):
+    """Writes DIST/fluidcarve-blender-VERSION.zip: the add-on of Blender with the package of Python in it, as Blender installs it."""
+    top = HERE.parent
+    files = {f"fluidcarve/{file.name}": file for file in (top / "blender/fluidcarve").iterdir() if file.suffix in (".py", ".toml")}
+    files.update({f"fluidcarve/package/{file.name}": file for file in (top / "python/fluidcarve").glob("*.py")})
+    files["fluidcarve/LICENSE"] = top / "LICENSE"
+    target = dist / f"fluidcarve-blender-{version}.zip"
+    aside = target.with_suffix(".part")
+    with zipfile.ZipFile(aside, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, file in sorted(files.items()):
+            archive.writestr(zipfile.ZipInfo(name, time.gmtime(epoch)[:6]), file.read_bytes(), zipfile.ZIP_DEFLATED)
+    aside.rename(target)
+
+
 def main(build, dist):
     version = output_of(str(build / "fluidcarve"), "--version").split()[-1]
     epoch = int(os.environ["SOURCE_DATE_EPOCH"])
     made = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch))
     title = f"fluidcarve-{version}-linux-x86_64"
     dist.mkdir(parents=True, exist_ok=True)
+    pack_addon(version, dist, epoch)
     with tempfile.TemporaryDirectory(dir=dist) as scratch:
         trees = [Tree(scratch, "program", title)]
         program = trees[0]

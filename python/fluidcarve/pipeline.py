@@ -111,6 +111,16 @@ class Pipeline(Families):
         mine._fields.update(fields)
         return mine
 
+    def type_of(self, node: Union[Node, str]) -> str:
+        """The type of a node."""
+        return self[str(node)]._type
+
+    def fields(self, node: Union[Node, str]) -> Dict[str, Any]:
+        """What is stated of a node: by the pipeline that this one extends, as the text that `check -v` prints, and by this one."""
+        name = self[str(node)]._name
+        below, here = self._below.get(name), self._nodes.get(name)
+        return {**(below._fields if below else {}), **(here._fields if here else {})}
+
     def nodes(self) -> List[Node]:
         """All nodes, in order."""
         merged: Dict[str, Optional[Node]] = {**self._below, **self._nodes}
