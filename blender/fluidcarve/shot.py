@@ -65,8 +65,7 @@ def write(volume: bpy.types.Object, preview: bool = False) -> Shot:
         pipeline, folder = os.path.join(folder, "preview.yaml"), os.path.join(folder, "preview")
         os.makedirs(folder, exist_ok=True)
     ending = ".vdb" if not settings.files else os.path.splitext(source.path)[1]
-    token = "#" * max(4, len(re.search(r"#*$", os.path.splitext(source.path)[0]).group(0)))
-    shot = Shot(pipeline, folder, source, scene.facts_of(source), os.path.join(folder, f"carved.{token}{ending}"))
+    shot = Shot(pipeline, folder, source, scene.facts_of(source), os.path.join(folder, f"carved{'.####' if '#' in source.path else ''}{ending}"))
     made = _in_time(volume, shot) if axis_of(settings) == "t" else _in_space(volume, shot, preview)
     made.doc = f"{_MARK} '{volume.name}' of {os.path.basename(bpy.data.filepath) or 'an unsaved file'}; carving again writes it anew.\n"
     made.doc += f"It runs without Blender, too: fluidcarve run {shlex.quote(os.path.basename(pipeline))}"

@@ -152,6 +152,8 @@ def carved(volume: bpy.types.Object, path: str, source: scene.Source, numbers: S
 def _numbers(path: str) -> List[int]:
     """Numbers of the files of a path that are there."""
     folder, name = os.path.split(path)
+    if "#" not in name:
+        return [1]
     head, token, tail = re.fullmatch(r"(.*?)(#+)(.*)", name).groups()
     pattern = re.compile(re.escape(head) + r"(\d{" + str(len(token)) + r",})" + re.escape(tail))
     return sorted(int(found.group(1)) for found in map(pattern.fullmatch, os.listdir(folder)) if found) if os.path.isdir(folder) else []
@@ -160,7 +162,7 @@ def _numbers(path: str) -> List[int]:
 def _sequence(name: str, path: str, numbers: Sequence[int], source: scene.Source) -> bpy.types.Volume:
     data = bpy.data.volumes.new(name)
     data.filepath = scene.of_frame(path, numbers[0])
-    data.is_sequence = True
+    data.is_sequence = "#" in path
     data.frame_duration = numbers[-1] - numbers[0] + 1
     data.frame_offset = numbers[0] - 1
     data.frame_start = source.scene_frame(numbers[0])

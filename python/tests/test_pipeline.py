@@ -125,6 +125,14 @@ nodes:
             with self.assertRaisesRegex(TypeError, "seam.greedy has no 'counts'; did you mean 'count'?"):
                 again.change("seams", counts=3)
 
+    def test_what_is_stated_of_a_node_is_told_whichever_file_states_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            plume().save(os.path.join(folder, "show.yaml"))
+            p = fluidcarve.load(os.path.join(folder, "show.yaml"))
+        p.change("seams", anchor="middle")
+        self.assertEqual((p.fields("seams")["lattice"], p.fields("seams")["anchor"]), ("box", "middle"))
+        self.assertEqual(p.type_of("seams"), "seam.greedy")
+
     def test_faults_of_a_loaded_file_are_problems(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "shot.yaml")

@@ -201,6 +201,20 @@ class Lattices(BlenderTest):
         self.assertLess(max(math.dist(a, b) for a, b in zip(first, second)), 1e-4)
         self.assertEqual(turned.fluidcarve.lattice.matrix_world, turned.matrix_world)
 
+    def test_place_may_be_mirrored_and_of_three_scales(self):
+        straight = self.bent()
+        first = self.lattice_of(straight)
+        placed = self.bent()
+        matrix = Matrix.Translation((2, 0, -1)) @ Matrix.Rotation(0.4, 4, "X") @ Matrix.Diagonal((1, -1.5, 0.5, 1))
+        placed.matrix_world = placed.fluidcarve.rig.matrix_world = matrix
+        bpy.context.view_layer.update()
+        scale = abs(matrix.to_3x3().determinant()) ** (1 / 3)
+        placed.fluidcarve.reach_u = placed.fluidcarve.reach_v = (-1.3 * scale, 1.3 * scale)
+        placed.fluidcarve.up = matrix.to_3x3() @ Vector((0, 1, 0))
+        second = self.lattice_of(placed)
+        self.assertEqual(len(first), len(second))
+        self.assertLess(max(math.dist(a, b) for a, b in zip(first, second)), 1e-3)
+
     def test_folded_cells_are_red(self):
         volume = self.bent()
         volume.fluidcarve.rig = self.curve(((0.2, 0.98, 0.5), (1.0, 0.98, 2), (1.8, 0.98, 0.5)))
@@ -250,6 +264,31 @@ class Masks(BlenderTest):
         text.from_string("def energy(heat, at):\n    return heat.dense()\n")
         with self.assertRaisesRegex(RuntimeError, "there is no grid 'heat'"):
             bpy.ops.fluidcarve.carve()
+
+
+class OtherFiles(BlenderTest):
+    def carve(self, file, amount=-10):
+        volume = self.volume()
+        volume.fluidcarve.files = os.path.join(ROOT, "tests/data", file)
+        volume.fluidcarve.amount = amount
+        self.assertEqual(bpy.ops.fluidcarve.carve(), {"FINISHED"}, volume.fluidcarve.status)
+        return volume
+
+    def test_meshes_come_back_as_an_object_with_their_coordinates_of_textures(self):
+        volume = self.carve("river/riverbank.obj")
+        mesh = volume.fluidcarve.carved.data
+        self.assertEqual(len(mesh.vertices), len(obj_vertices(os.path.join(ROOT, "tests/data/river/riverbank.obj"))))
+        self.assertEqual(len(mesh.uv_layers), 1)
+        bpy.context.scene.frame_set(52)
+        self.assertEqual(len(volume.fluidcarve.carved.data.polygons), len(mesh.polygons))
+
+    def test_particles_are_carved_with_the_grids_beside_them(self):
+        self.carve("river/meander.0037.vdb", -5)
+        self.assertIn("points", program("inspect", self.carved_files()[0]))
+
+    def test_images_are_files(self):
+        self.carve("images/chelsea.png")
+        self.assertTrue(os.path.isfile(os.path.join(self.folder, "scene_plume", "carved.png")))
 
 
 class Time(BlenderTest):
