@@ -69,8 +69,10 @@ apt-get satisfy -y -qq -o Dpkg::Use-Pty=0 --no-install-recommends "$(dpkg-deb -f
 files "$1" >"$1/before"
 apt-get install -y -qq -o Dpkg::Use-Pty=0 "$package" >/dev/null
 setpriv --reuid 1234 --regid 1234 --clear-groups bash "$1/try.sh" "$1" package /usr
-mkdir /usr/share/fluidcarve/python/fluidcarve/__pycache__
-touch /usr/share/fluidcarve/python/fluidcarve/__pycache__/kept.pyc
+for folder in python blender; do
+    mkdir "/usr/share/fluidcarve/$folder/fluidcarve/__pycache__"
+    touch "/usr/share/fluidcarve/$folder/fluidcarve/__pycache__/kept.pyc"
+done
 apt-get purge -y -qq -o Dpkg::Use-Pty=0 fluidcarve >/dev/null
 files "$1" >"$1/after"
 diff "$1/before" "$1/after"
