@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Iterator, List, Set, Tuple
+from typing import Dict, Iterator, List, Tuple
 
 from mathutils import Vector
 
@@ -58,27 +58,28 @@ def hull(lattice: Geometry) -> List[int]:
     return [n for n in range(len(lattice.vertices)) if n % row in (0, row - 1) or n % plane // row in (0, plane // row - 1)]
 
 
-def folded(lattice: Geometry) -> Set[int]:
-    """Vertices at which a lattice's lines run backwards: where its planes cross.
+def folded(lattice: Geometry) -> List[Tuple[int, int, int, int]]:
+    """Faces beside the lines of a lattice that run backwards: where its planes cross.
 
-    Vertices stand plane by plane, so that edges from plane to plane are those whose ends are farthest apart. Such an edge is
-    folded if it runs against the mean of its plane's.
+    A line from plane to plane is folded if it runs against the mean of all between these planes.
     """
     steps = strides(lattice)
     if len(steps) < 3:
-        return set()
-    plane = steps[-1]
-    rows: Dict[int, List[Tuple[int, int, Vector]]] = {}
+        return []
+    across, plane = steps[:2], steps[2]
+    edges = set(lattice.edges)
+    between: Dict[int, List[Tuple[int, Vector]]] = {}
     for a, b in lattice.edges:
         if b - a == plane:
-            rows.setdefault(a // plane, []).append((a, b, Vector(lattice.vertices[b]) - Vector(lattice.vertices[a])))
-    out: Set[int] = set()
-    for row in rows.values():
-        mean = sum((each for _, _, each in row), Vector())
-        for a, b, each in row:
+            between.setdefault(a // plane, []).append((a, Vector(lattice.vertices[b]) - Vector(lattice.vertices[a])))
+    out = []
+    for lines in between.values():
+        mean = sum((each for _, each in lines), Vector())
+        for a, each in lines:
             if each.dot(mean) <= 0:
-                out.update((a, b))
-    return out
+                out += [(a, a + step, a + step + plane, a + plane) for step in across if (a, a + step) in edges]
+                out += [(a - step, a, a + plane, a - step + plane) for step in across if (a - step, a) in edges]
+    return sorted(set(out))
 
 
 def sheets(seams: Geometry) -> Iterator[Tuple[int, int, int, int]]:

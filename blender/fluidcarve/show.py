@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-from typing import List, Optional, Sequence
+from typing import List, Optional, Sequence, Tuple
 
 import bpy
 
 from . import lines, scene
 
 _COLLECTION = "fluidcarve"
-_COLOURS = {"lattice": (0.25, 0.55, 1, 1), "folded": (1, 0.05, 0.03, 1), "seams": (1, 0.55, 0.05, 0.6)}
+_COLOURS = {"folded": (1, 0.05, 0.03, 1), "seams": (1, 0.55, 0.05, 0.6)}
 
 
 def _collection() -> bpy.types.Collection:
@@ -70,7 +70,6 @@ def lattice(volume: bpy.types.Object, path: str) -> bpy.types.Object:
     out.display_type = "WIRE"
     out.hide_render = True
     out.show_in_front = True
-    out.color = _COLOURS["folded" if red else "lattice"]
     out.vertex_groups.clear()
     out.vertex_groups.new(name="sides").add(lines.hull(read), 1, "REPLACE")
     sides = out.modifiers.get("sides") or out.modifiers.new("sides", "MASK")
@@ -79,24 +78,21 @@ def lattice(volume: bpy.types.Object, path: str) -> bpy.types.Object:
     return out
 
 
-def _folded_cells(owner: bpy.types.Object, read: lines.Geometry, red: set) -> None:
-    """A mesh of the folded lines alone, in red in front of the others."""
+def _folded_cells(owner: bpy.types.Object, read: lines.Geometry, red: List[Tuple[int, int, int, int]]) -> None:
+    """The folded cells as red faces, in front of all."""
     name = f"{owner.name} folded"
     old = bpy.data.objects.get(name)
     if old is not None:
         bpy.data.batch_remove([old.data, old] if old.data.users == 1 else [old])
     if not red:
         return
-    order = sorted(red)
-    at = {vertex: n for n, vertex in enumerate(order)}
+    at = {vertex: n for n, vertex in enumerate(sorted({vertex for face in red for vertex in face}))}
     mesh = bpy.data.meshes.new("folded")
-    mesh.from_pydata([read.vertices[each] for each in order], [(at[a], at[b]) for a, b in read.edges if a in at and b in at], [])
+    mesh.from_pydata([read.vertices[each] for each in at], [], [[at[each] for each in face] for face in red])
     mesh.materials.append(_material("folded"))
     cells = bpy.data.objects.new(name, mesh)
     _collection().objects.link(cells)
     cells.parent = owner
-    cells.display_type = "WIRE"
-    cells.color = _COLOURS["folded"]
     cells.hide_render = True
     cells.show_in_front = True
 
@@ -110,7 +106,6 @@ def seams(volume: bpy.types.Object, path: str, number: int) -> Optional[bpy.type
     mesh.from_pydata(read.vertices, [], list(lines.sheets(read)))
     mesh.materials.append(_material("seams"))
     out = _object(volume, "seams", mesh)
-    out.color = _COLOURS["seams"]
     out.hide_render = True
     out.hide_viewport = True
     return out

@@ -221,7 +221,13 @@ class Lattices(BlenderTest):
         volume.fluidcarve.reach_u = volume.fluidcarve.reach_v = (-1.9, 1.9)
         self.lattice_of(volume)
         self.assertIn("folded", volume.fluidcarve.status)
-        self.assertIsNotNone(bpy.data.objects.get("plume lattice folded"))
+        cells = bpy.data.objects["plume lattice folded"].data
+        self.assertGreater(len(cells.polygons), 5)
+        self.assertEqual(tuple(cells.materials[0].diffuse_color)[0], 1)
+        volume.fluidcarve.rig = self.curve()
+        volume.fluidcarve.reach_u = volume.fluidcarve.reach_v = (-1, 1)
+        self.lattice_of(volume)
+        self.assertIsNone(bpy.data.objects.get("plume lattice folded"))
 
     def test_moving_curve_gives_a_rig_for_each_frame(self):
         volume = self.bent()
