@@ -386,5 +386,7 @@ class GoingOn(BlenderTest):
 if __name__ == "__main__":
     words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     done = unittest.main(module=__name__, argv=["test_blender", *words], exit=False)
+    print(f"Blender {bpy.app.version_string}: {done.result.testsRun} tests")
     sys.stdout.flush()
+    sys.stderr.flush()
     os._exit(0 if done.result.wasSuccessful() else 1)
