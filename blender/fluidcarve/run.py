@@ -76,7 +76,7 @@ def _open_text(place) -> None:
 
 
 class FLUIDCARVE_OT_look(_Button, bpy.types.Operator):
-    """Look at the volume's files: grids, frames, voxel size; and give the lattice their size"""
+    """Look at the volume's files: grids, frames, voxel size; and let the lattice reach around their content"""
 
     bl_idname = "fluidcarve.look"
     bl_label = "Inspect"
@@ -87,14 +87,13 @@ class FLUIDCARVE_OT_look(_Button, bpy.types.Operator):
         try:
             source = scene.source_of(volume)
             facts = scene.facts_of(source)
+            volume.fluidcarve.facts = json.dumps({**facts, "frames": [source.numbers[0], source.numbers[-1], len(source.numbers)]})
+            if facts["kind"] != "image":
+                shot.fit(volume, source)
         except fluidcarve.Error as error:
             self.fail(error, volume)
             return {"CANCELLED"}
-        settings = volume.fluidcarve
-        settings.facts = json.dumps({**facts, "frames": [source.numbers[0], source.numbers[-1], len(source.numbers)]})
-        reach = shot.reach_of(facts) / scene.scale_of(volume)
-        settings.reach_u = settings.reach_v = (-reach, reach)
-        settings.status = ""
+        volume.fluidcarve.status = ""
         return {"FINISHED"}
 
 

@@ -102,6 +102,19 @@ def curve_points(curve: bpy.types.Object, matrix: Matrix) -> List[Tuple[float, f
     return [vertices[each] for each in mesh_order]
 
 
+def across(points: List[Tuple[float, float, float]], up: Vector, at: Any) -> Tuple[float, float, float]:
+    """Where a place lies beside a curve: along u and along v from the curve's nearest point, and that point's share of the length."""
+    path = [Vector(each) for each in points]
+    lengths = [0.0]
+    for a, b in zip(path, path[1:]):
+        lengths.append(lengths[-1] + (b - a).length)
+    near = min(range(len(path)), key=lambda n: (path[n] - Vector(at)).length)
+    w = (path[min(near + 1, len(path) - 1)] - path[max(near - 1, 0)]).normalized()
+    v = (up - up.dot(w) * w).normalized()
+    away = Vector(at) - path[near]
+    return away.dot(v.cross(w)), away.dot(v), lengths[near] / lengths[-1]
+
+
 def _no_path(curve: bpy.types.Object) -> Exception:
     return fault(f"'{curve.name}' has no path; draw a curve of two points or more")
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, Sequence
 
 import bpy
-from mathutils import Matrix
 
 from . import scene
 from .api import call, fluidcarve, interpreter
@@ -199,11 +198,23 @@ def voxel_of(facts: Dict[str, Any]) -> float:
     return max(b - a for a, b in zip(low, high)) / 100
 
 
-def reach_of(facts: Dict[str, Any]) -> float:
-    """Half of the second largest edge of the box around the content, and a voxel: as far as a lattice along it must reach."""
-    boxes = [grid["world_box"] for grid in facts.get("grids", []) if "world_box" in grid][:1] or [facts.get("world_box", [[0, 0, 0], [1, 1, 1]])]
-    (low, high), = boxes
-    return sorted(b - a for a, b in zip(low, high))[1] / 2 + voxel_of(facts)
+def fit(volume: bpy.types.Object, source: scene.Source) -> None:
+    """Makes the lattice reach around the content of the first, the middle and the last frame, and two voxels more."""
+    settings = volume.fluidcarve
+    numbers = sorted({source.numbers[0], source.numbers[len(source.numbers) // 2], source.numbers[-1]})
+    low, high = box_of(source, numbers)
+    more = 2 * voxel_of(known_facts(volume))
+    reach: List[Any] = [(-half - more, half + more) for half in [sorted(b - a for a, b in zip(low, high))[1] / 2] * 2]
+    if settings.rig:
+        points = scene.curve_points(settings.rig, scene.to_files(volume))
+        corners = [scene.across(points, _up(volume), (x, y, z)) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+        reach = [(min(each[n] for each in corners) - more, max(each[n] for each in corners) + more) for n in range(2)]
+    settings.reach_u, settings.reach_v = ([each / scene.scale_of(volume) for each in side] for side in reach)
+
+
+def _up(volume: bpy.types.Object) -> Any:
+    """The lattice's up direction in the world of the files."""
+    return (scene.to_files(volume).to_3x3() @ volume.fluidcarve.up).normalized()
 
 
 def known_facts(volume: bpy.types.Object) -> Dict[str, Any]:
@@ -239,9 +250,8 @@ def add_lattice(p: Any, volume: bpy.types.Object, path: str, spacing: float) -> 
     """Adds the nodes `rig` and `bent` for the curve in files."""
     settings = volume.fluidcarve
     scale = scene.scale_of(volume)
-    up = (scene.to_files(volume).to_3x3() @ settings.up).normalized()
     reach = {name: [_short(scale * each) for each in sorted(values)] for name, values in (("extent_u", settings.reach_u), ("extent_v", settings.reach_v))}
-    p.rig.curve(path=path, up=[_short(each) for each in up], name="rig")
+    p.rig.curve(path=path, up=[_short(each) for each in _up(volume)], name="rig")
     p.lattice.build(rig="rig", spacing=_short(spacing), name="bent", **reach)
 
 
@@ -296,32 +306,26 @@ def _share(volume: bpy.types.Object, shot: Shot, at: Any) -> float:
     """The place of a point along the lattice's axis, from 0 to 1."""
     settings = volume.fluidcarve
     if not settings.rig:
-        low, high = _box(shot)
+        low, high = box_of(shot.source, shot.source.numbers)
         axis = "xyz".index(settings.box_axis)
         return min(max((at[axis] - low[axis]) / (high[axis] - low[axis]), 0.0), 1.0)
-    points = [Matrix.Translation(each).translation for each in scene.curve_points(settings.rig, scene.to_files(volume))]
-    lengths = [0.0]
-    for a, b in zip(points, points[1:]):
-        lengths.append(lengths[-1] + (b - a).length)
-    near = min(range(len(points)), key=lambda n: (points[n] - at).length)
+    u, v, along = scene.across(scene.curve_points(settings.rig, scene.to_files(volume)), _up(volume), at)
     if settings.rig_axis == "w":
-        return lengths[near] / lengths[-1]
-    along = (points[min(near + 1, len(points) - 1)] - points[max(near - 1, 0)]).normalized()
-    v = scene.to_files(volume).to_3x3() @ settings.up
-    v = (v - v.dot(along) * along).normalized()
-    direction, reach = (v.cross(along), settings.reach_u) if settings.rig_axis == "u" else (v, settings.reach_v)
+        return along
+    place, reach = (u, settings.reach_u) if settings.rig_axis == "u" else (v, settings.reach_v)
     low, high = (scene.scale_of(volume) * each for each in sorted(reach))
-    return min(max(((at - points[near]).dot(direction) - low) / (high - low), 0.0), 1.0)
+    return min(max((place - low) / (high - low), 0.0), 1.0)
 
 
-def _box(shot: Shot) -> List[List[float]]:
-    """The box around the content of all frames, in which a box lattice lies."""
+def box_of(source: scene.Source, numbers: Sequence[int]) -> List[List[float]]:
+    """The box around the content of frames: of the first grid that has any, as a box lattice lies, or of a mesh."""
     low, high = [float("inf")] * 3, [float("-inf")] * 3
-    for number in shot.source.numbers:
-        told = fluidcarve.inspect(scene.of_frame(shot.source.path, number)).files[0]
-        boxes = [grid["world_box"] for grid in told.get("grids", []) if "world_box" in grid][:1] or [told["world_box"]]
-        for a, b in boxes:
+    for told in fluidcarve.inspect(*(scene.of_frame(source.path, number) for number in numbers)).files:
+        boxes = [grid["world_box"] for grid in told.get("grids", []) if "world_box" in grid and grid["name"] != "shadow"]
+        for a, b in boxes[:1] or ([told["world_box"]] if "world_box" in told else []):
             low, high = [min(each) for each in zip(low, a)], [max(each) for each in zip(high, b)]
+    if low[0] > high[0]:
+        raise scene.fault(f"{os.path.basename(source.path)} has no content in its frames; name other files")
     return [low, high]
 
 

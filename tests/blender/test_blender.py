@@ -215,6 +215,12 @@ class Lattices(BlenderTest):
         self.assertEqual(len(first), len(second))
         self.assertLess(max(math.dist(a, b) for a, b in zip(first, second)), 1e-3)
 
+    def test_lattice_reaches_around_the_content(self):
+        volume = self.bent()
+        bpy.ops.fluidcarve.look()
+        self.assertEqual(bpy.ops.fluidcarve.carve(), {"FINISHED"}, volume.fluidcarve.status)
+        self.assertNotIn("make the lattice larger", volume.fluidcarve.status)
+
     def test_folded_cells_are_red(self):
         volume = self.bent()
         volume.fluidcarve.rig = self.curve(((0.2, 0.98, 0.5), (1.0, 0.98, 2), (1.8, 0.98, 0.5)))
