@@ -94,7 +94,7 @@ Key Keys::kept(std::size_t n, std::size_t place) {
     const auto of = dependencies_.of(n);
     ContentHash hash;
     describe(hash.text("result"), of, nullptr);
-    // With or without provenance a writer's files differ. What it says does not count: a file is true to the values that made it.
+    // Files that state what made them differ from those that do not. The statement itself is not in the key: it follows from the values that are.
     if (!pipeline_.provenance && pipeline_.writes(n)) hash.text(no_provenance);
     // A body that runs once sees the first frame of the sequence.
     hash.number(static_cast<std::uint64_t>(dependencies_.frames().at(place)));

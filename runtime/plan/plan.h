@@ -40,7 +40,7 @@ struct Plan {
 
 /// Whether a node takes frames as digests that later runs find in the work folder, so that many runs can make them, each of its own frames.
 bool digests_apart(const Node& node);
-/// Whether a node delivers once what takes long to make of all frames, and later runs find it in the work folder: a solver, for one.
+/// Whether a node makes one result of all frames, and later runs find it in the work folder, since it takes long: a solver, for example.
 bool gathers_apart(const Node& node);
 
 /// What is wrong with a wish, in words; empty: nothing.

@@ -362,7 +362,7 @@ void StripMessages::forget(const Origin& origin) {
 void StripMessages::improve(std::vector<std::uint16_t>& seam, int passes, bool goes_on, const std::function<void()>& tick) {
     const auto& columns = strip_.columns();
     if (!columns.ring(0) && !columns.ring(1)) return improve(seam, passes, {0, 0}, goes_on, tick);
-    // A seam is worst where it closes. So rings begin at their middle, then at column 0.
+    // Seams around a ring cost most beside the column at which messages begin. So they begin at the middle, then at column 0.
     const Origin middle{columns.ring(0) ? columns.laterals() / 2 : 0, columns.ring(1) ? columns.slices() / 2 : 0};
     improve(seam, passes, middle, true, tick);
     forget(middle);

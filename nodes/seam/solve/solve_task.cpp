@@ -49,7 +49,7 @@ private:
                 energy_.closed(), energy_.around()};
     }
 
-    /// Share of this search's work that a part is: by the seams that are yet to be found.
+    /// How much of this search's work a part makes, from 0 to 1: its share of the seams that are still missing.
     double share_of(const SeamTask::Part& part) const {
         if (!task_.pairs) return 1;
         const auto left = [&](bool pair) {
