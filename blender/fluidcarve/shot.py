@@ -163,8 +163,10 @@ def _draft(volume: bpy.types.Object, shot: Shot) -> str:
     words.append(f"--seams={os.path.join(shot.folder, 'seams.vdb')}")
     words.append(f"--sheet={os.path.join(shot.folder, 'sheet.png')}")
     words.append(f"--axis={'x' if settings.rig else settings.box_axis}")
-    if settings.anchor != "auto" or settings.rig:
-        words.append(f"--anchor={'middle' if settings.anchor == 'auto' and settings.rig_axis != 'w' else settings.anchor if settings.anchor != 'auto' else 'low'}")
+    if settings.anchor != "auto":
+        words.append(f"--anchor={settings.anchor}")
+    elif settings.rig:  # the curve stays, or its start
+        words.append(f"--anchor={'low' if settings.rig_axis == 'w' else 'middle'}")
     if settings.empty:
         words.append(f"--empty={settings.empty:.6g}")
     if settings.conserve:
@@ -182,7 +184,8 @@ def _count(volume: bpy.types.Object, shot: Shot) -> str:
     if settings.unit == "PERCENT":
         return f"{amount:.6g}%"
     if settings.unit == "LENGTH":
-        amount = amount * scene.scale_of(volume) / spacing_of(volume, shot.facts)
+        scale = scene.scale_of(volume) if settings.rig else 1 / volume.matrix_world.to_3x3().col["xyz".index(settings.box_axis)].length
+        amount = amount * scale / spacing_of(volume, shot.facts)
     count = round(amount)
     if count == 0:
         raise scene.fault("the change is less than a voxel; ask for more")

@@ -139,7 +139,7 @@ class Boxes(BlenderTest):
         program("diff", mine, ours)
 
     def test_lengths_are_the_scenes(self):
-        volume = self.volume(Matrix.Scale(10, 4))
+        volume = self.volume(Matrix.Diagonal((10, 3, 0.5, 1)))
         volume.fluidcarve.amount, volume.fluidcarve.unit = -10 * 5 * 0.0454545, "LENGTH"
         bpy.ops.fluidcarve.check()
         with open(os.path.join(self.folder, "scene_plume", "draft.yaml"), encoding="utf-8") as file:
