@@ -2,7 +2,7 @@
 
 blender -b --factory-startup --python render.py -- OUT.png VOLUME.vdb... [--from x|y|z] [--samples N] [--density D] [--height PIXELS]
 
-Smoke is grey, `flame` glows. All pictures show the box around the first volume, and a tenth more.
+Smoke is grey, `flame` glows. All pictures show the box around all volumes, and a tenth more.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def volume_of(path, density):
         flame, strength = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeMath")
         flame.attribute_name = "flame"
         strength.operation = "MULTIPLY"
-        strength.inputs[1].default_value = density
+        strength.inputs[1].default_value = density / 6
         links.new(flame.outputs["Fac"], strength.inputs[0])
         links.new(strength.outputs[0], smoke.inputs["Emission Strength"])
         smoke.inputs["Emission Color"].default_value = (1, 0.33, 0.07, 1)
@@ -77,9 +77,9 @@ def volume_of(path, density):
 
 
 def place_camera(volumes, side, height):
-    """Looks along an axis, without perspective, at the box around the first volume."""
+    """Looks along an axis, without perspective, at the box around all volumes."""
     bpy.context.view_layer.update()
-    corners = [volumes[0].matrix_world @ Vector(each) for each in volumes[0].bound_box]
+    corners = [volume.matrix_world @ Vector(each) for volume in volumes for each in volume.bound_box]
     low = Vector([min(each[n] for each in corners) for n in range(3)])
     high = Vector([max(each[n] for each in corners) for n in range(3)])
     middle, size = (low + high) / 2, high - low
