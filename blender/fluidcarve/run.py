@@ -46,7 +46,7 @@ def volume_of(context):
 
 
 class _Button:
-    bl_options = {"REGISTER"}
+    bl_options = {"UNDO"}
 
     @classmethod
     def poll(cls, context):
@@ -213,6 +213,7 @@ class FLUIDCARVE_OT_carve(_Button, bpy.types.Operator):
     def _end(self, context):
         volume = bpy.data.objects.get(self._name)
         if volume is None:
+            self.report({"WARNING"}, f"'{self._name}' was renamed or removed while it was carved; its files are in {self._shot.folder}")
             return {"CANCELLED"}
         try:
             result = self._job.wait()
