@@ -1,10 +1,11 @@
-"""Reads what the program writes to look at: lattices and seams as lines, carved meshes, all in .obj files."""
+"""Reads what the program writes to look at: lattices and seams as lines and carved meshes in .obj files, particles in .ply files."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Dict, Iterator, List, Tuple
 
+import numpy
 from mathutils import Vector
 
 Vertex = Tuple[float, float, float]
@@ -42,6 +43,22 @@ def read_obj(path: str) -> Geometry:
                 out.faces.append(tuple(int(each[0]) - 1 for each in corners))
                 out.corners += [int(each[1]) - 1 if len(each) > 1 and each[1] else -1 for each in corners]
     return out
+
+
+def read_points(path: str) -> "numpy.ndarray":
+    """Positions of the points in a .ply file of the program's, as (n, 3) floats. Raises ValueError if it is another kind of file."""
+    types = {"char": "i1", "uchar": "u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4", "float": "<f4", "double": "<f8"}
+    with open(path, "rb") as file:
+        count, fields = 0, []
+        for line in iter(lambda: file.readline().split(), [b"end_header"]):
+            if line[:2] == [b"element", b"vertex"]:
+                count = int(line[2])
+            elif line[:1] == [b"property"]:
+                fields.append((line[2].decode(), types[line[1].decode()]))
+            elif line[:1] == [b"format"] and line[1] != b"binary_little_endian":
+                raise ValueError(f"{path} is not little endian")
+        read = numpy.fromfile(file, numpy.dtype(fields), count)
+    return numpy.stack([read[name].astype(numpy.float32) for name in "xyz"], axis=1)
 
 
 def strides(lattice: Geometry) -> List[int]:

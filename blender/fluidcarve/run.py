@@ -231,7 +231,7 @@ class FLUIDCARVE_OT_carve(_Button, bpy.types.Operator):
         # A change in time numbers its frames on from the first.
         written = result.nodes["out"].frames
         numbers = made.frames if written == len(made.frames) else range(made.frames[0], made.frames[0] + written)
-        show.carved(volume, made.out, made.source, numbers)
+        show.carved(volume, made.points or made.out, made.source, numbers)
         if made.seams:
             show.seams(volume, made.seams, made.source.number(context.scene.frame_current))
         if made.energy:

@@ -34,6 +34,7 @@ class Shot:
     out: str  # the carved files
     seams: str = ""  # lines along the seams, files; empty: none
     energy: str = ""  # the energy's files; empty: none
+    points: str = ""  # the carved particles, to look at; empty: none
     allow_plugins: bool = False  # whether it runs a script
     frames: Sequence[int] = ()  # numbers of the frames that it carves
 
@@ -63,8 +64,9 @@ def write(volume: bpy.types.Object, preview: bool = False) -> Shot:
     if preview:
         pipeline, folder = os.path.join(folder, "preview.yaml"), os.path.join(folder, "preview")
         os.makedirs(folder, exist_ok=True)
-    ending = ".vdb" if not settings.files else os.path.splitext(source.path)[1]
-    shot = Shot(pipeline, folder, source, scene.facts_of(source), os.path.join(folder, f"carved{'.####' if '#' in source.path else ''}{ending}"))
+    facts = scene.facts_of(source)
+    ending = {"volume": ".vdb", "mesh": ".obj", "points": ".ply"}.get(facts["kind"], os.path.splitext(source.path)[1])
+    shot = Shot(pipeline, folder, source, facts, os.path.join(folder, f"carved{'.####' if '#' in source.path else ''}{ending}"))
     made = _in_time(volume, shot) if axis_of(settings) == "t" else _in_space(volume, shot, preview)
     made.doc = f"{_MARK} '{volume.name}' of {os.path.basename(bpy.data.filepath) or 'an unsaved file'}; carving again writes it anew.\n"
     made.doc += f"It runs without Blender, too: fluidcarve run {shlex.quote(os.path.basename(pipeline))}"
@@ -150,6 +152,9 @@ def _in_space(volume: bpy.types.Object, shot: Shot, preview: bool) -> Any:
     if is_volume:
         shot.energy = os.path.join(shot.folder, "energy.####.vdb")
         p.vdb.write(source=p.fields("seams")["energy"], path=shot.energy, name="shown")
+    if "moved" in [str(node) for node in p.nodes()]:
+        shot.points = os.path.join(shot.folder, "points.####.ply")
+        p.points.write(source="moved", path=shot.points, encoding="little_endian", name="seen")
     if has_seams and shot.facts["kind"] != "image":
         shot.seams = os.path.join(shot.folder, "seams.####.obj")
         p.seams.curves(lattice="bent" if settings.rig else "box", seams="seams", path=shot.seams, name="lines")

@@ -124,7 +124,7 @@ def energy(volume: bpy.types.Object, path: str, source: scene.Source, numbers: S
 
 def carved(volume: bpy.types.Object, path: str, source: scene.Source, numbers: Sequence[int]) -> bpy.types.Object:
     """Puts the carved files of frames in the place of a volume, which is hidden."""
-    if path.endswith(".obj"):
+    if path.endswith((".obj", ".ply")):
         out = _object(volume, "carved", bpy.data.meshes.new("carved"))
         volume.fluidcarve.sequence = path
         mesh_of_frame(volume)
@@ -177,7 +177,7 @@ def flip(volume: bpy.types.Object) -> None:
 
 
 def mesh_of_frame(volume: bpy.types.Object) -> None:
-    """Gives the carved mesh of a volume the vertices of the scene's frame."""
+    """Gives the carved mesh of a volume, or its particles as vertices, those of the scene's frame."""
     settings = volume.fluidcarve
     numbers = _numbers(settings.sequence)
     if settings.carved is None or not numbers:
@@ -185,16 +185,18 @@ def mesh_of_frame(volume: bpy.types.Object) -> None:
     source = scene.source_of(volume)
     wanted = source.number(bpy.context.scene.frame_current)
     path = scene.of_frame(settings.sequence, min(numbers, key=lambda each: abs(each - wanted)))
-    read = lines.read_obj(path)
     mesh = settings.carved.data
-    materials = list(mesh.materials)
     mesh.clear_geometry()
+    if path.endswith(".ply"):
+        points = lines.read_points(path)
+        mesh.vertices.add(len(points))
+        mesh.vertices.foreach_set("co", points.ravel())
+        mesh.update()
+        return
+    read = lines.read_obj(path)
     mesh.from_pydata(read.vertices, [], read.faces)
     if read.textures and -1 not in read.corners:
         layer = mesh.uv_layers.new(name="UVMap")
         for loop, corner in zip(layer.data, read.corners):
             loop.uv = read.textures[corner]
-    if not mesh.materials:
-        for each in materials:
-            mesh.materials.append(each)
     mesh.update()

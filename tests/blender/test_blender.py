@@ -295,7 +295,9 @@ class OtherFiles(BlenderTest):
         self.assertEqual(len(volume.fluidcarve.carved.data.polygons), len(mesh.polygons))
 
     def test_particles_are_carved_with_the_grids_beside_them(self):
-        self.carve("river/meander.0037.vdb", -5)
+        mesh = self.carve("river/meander.0037.vdb", -5).fluidcarve.carved.data
+        self.assertGreater(len(mesh.vertices), 1000)
+        self.assertLess(max(each.co.x for each in mesh.vertices), 10)
         self.assertIn("points", program("inspect", self.carved_files()[0]))
 
     def test_images_are_files(self):
