@@ -66,7 +66,7 @@ def write(volume: bpy.types.Object, preview: bool = False) -> Shot:
         os.makedirs(folder, exist_ok=True)
     facts = scene.facts_of(source)
     ending = {"volume": ".vdb", "mesh": ".obj", "points": ".ply"}.get(facts["kind"], os.path.splitext(source.path)[1])
-    shot = Shot(pipeline, folder, source, facts, os.path.join(folder, f"carved{'.####' if '#' in source.path else ''}{ending}"))
+    shot = Shot(pipeline, folder, source, facts, _files(folder, "carved", ending, source))
     made = _in_time(volume, shot) if axis_of(settings) == "t" else _in_space(volume, shot, preview)
     made.doc = f"{_MARK} '{volume.name}' of {os.path.basename(bpy.data.filepath) or 'an unsaved file'}; carving again writes it anew.\n"
     made.doc += f"It runs without Blender, too: fluidcarve run {shlex.quote(os.path.basename(pipeline))}"
@@ -75,6 +75,11 @@ def write(volume: bpy.types.Object, preview: bool = False) -> Shot:
     made.frames = _frame_set(shot.frames)
     made.save(pipeline)
     return shot
+
+
+def _files(folder: str, name: str, ending: str, source: scene.Source) -> str:
+    """The path of files that are written: one per frame of a sequence, or one."""
+    return os.path.join(folder, f"{name}{'.####' if '#' in source.path else ''}{ending}")
 
 
 def _require_ours(pipeline: str) -> None:
@@ -150,13 +155,13 @@ def _in_space(volume: bpy.types.Object, shot: Shot, preview: bool) -> Any:
     if settings.window_low or settings.window_high:
         p.change("seams", window=_window(volume, shot))
     if is_volume:
-        shot.energy = os.path.join(shot.folder, "energy.####.vdb")
+        shot.energy = _files(shot.folder, "energy", ".vdb", shot.source)
         p.vdb.write(source=p.fields("seams")["energy"], path=shot.energy, name="shown")
     if "moved" in [str(node) for node in p.nodes()]:
-        shot.points = os.path.join(shot.folder, "points.####.ply")
+        shot.points = _files(shot.folder, "points", ".ply", shot.source)
         p.points.write(source="moved", path=shot.points, encoding="little_endian", name="seen")
     if has_seams and shot.facts["kind"] != "image":
-        shot.seams = os.path.join(shot.folder, "seams.####.obj")
+        shot.seams = _files(shot.folder, "seams", ".obj", shot.source)
         p.seams.curves(lattice="bent" if settings.rig else "box", seams="seams", path=shot.seams, name="lines")
     return p
 

@@ -138,6 +138,13 @@ class Boxes(BlenderTest):
         program("carve", PLUME.replace("0051", "####"), "-8", "-o", mine, "--no-cache", "-q")
         program("diff", mine, ours)
 
+    def test_one_file_is_carved_alone(self):
+        volume = self.volume()
+        volume.data.is_sequence = False
+        self.assertEqual(bpy.ops.fluidcarve.carve(), {"FINISHED"}, volume.fluidcarve.status)
+        self.assertFalse(volume.fluidcarve.carved.data.is_sequence)
+        self.assertTrue(os.path.isfile(os.path.join(self.folder, "scene_plume", "carved.vdb")))
+
     def test_lengths_are_the_scenes(self):
         volume = self.volume(Matrix.Diagonal((10, 3, 0.5, 1)))
         volume.fluidcarve.amount, volume.fluidcarve.unit = -10 * 5 * 0.0454545, "LENGTH"
