@@ -22,15 +22,21 @@ std::optional<std::size_t> find_name(const std::vector<std::string>& names, cons
 }
 
 openvdb::GridBase::ConstPtr Volume::find(const std::string& name) const {
-    std::vector<std::string> all;
-    for (const auto& grid : grids) all.push_back(grid->getName());
-    const auto found = find_name(all, name);
-    return found ? grids[*found] : nullptr;
+    const auto found = place(name);
+    return found ? grids[*found].grid() : nullptr;
+}
+
+std::optional<std::size_t> Volume::place(const std::string& name) const { return find_name(given_names(), name); }
+
+std::vector<std::string> Volume::given_names() const {
+    std::vector<std::string> out;
+    for (const auto& grid : grids) out.push_back(grid.name());
+    return out;
 }
 
 std::vector<std::string> Volume::unique_names() const {
-    std::vector<std::string> all, out;
-    for (const auto& grid : grids) all.push_back(grid->getName());
+    std::vector<std::string> out;
+    const auto all = given_names();
     for (std::size_t n = 0; n < all.size(); ++n) {
         const bool several = std::ranges::count(all, all[n]) > 1;
         out.push_back(several ? fmt::format("{}[{}]", all[n], std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n), all[n])) : all[n]);
@@ -40,7 +46,7 @@ std::vector<std::string> Volume::unique_names() const {
 
 std::string Volume::names() const {
     std::string out;
-    for (const auto& grid : grids) out += (out.empty() ? "" : ", ") + grid->getName();
+    for (const auto& grid : grids) out += (out.empty() ? "" : ", ") + grid.name();
     return out;
 }
 

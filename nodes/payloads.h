@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/types/payload.h"
+#include "nodes/volume_grid.h"
 
 #include <openvdb/openvdb.h>
 
@@ -25,12 +26,16 @@ std::optional<std::size_t> find_name(const std::vector<std::string>& names, cons
 
 /// All grids of one frame, in the order of their file, and the file's metadata.
 struct Volume {
-    std::vector<openvdb::GridBase::ConstPtr> grids;
+    std::vector<VolumeGrid> grids;
     openvdb::MetaMap metadata;  ///< metadata of the file, not of its grids
     std::string codec;          ///< compression of the file: "none", "zip", "blosc"; empty: not from a file
 
-    /// The grid that find_name() finds, or null.
+    /// Place of the grid that find_name() finds.
+    std::optional<std::size_t> place(const std::string& name) const;
+    /// The grid at that place, or null.
     openvdb::GridBase::ConstPtr find(const std::string& name) const;
+    /// Names of the grids, which may be the same for several.
+    std::vector<std::string> given_names() const;
     /// Names of the grids, several of one name as OpenVDB tells them apart: "density[0]", "density[1]".
     std::vector<std::string> unique_names() const;
     /// Names of the grids for messages: "density, velocity".

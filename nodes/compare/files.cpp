@@ -79,8 +79,8 @@ Volume volume_of_image(const std::string& path, std::uint64_t memory) {
 
 GridFile image_file(const Volume& volume) {
     GridFile out;
-    for (const auto& grid : volume.grids) out.names.push_back(grid->getName());
-    out.grid = [grids = volume.grids](std::size_t place) { return grids[place]; };
+    out.names = volume.given_names();
+    out.grid = [grids = volume.grids](std::size_t place) { return grids[place].grid(); };
     return out;
 }
 

@@ -38,9 +38,7 @@ FloatGrid::ConstPtr channel_of(const Volume& image, const std::string& name) {
 
 std::vector<Term> terms_of(const Volume& image, const std::optional<std::vector<std::string>>& channels) {
     if (!channels) {
-        std::vector<std::string> names;
-        for (const auto& grid : image.grids) names.push_back(grid->getName());
-        if (const auto colours = colours_of(names); !colours.empty())
+        if (const auto colours = colours_of(image.given_names()); !colours.empty())
             return {{channel_of(image, colours[0]), 0.2126f}, {channel_of(image, colours[1]), 0.7152f}, {channel_of(image, colours[2]), 0.0722f}};
     }
     std::vector<Term> out;
@@ -48,8 +46,8 @@ std::vector<Term> terms_of(const Volume& image, const std::optional<std::vector<
         for (const auto& name : *channels) out.push_back({channel_of(image, name), 1});
     } else {
         for (const auto& grid : image.grids)
-            if (!grid->isType<openvdb::Int32Grid>() && !is_opacity(grid->getName()) && !is_depth(grid->getName()))
-                out.push_back({channel_of(image, grid->getName()), 1});
+            if (const auto name = grid.name(); !grid.header().isType<openvdb::Int32Grid>() && !is_opacity(name) && !is_depth(name))
+                out.push_back({channel_of(image, name), 1});
     }
     if (out.empty()) throw Failure(fmt::format("there is no channel to compute the energy from; there are {}: name some in `channels`", image.names()));
     for (auto& term : out) term.weight = 1 / static_cast<float>(out.size());

@@ -11,11 +11,12 @@ namespace fluidcarve {
 template <class Change>
 Volume each_grid(const Volume& volume, const Change& change) {
     auto out = volume;
-    for (auto& grid : out.grids) {
-#define FLUIDCARVE_TRY(GridT)                                \
-    if (grid->isType<GridT>()) {                             \
-        grid = change(openvdb::GridBase::grid<GridT>(grid)); \
-        continue;                                            \
+    for (auto& held : out.grids) {
+        const auto grid = held.grid();
+#define FLUIDCARVE_TRY(GridT)                                              \
+    if (grid->isType<GridT>()) {                                           \
+        held = held.holding(change(openvdb::GridBase::grid<GridT>(grid))); \
+        continue;                                                          \
     }
         FLUIDCARVE_EACH_GRID_TYPE(FLUIDCARVE_TRY)
 #undef FLUIDCARVE_TRY

@@ -28,7 +28,7 @@ struct PickGrids {
 Volume picked(const Volume& volume, const std::vector<std::string>& names, bool keep) {
     const auto named = grids_named(volume, names);
     auto out = volume;
-    std::erase_if(out.grids, [&](const openvdb::GridBase::ConstPtr& grid) { return named.contains(grid.get()) != keep; });
+    std::erase_if(out.grids, [&](const VolumeGrid& grid) { return named.contains(&grid.header()) != keep; });
     return out;
 }
 

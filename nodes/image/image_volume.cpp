@@ -114,48 +114,35 @@ public:
     }
     /// @param x, y  of a voxel inside the window
     std::size_t operator()(int x, int y) const { return static_cast<std::size_t>(first_ + (x - corner_.x()) * along_x_ + (y - corner_.y()) * along_y_); }
+    /// Index of the pixel at the window's lower left voxel, and the steps to its neighbours along x and y.
+    std::ptrdiff_t first() const { return first_; }
+    std::ptrdiff_t along_x() const { return along_x_; }
+    std::ptrdiff_t along_y() const { return along_y_; }
 
 private:
     Coord corner_;
     std::ptrdiff_t first_, along_x_, along_y_;
 };
 
-/// The value of a pixel in a grid: of identities the bits, which no remap averages.
-template <class Value>
-Value of_pixel(float pixel) {
-    return std::bit_cast<Value>(pixel);
-}
-
-/// A channel as a grid, with one leaf per 8 x 8 pixels.
-template <class GridT>
-openvdb::GridBase::Ptr grid_of(const Image& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
-    using Value = typename GridT::ValueType;
-    using Leaf = typename GridT::TreeType::LeafNodeType;
-    const auto first = Coord(box.min().x() >> 3, box.min().y() >> 3, 0), last = Coord(box.max().x() >> 3, box.max().y() >> 3, 0);
-    const int across = last.x() - first.x() + 1, rows = last.y() - first.y() + 1;
-    const auto inside = upright.voxels(image.data);
-    const PixelPlaces places(image.data, upright);
-    const auto count = image.channels.size();
-    std::vector<Leaf*> leaves(static_cast<std::size_t>(across) * static_cast<std::size_t>(rows));
-    tbb::parallel_for(0, rows, [&](int row) {
-        for (int column = 0; column < across; ++column) {
-            const Coord origin((first.x() + column) * 8, (first.y() + row) * 8, 0);
-            auto* const leaf = new Leaf(origin, Value(0));
-            for (int x = std::max(origin.x(), box.min().x()); x <= std::min(origin.x() + 7, box.max().x()); ++x)
-                for (int y = std::max(origin.y(), box.min().y()); y <= std::min(origin.y() + 7, box.max().y()); ++y) {
-                    const Coord at(x, y, 0);
-                    leaf->setValueOn(Leaf::coordToOffset(at), of_pixel<Value>(inside.isInside(at) ? image.pixels[places(x, y) * count + channel] : 0.0f));
-                }
-            leaves[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column)] = leaf;
-        }
-    });
-    auto out = GridT::create(Value(0));
-    for (auto* const leaf : leaves) out->tree().addLeaf(leaf);
-    const auto& [name, depth] = image.channels[channel];
-    out->setName(name);
-    if constexpr (std::is_same_v<GridT, FloatGrid>) out->setSaveFloatAsHalf(depth == "half");
-    out->insertMeta(depth_key, openvdb::StringMetadata(depth));
-    return out;
+/// A channel as a grid of a volume, which refers to the image's pixels.
+VolumeGrid grid_of(const std::shared_ptr<const Image>& image, std::size_t channel, const Upright& upright, const CoordBBox& box) {
+    const auto& [name, depth] = image->channels[channel];
+    openvdb::GridBase::Ptr header;
+    if (is_identity(image->channels[channel], image->attributes)) {
+        header = openvdb::Int32Grid::create(0);
+    } else {
+        header = FloatGrid::create(0);
+        header->setSaveFloatAsHalf(depth == "half");
+    }
+    header->setName(name);
+    header->insertMeta(depth_key, openvdb::StringMetadata(depth));
+    Plane plane{box, upright.voxels(image->data), nullptr};
+    const PixelPlaces places(image->data, upright);
+    const auto count = static_cast<std::ptrdiff_t>(image->channels.size());
+    plane.along_x = places.along_x() * count;
+    plane.along_y = places.along_y() * count;
+    plane.values = std::shared_ptr<const float>(image, image->pixels.data() + places.first() * count + static_cast<std::ptrdiff_t>(channel));
+    return {header, std::move(plane)};
 }
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {
@@ -185,23 +172,23 @@ std::vector<Image::Attribute> attributes_for(const Volume& volume, const std::st
     return out;
 }
 
-using Channels = std::vector<openvdb::GridBase::ConstPtr>;
+using Channels = std::vector<VolumeGrid>;
 
 /// Whether a grid holds the bits of a channel that names things.
 bool is_identity(const openvdb::GridBase& grid) { return grid.isType<openvdb::Int32Grid>() && grid[depth_key] != nullptr; }
 
 std::string names_of(const Channels& channels) {
     std::string out;
-    for (const auto& channel : channels) out += (out.empty() ? "" : ", ") + channel->getName();
+    for (const auto& channel : channels) out += (out.empty() ? "" : ", ") + channel.name();
     return out;
 }
 
 /// Sorts channels: R, G, B, opacity, others. Most formats need this order.
 void sort_colours(Channels& channels) {
-    const auto has = [&](const char* name) { return std::any_of(channels.begin(), channels.end(), [&](const auto& each) { return each->getName() == name; }); };
+    const auto has = [&](const char* name) { return std::any_of(channels.begin(), channels.end(), [&](const auto& each) { return each.name() == name; }); };
     const bool colours = has("R") && has("G") && has("B");
-    const auto rank = [&](const openvdb::GridBase::ConstPtr& channel) {
-        const auto name = channel->getName();
+    const auto rank = [&](const VolumeGrid& channel) {
+        const auto name = channel.name();
         if (colours) return name == "R" ? 0 : name == "G" ? 1 : name == "B" ? 2 : is_opacity(name) ? 3 : 4;
         return channels.size() == 2 && is_opacity(name) ? 1 : 0;
     };
@@ -212,17 +199,18 @@ void sort_colours(Channels& channels) {
 
 Channels channels_of(const Volume& volume, const ImageWish& wish) {
     Channels out;
-    const auto take = [&](const openvdb::GridBase::ConstPtr& grid) {
+    const auto take = [&](const VolumeGrid& held) {
+        const auto* const grid = &held.header();
         if (!grid->isType<FloatGrid>() && !is_identity(*grid))
             throw Failure(fmt::format("grid '{}' is of type {}, but a channel of an image is a float grid; name those to write: `channels: [R, G, B]`",
                                       grid->getName(), grid->type()));
-        out.push_back(grid);
+        out.push_back(held);
     };
     if (wish.channels) {
         for (const auto& name : *wish.channels) {
-            const auto grid = volume.find(name);
-            if (!grid) throw Failure(no_channel(name, volume.names()));
-            take(grid);
+            const auto place = volume.place(name);
+            if (!place) throw Failure(no_channel(name, volume.names()));
+            take(volume.grids[*place]);
         }
     } else {
         for (const auto& grid : volume.grids) take(grid);
@@ -236,13 +224,13 @@ Channels channels_of(const Volume& volume, const ImageWish& wish) {
 void require_layout(const Channels& channels, const ImageFormat& format) {
     const bool png = format.name == "png";
     if (!png && format.name != "jpeg") return;
-    const auto alphas = std::count_if(channels.begin(), channels.end(), [](const auto& each) { return is_opacity(each->getName()); });
+    const auto alphas = std::count_if(channels.begin(), channels.end(), [](const auto& each) { return is_opacity(each.name()); });
     const auto colours = channels.size() - static_cast<std::size_t>(alphas);
-    const bool alpha_last = alphas == 0 || (alphas == 1 && is_opacity(channels.back()->getName()));
+    const bool alpha_last = alphas == 0 || (alphas == 1 && is_opacity(channels.back().name()));
     if ((colours == 1 || colours == 3) && alpha_last && (png || alphas == 0)) return;
     if (!png && alphas > 0 && (colours == 1 || colours == 3)) {
         auto opaque = channels;
-        std::erase_if(opaque, [](const auto& each) { return is_opacity(each->getName()); });
+        std::erase_if(opaque, [](const auto& each) { return is_opacity(each.name()); });
         throw Failure(fmt::format("JPEG holds no opacity: leave it out (`channels: [{}]`), or write PNG, TIFF or EXR", names_of(opaque)));
     }
     throw Failure(fmt::format("{} holds grey or three colours{}, not {}; name the channels to write (`channels: [R, G, B]`), or write EXR or TIFF",
@@ -253,13 +241,13 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
     const auto& format = *wish.format;
     std::vector<std::string> read;
     for (const auto& channel : channels) {
-        const auto fallback = channel->saveFloatAsHalf() ? "half" : format.depths.back() == "double" ? "float" : format.depths.back();
-        read.push_back(meta(*channel, depth_key, fallback));
+        const auto fallback = channel.header().saveFloatAsHalf() ? "half" : format.depths.back() == "double" ? "float" : format.depths.back();
+        read.push_back(meta(channel.header(), depth_key, fallback));
         // Bits of 32 are no number that another depth could hold.
         const bool bits = read.back() == "uint" || read.back() == "int";
         if (bits && (format.name != "openexr" || read.back() == "int"))
             throw Failure(fmt::format("channel '{}' holds whole numbers of 32 bits, which {} can't keep; name the channels to write, or write EXR",
-                                      channel->getName(), read.back() == "int" ? "no format" : format.shown));
+                                      channel.name(), read.back() == "int" ? "no format" : format.shown));
         if (wish.depth && !bits) read.back() = *wish.depth;
     }
     if (wish.depth) return read;
@@ -275,7 +263,7 @@ std::vector<std::string> depths_of(const Channels& channels, const ImageWish& wi
     };
     if (format.name == "openexr") {
         for (std::size_t n = 0; n < read.size(); ++n)
-            if (read[n] != "uint") read[n] = fitting({&read[n], 1}, fmt::format("channel '{}' is", channels[n]->getName()));
+            if (read[n] != "uint") read[n] = fitting({&read[n], 1}, fmt::format("channel '{}' is", channels[n].name()));
         return read;
     }
     return std::vector<std::string>(channels.size(), fitting(read, "the channels are"));
@@ -307,6 +295,12 @@ void read_channel(const GridT& grid, const CoordBBox& voxels, const tbb::blocked
         }
 }
 
+/// The same of a plane, whose pixels outside of its box are 0.
+void read_plane(const Plane& plane, const CoordBBox& voxels, const tbb::blocked_range<int>& rows, const PixelPlaces& places, std::size_t count, float* out) {
+    for (int y = rows.begin(); y < rows.end(); ++y)
+        for (int x = voxels.min().x(); x <= voxels.max().x(); ++x) out[places(x, y) * count] = plane.at(x, y);
+}
+
 /// Reads the pixels of the data window from the grids. @param z  index coordinate of the plane of pixels
 void read_pixels(const Channels& channels, const Upright& upright, int z, Image& out) {
     const auto count = channels.size();
@@ -315,9 +309,12 @@ void read_pixels(const Channels& channels, const Upright& upright, int z, Image&
     const PixelPlaces places(out.data, upright);
     tbb::parallel_for(tbb::blocked_range<int>(voxels.min().y(), voxels.max().y() + 1, 8), [&](const tbb::blocked_range<int>& rows) {
         for (std::size_t c = 0; c < count; ++c) {
-            const auto read = [&](const auto& grid) { read_channel(grid, voxels, rows, z, places, count, out.pixels.data() + c); };
-            if (channels[c]->isType<FloatGrid>()) read(static_cast<const FloatGrid&>(*channels[c]));
-            else read(static_cast<const openvdb::Int32Grid&>(*channels[c]));
+            auto* const first = out.pixels.data() + c;
+            const auto read = [&](const auto& grid) { read_channel(grid, voxels, rows, z, places, count, first); };
+            const auto& header = channels[c].header();
+            if (const auto* const plane = channels[c].plane()) read_plane(*plane, voxels, rows, places, count, first);
+            else if (header.isType<FloatGrid>()) read(static_cast<const FloatGrid&>(header));
+            else read(static_cast<const openvdb::Int32Grid&>(header));
         }
     });
 }
@@ -398,16 +395,15 @@ std::array<int, 2> upright_size(const Image& header) {
     return {upright.width(), upright.height()};
 }
 
-Volume volume_of(const Image& image) {
+Volume volume_of(Image read) {
     // Registers the types of metadata.
     openvdb::initialize();
+    const auto held = std::make_shared<const Image>(std::move(read));
+    const auto& image = *held;
     const Upright upright(orientation_of(image), image.display);
     const auto box = upright.voxels(united(image.data, image.display));
     Volume out;
-    for (std::size_t c = 0; c < image.channels.size(); ++c) {
-        const bool named = is_identity(image.channels[c], image.attributes);
-        out.grids.push_back(named ? grid_of<openvdb::Int32Grid>(image, c, upright, box) : grid_of<FloatGrid>(image, c, upright, box));
-    }
+    for (std::size_t c = 0; c < image.channels.size(); ++c) out.grids.push_back(grid_of(held, c, upright, box));
     for (const auto& attribute : image.attributes)
         if (!is_provenance(attribute.name)) out.metadata.insertMeta(attribute_prefix + attribute.name, *metadata_of(attribute));
     out.metadata.insertMeta(format_key, openvdb::StringMetadata(image.format));
@@ -417,11 +413,7 @@ Volume volume_of(const Image& image) {
 }
 
 std::uint64_t bytes_as_volume(const Image& header) {
-    const auto all = united(header.data, header.display);
-    // A leaf is eight voxels deep, but an image fills only one plane of it.
-    constexpr std::uint64_t bytes_of_leaves = 9 * sizeof(float);
-    const auto area = [](const Image::Window& window) { return static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height); };
-    return header.channels.size() * (area(all) * bytes_of_leaves + area(header.data) * 2 * sizeof(float));
+    return header.channels.size() * static_cast<std::uint64_t>(header.data.width) * static_cast<std::uint64_t>(header.data.height) * sizeof(float);
 }
 
 Image image_of(const Volume& volume, const ImageWish& wish, const std::function<void(const std::string&)>& warn) {
@@ -434,12 +426,12 @@ Image image_of(const Volume& volume, const ImageWish& wish, const std::function<
     Image out;
     out.format = wish.format->name;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-        const auto& grid = *channels[c];
-        box.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid)) : grid.evalActiveVoxelBoundingBox());
-        out.channels.push_back({channels[c]->getName(), depths[c]});
-        same_depth = same_depth && meta(*channels[c], depth_key, std::string()) == depths[c];
-        if (const auto name = channels[c]->getName(); !is_identity(grid) && is_opacity(name) && name.find('.') == std::string::npos)
-            out.alpha = static_cast<int>(c);
+        const auto& grid = channels[c].header();
+        if (const auto* const plane = channels[c].plane()) box.expand(plane->box);
+        else box.expand(grid.isType<FloatGrid>() ? active_box(static_cast<const FloatGrid&>(grid)) : grid.evalActiveVoxelBoundingBox());
+        out.channels.push_back({grid.getName(), depths[c]});
+        same_depth = same_depth && meta(grid, depth_key, std::string()) == depths[c];
+        if (const auto name = grid.getName(); !is_identity(grid) && is_opacity(name) && name.find('.') == std::string::npos) out.alpha = static_cast<int>(c);
     }
     if (box.empty()) throw Failure(fmt::format("no voxel of {} is active: there is no pixel to write", names_of(channels)));
     if (box.min().z() != box.max().z())

@@ -12,15 +12,15 @@
 
 namespace fluidcarve {
 
-/// Converts a picture to a volume: one float grid per channel, voxel size 1, the pixel `(x, y)` (y up) at voxel `(x, y, 0)`. The lower
-/// left pixel of the display window is voxel `(0, 0, 0)`. All pixels of both windows are active, also zeros. Attributes become metadata
-/// of the volume, named `image:NAME`; the depth of a channel becomes metadata of its grid.
-Volume volume_of(const Image& image);
+/// Converts a picture to a volume: one float grid per channel, as planes of the picture's own pixels, voxel size 1, the pixel `(x, y)` (y up) at voxel `(x, y,
+/// 0)`. The lower left pixel of the display window is voxel `(0, 0, 0)`. All pixels of both windows are active, also zeros. Attributes become metadata of the
+/// volume, named `image:NAME`; the depth of a channel becomes metadata of its grid.
+Volume volume_of(Image image);
 
 /// Width and height of the picture that a volume shows, turned upright, pixels. @param header  may have no pixels
 std::array<int, 2> upright_size(const Image& header);
 
-/// Bytes of memory of a picture and its volume. @param header  may have no pixels
+/// Bytes of memory of a picture, which is also its volume. @param header  may have no pixels
 std::uint64_t bytes_as_volume(const Image& header);
 
 /// How to write a volume as an image.

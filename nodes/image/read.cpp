@@ -63,7 +63,8 @@ struct ImageRead {
             if (!depth_holds("float", depth) && depth != "uint" && depth != "int")
                 context.warn(fmt::format("{}: channel '{}' is {}; it is read as float, which keeps 24 bits", path, name, depth));
         const auto volume = std::make_shared<Volume>(volume_of(images().read(path, format.name)));
-        for (const auto& [output, channel] : params.channels) io.channels[output] = Payload(openvdb::gridConstPtrCast<FloatGrid>(volume->find(channel)));
+        for (const auto& [output, channel] : params.channels)
+            if (context.wants(output)) io.channels[output] = Payload(openvdb::gridConstPtrCast<FloatGrid>(volume->find(channel)));
         io.volume = volume;
     }
 

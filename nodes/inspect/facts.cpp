@@ -31,6 +31,9 @@ std::string world_text(const Json& box) {
     return fmt::format("{} to {}", corner(box[0]), corner(box[1]));
 }
 
-std::string range_text(const Json& range) { return fmt::format("{:g} to {:g}", range[0].get<double>(), range[1].get<double>()); }
+std::string range_text(const Json& range) {
+    if (range[0].is_number_integer()) return fmt::format("{} to {}", range[0].get<std::int64_t>(), range[1].get<std::int64_t>());
+    return fmt::format("{:g} to {:g}", range[0].get<double>(), range[1].get<double>());
+}
 
 }  // namespace fluidcarve

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 
@@ -20,8 +22,24 @@ using Json = nlohmann::ordered_json;
 /// First and last pixel, y down as in files.
 Json window_json(const Image::Window& window) { return {{window.x, window.y}, {window.x + window.width - 1, window.y + window.height - 1}}; }
 
+/// The least and the greatest value of a channel of whole numbers of 32 bits, whose pixels are their bits.
+template <class Number>
+Json range_of_bits(const Image& image, std::size_t channel) {
+    Number low = std::numeric_limits<Number>::max(), high = std::numeric_limits<Number>::min();
+    for (auto n = channel; n < image.pixels.size(); n += image.channels.size()) {
+        const auto value = std::bit_cast<Number>(image.pixels[n]);
+        low = std::min(low, value), high = std::max(high, value);
+    }
+    return {low, high};
+}
+
 Json channel_json(const Image& image, std::size_t channel, std::vector<std::string>& oddities) {
     Json out{{"name", one_line(image.channels[channel].name)}, {"depth", image.channels[channel].depth}};
+    const auto& depth = image.channels[channel].depth;
+    if (depth == "uint" || depth == "int") {
+        out["range"] = depth == "uint" ? range_of_bits<std::uint32_t>(image, channel) : range_of_bits<std::int32_t>(image, channel);
+        return out;
+    }
     float low = std::numeric_limits<float>::infinity(), high = -low;
     std::size_t not_finite = 0;
     for (auto n = channel; n < image.pixels.size(); n += image.channels.size()) {

@@ -176,13 +176,13 @@ void note_between(const Volume& volume, const Json& grids, Oddities& out) {
     std::set<std::string> names;
     std::set<const openvdb::TreeBase*> trees;
     for (std::size_t n = 0; n < volume.grids.size(); ++n) {
-        const auto& grid = *volume.grids[n];
+        const auto& grid = volume.grids[n].header();
         const auto name = grids[n]["name"].get<std::string>();
         const auto triplet = triplet_of(volume, grid);
         if (triplet)
             out.add(fmt::format("{} vector in three grids: name it under `grids: {{{}: vector}}`", triplet->staggered ? "a staggered" : "a", triplet->name),
                     name);
-        else if (n > 0 && grid.transform() != volume.grids[0]->transform())
+        else if (n > 0 && grid.transform() != volume.grids[0].header().transform())
             out.add(fmt::format("another transform than {}", grids[0]["name"].get<std::string>()), name);
         if (!names.insert(grid.getName()).second) out.add("not the only grid of its name", name);
         if (!trees.insert(&grid.constBaseTree()).second) out.add("shares its voxels with a grid before it", name);
@@ -192,7 +192,7 @@ void note_between(const Volume& volume, const Json& grids, Oddities& out) {
 void note_file(const Volume& volume, const VdbHeader& header, const Conventions* conventions, Oddities& out) {
     note_metadata(volume.metadata, [&](const std::string& text) { out.add(text); });
     if (volume.grids.empty()) return out.add("no grids");
-    if (conventions && conventions->name == "blender" && volume.grids[0]->transform().indexToWorld(openvdb::Vec3d(0)).isZero())
+    if (conventions && conventions->name == "blender" && volume.grids[0].header().transform().indexToWorld(openvdb::Vec3d(0)).isZero())
         out.add("the grids start at the world's origin: Blender's caches lose their place in the scene; the reader's `translate` gives it back");
     if (header.version != openvdb::OPENVDB_FILE_VERSION)
         out.add(fmt::format("the file's version is {}; it would be written as {}", header.version, static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION)));
@@ -209,8 +209,8 @@ Json look(const std::string& path) {
     out["grids"] = Json::array();
     Oddities oddities;
     for (std::size_t n = 0; n < volume.grids.size(); ++n) {
-        out["grids"].push_back(grid_json(*volume.grids[n], header.grids[n].unique_name));
-        note_grid(*volume.grids[n], out["grids"].back(), conventions, oddities);
+        out["grids"].push_back(grid_json(volume.grids[n].header(), header.grids[n].unique_name));
+        note_grid(volume.grids[n].header(), out["grids"].back(), conventions, oddities);
     }
     note_between(volume, out["grids"], oddities);
     note_file(volume, header, conventions, oddities);

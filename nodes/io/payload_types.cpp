@@ -35,7 +35,7 @@ void add_payloads(Registry& registry) {
         "mask", "A set of voxels: the active ones of a grid.", [](const MaskGrid& grid) { return grid.memUsage(); }, filed_grid<MaskGrid>()));
     registry.add(payload_type<AnyGrid>(
         "grid", "One grid of any type, also of points.", [](const AnyGrid& any) { return any.grid->memUsage(); }, filed_any()));
-    registry.add(payload_type<Volume>("volume", "All grids of one frame, in the order of their file.", &bytes_of, {1, &write_volume, &read_volume}));
+    registry.add(payload_type<Volume>("volume", "All grids of one frame, in the order of their file.", &bytes_of, {2, &write_volume, &read_volume}));
 
     registry.add(conversion<FloatGrid, AnyGrid>([](const Ref<FloatGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));
     registry.add(conversion<VectorGrid, AnyGrid>([](const Ref<VectorGrid>& grid) { return std::make_shared<AnyGrid>(AnyGrid{grid}); }));

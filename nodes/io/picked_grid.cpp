@@ -21,9 +21,7 @@ std::vector<openvdb::GridBase::ConstPtr> picked(const Volume& volume, const std:
     for (const auto& each : triplet_names(name))
         if (auto grid = volume.find(each); grid && grid->isType<FloatGrid>()) out.push_back(std::move(grid));
     if (out.size() == 3) return out;
-    std::vector<std::string> known;
-    for (const auto& grid : volume.grids) known.push_back(grid->getName());
-    throw Failure(lacks_grid(name, known));
+    throw Failure(lacks_grid(name, volume.given_names()));
 }
 
 openvdb::GridBase::ConstPtr picked_as_one(const Volume& volume, const std::string& name) {
@@ -55,7 +53,12 @@ void add_grid_selections(Registry& registry) {
         [](const Volume& volume, const std::string& name) { return std::make_shared<AnyGrid>(AnyGrid{picked_as_one(volume, name)}); }));
     registry.add(selection<Volume, Volume>([](const Volume& volume, const std::string& name) {
         const auto out = std::make_shared<Volume>();
-        out->grids = picked(volume, name);
+        if (const auto place = volume.place(name)) {
+            out->grids.push_back(volume.grids[*place]);
+        } else {
+            const auto parts = picked(volume, name);
+            out->grids.assign(parts.begin(), parts.end());
+        }
         return out;
     }));
 }

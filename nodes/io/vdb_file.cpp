@@ -116,11 +116,11 @@ public:
     /// Reads a grid. An instance does not get the tree of its parent.
     openvdb::GridBase::Ptr read(const GridDescriptor& from) {
         const bool known = is_known_tree(from.gridType());
-        if (!known && fileVersion() != openvdb::OPENVDB_FILE_VERSION)
+        if (!known && version_ != openvdb::OPENVDB_FILE_VERSION)
             refuse(fmt::format(
                 "{}: grid '{}' is of type {}, which OpenVDB {} does not know; it can be copied unchanged only from a file of version {}, but this one has {}: "
                 "write the file without this grid",
-                path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(), static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), fileVersion()));
+                path_, shown(from), from.gridType(), openvdb::getLibraryVersionString(), static_cast<unsigned>(openvdb::OPENVDB_FILE_VERSION), version_));
         const auto grid =
             known ? openvdb::GridBase::createGrid(from.gridType()) : std::make_shared<RawGrid>(from.gridType(), from.getBlockPos(), from.getEndPos());
         VdbHeader::Entry entry;
@@ -186,7 +186,7 @@ public:
         return out;
     }
 
-    unsigned version() const { return fileVersion(); }
+    unsigned version() const { return version_; }
 
     /// Reads metadata and transform of a grid, without its tree.
     void describe(const GridDescriptor& grid, VdbHeader::Entry& out) {
@@ -232,11 +232,10 @@ private:
         // Of OpenVDB 13; grids are laid out as in 224, but for half-typed ones, which read() refuses.
         constexpr std::uint32_t newest = 225;
         static_assert(openvdb::OPENVDB_FILE_VERSION <= newest);
-        if (const auto version = number<std::uint32_t>(); version > newest)
-            refuse(fmt::format("{} has file version {}, and {} is the newest that can be read: write it with an older OpenVDB", path_, version, newest));
-        else if (version > openvdb::OPENVDB_FILE_VERSION) openvdb::logging::setLevel(openvdb::logging::Level::Fatal);  // OpenVDB would warn of each file
-        stream_.seekg(0);
-        readHeader(stream_);
+        version_ = number<std::uint32_t>();
+        if (version_ > newest)
+            refuse(fmt::format("{} has file version {}, and {} is the newest that can be read: write it with an older OpenVDB", path_, version_, newest));
+        read_header();
         tags_->setSeekable(true);
         adopt(stream_);
         read_metadata(metadata_);
@@ -253,6 +252,21 @@ private:
             by_name_.emplace(grids_.back().uniqueName(), grids_.size() - 1);
             stream_.seekg(grids_.back().getEndPos());
         }
+    }
+
+    /// Lets OpenVDB read the header, whose version is not above that of the library, which would warn of each file.
+    void read_header() {
+        constexpr std::int64_t longest = 64;
+        std::istringstream head(part(0, std::min<std::int64_t>(longest, static_cast<std::int64_t>(size_))));
+        if (version_ > openvdb::OPENVDB_FILE_VERSION) {
+            auto text = head.str();
+            const std::uint32_t known = openvdb::OPENVDB_FILE_VERSION;
+            text.replace(sizeof(std::int64_t), sizeof known, reinterpret_cast<const char*>(&known), sizeof known);
+            head.str(text);
+        }
+        head.exceptions(std::ios_base::failbit | std::ios_base::badbit | std::ios_base::eofbit);
+        readHeader(head);
+        stream_.seekg(head.tellg());
     }
 
     /// Finds the places of a grid in a file that OpenVDB's io::Stream wrote: there grids follow each other, and nothing says where they end.
@@ -382,6 +396,7 @@ private:
     std::string path_;
     std::uint64_t budget_;
     std::uint64_t size_ = 0;
+    std::uint32_t version_ = 0;  ///< of the file, which may be newer than fileVersion()
     std::shared_ptr<openvdb::io::StreamMetadata> tags_ = std::make_shared<openvdb::io::StreamMetadata>();  ///< the stream refers to it
     std::ifstream stream_;
     std::vector<GridDescriptor> grids_;

@@ -309,7 +309,7 @@ struct VdbRead {
         if (context.wants("volume")) {
             auto volume = std::make_shared<Volume>(contents.file().read());
             for (std::size_t n = 0; n < volume->grids.size(); ++n) grids[n] = volume->grids[n];
-            for (auto& grid : volume->grids) grid = placed(grid, contents.placement_of(*grid, placement));
+            for (auto& grid : volume->grids) grid = placed(grid, contents.placement_of(grid.header(), placement));
             io.volume = std::move(volume);
         }
         for (const auto& [output, all] : places) {

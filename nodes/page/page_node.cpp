@@ -104,8 +104,8 @@ private:
             return grid;
         }
         if (const auto density = volume.find("density"); shows(density)) return density;
-        for (const auto& grid : volume.grids)
-            if (shows(grid)) return grid;
+        for (const auto& held : volume.grids)
+            if (const auto grid = held.grid(); shows(grid)) return grid;
         throw Failure(fmt::format("'before' has no grid of floats or vectors to show; it has: {}", volume.names()));
     }
 

@@ -60,7 +60,7 @@ Volume together(const Points& points, const openvdb::GridBase::ConstPtr& grid, c
             out.metadata.insertMeta(each->first, *each->second);
         }
     }
-    const auto same = [&](const auto& each) { return is_point_grid(*each) && each->getName() == grid->getName(); };
+    const auto same = [&](const auto& each) { return is_point_grid(each.header()) && each.name() == grid->getName(); };
     const auto found = std::find_if(out.grids.begin(), out.grids.end(), same);
     if (found == out.grids.end()) {
         out.grids.push_back(grid);

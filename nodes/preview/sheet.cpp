@@ -78,9 +78,7 @@ void require_grid(const char* input, const std::string& name, const std::vector<
 }
 
 openvdb::GridBase::ConstPtr grid_of(const Volume& volume, const char* input, const std::string& name) {
-    std::vector<std::string> names;
-    for (const auto& each : volume.grids) names.push_back(each->getName());
-    require_grid(input, name, names);
+    require_grid(input, name, volume.given_names());
     auto grid = volume.find(name);
     if (!grid->isType<FloatGrid>() && !grid->isType<VectorGrid>())
         throw Failure(fmt::format("grid '{}' of '{}' holds {} values; a sheet shows grids of floats or vectors", name, input, grid->valueType()));

@@ -63,10 +63,11 @@ openvdb::GridBase::ConstPtr carve_grid(const openvdb::GridBase::ConstPtr& grid, 
 Volume carve_volume(const Volume& volume, const Lattice& lattice, const CarveMap& map, Interpolation interpolation) {
     if (map.empty()) return volume;
     Volume out = volume;
-    for (auto& grid : out.grids) {
+    for (auto& held : out.grids) {
+        const auto grid = held.grid();
         // The components of a staggered triplet stand on faces, between the voxels. If whole vertices move, they travel with their voxels.
         const auto triplet = triplet_of(volume, *grid);
-        grid = carve_any(grid, triplet && !map.soft() ? *triplet->cells : grid->transform(), lattice, map, interpolation);
+        held = held.holding(carve_any(grid, triplet && !map.soft() ? *triplet->cells : grid->transform(), lattice, map, interpolation));
     }
     return out;
 }

@@ -103,8 +103,8 @@ void require_bounded(const Warp& warp) {
 
 }  // namespace
 
-std::vector<openvdb::GridBase::ConstPtr> grids_of_warp(const Warp& warp) {
-    std::vector<openvdb::GridBase::ConstPtr> out;
+std::vector<VolumeGrid> grids_of_warp(const Warp& warp) {
+    std::vector<VolumeGrid> out;
     const auto scale = static_cast<float>(warp.scale());
     for (std::size_t t = 0; t < warp.frames(); ++t) {
         const auto grid = FloatGrid::create();

@@ -9,7 +9,7 @@ namespace fluidcarve {
 
 /// The grids of a seam file that holds a warp: `warp.0000` and so on, one per frame, or one for all. The voxel `(u, lateral, k)` is a point of the
 /// warp, its value the scaled displacement there, vertices. All points are active.
-std::vector<openvdb::GridBase::ConstPtr> grids_of_warp(const Warp& warp);
+std::vector<VolumeGrid> grids_of_warp(const Warp& warp);
 
 /// Reads such grids. Takes memory only for what they hold.
 /// @param seams   says the shape, the frames and whether the lattice is closed

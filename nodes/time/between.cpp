@@ -118,17 +118,17 @@ Volume paired(const Volume& a, const Volume& b, const Volume& nearer, const Mix&
     const auto first = a.unique_names(), second = b.unique_names(), names = nearer.unique_names();
     const auto in = [](const Volume& volume, const std::vector<std::string>& all, const std::string& name) {
         const auto found = std::ranges::find(all, name);
-        return found == all.end() ? openvdb::GridBase::ConstPtr() : volume.grids[static_cast<std::size_t>(found - all.begin())];
+        return found == all.end() ? openvdb::GridBase::ConstPtr() : volume.grids[static_cast<std::size_t>(found - all.begin())].grid();
     };
     auto out = nearer;
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
         const auto before = in(a, first, names[n]), after = in(b, second, names[n]);
         const auto mixed = [&]<class GridT>(const GridT*) {
             const auto old = openvdb::gridConstPtrCast<GridT>(before), now = openvdb::gridConstPtrCast<GridT>(after);
-            out.grids[n] = mix(old.get(), now.get());
+            out.grids[n] = out.grids[n].holding(mix(old.get(), now.get()));
         };
-        if (out.grids[n]->isType<FloatGrid>()) mixed(static_cast<const FloatGrid*>(nullptr));
-        else if (out.grids[n]->isType<VectorGrid>()) mixed(static_cast<const VectorGrid*>(nullptr));
+        if (out.grids[n].header().isType<FloatGrid>()) mixed(static_cast<const FloatGrid*>(nullptr));
+        else if (out.grids[n].header().isType<VectorGrid>()) mixed(static_cast<const VectorGrid*>(nullptr));
     }
     return out;
 }
@@ -146,7 +146,7 @@ Volume volume_mixed(const Volume& a, const Volume& b, const std::function<double
 Volume scaled(const Volume& volume, const std::string& name, double by) {
     auto out = volume;
     for (auto& grid : out.grids)
-        if (by != 1 && grid->getName() == name && grid->isType<VectorGrid>()) {
+        if (by != 1 && grid.name() == name && grid.header().isType<VectorGrid>()) {
             const auto copy = openvdb::gridConstPtrCast<VectorGrid>(grid)->deepCopy();
             multiply(*copy, by);
             grid = copy;

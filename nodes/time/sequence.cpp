@@ -16,7 +16,7 @@ void Sequence::add(const Volume& source, const Ref<VectorGrid>& velocity, const 
     store_->add(std::make_shared<Volume>(std::move(frame)));
     numbers_.push_back(context.frame());
     for (const auto& grid : source.grids)
-        if (grid->isType<FloatGrid>()) box_.expand(grid->evalActiveVoxelBoundingBox());
+        if (grid.header().isType<FloatGrid>()) box_.expand(grid.plane() ? grid.plane()->box : grid.header().evalActiveVoxelBoundingBox());
     has_velocity_ = velocity != nullptr;
 }
 
@@ -31,7 +31,8 @@ SequenceFrame Sequence::at(std::size_t place) const {
 std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> shown_in(const Volume& a, const Volume& b) {
     std::optional<std::pair<FloatGrid::ConstPtr, FloatGrid::ConstPtr>> out;
     std::uint64_t most = 0;
-    for (const auto& grid : a.grids) {
+    for (const auto& held : a.grids) {
+        const openvdb::GridBase::ConstPtr grid = held;
         const auto old = openvdb::gridConstPtrCast<FloatGrid>(grid), now = openvdb::gridConstPtrCast<FloatGrid>(b.find(grid->getName()));
         if (!old || !now || old->transform() != now->transform() || !cubes_along_axes(old->transform())) continue;
         const bool density = old->getName() == "density" || old->getGridClass() == openvdb::GRID_LEVEL_SET;

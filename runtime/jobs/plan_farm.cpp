@@ -3,6 +3,7 @@
 #include "graph/text/words.h"
 #include "graph/views/file_places.h"
 #include "runtime/keep/content_hash.h"
+#include "runtime/keep/work_folder.h"
 #include "runtime/run/preparation.h"
 #include "runtime/run/steps.h"
 #include "runtime/tell/terminal.h"
@@ -75,7 +76,7 @@ std::string name_of(const FarmJob& job, const FarmCommand& command, const std::v
     for (const auto& word : command.pipeline) hash.text(word);
     for (const auto& step : steps) hash.text(step.wish.to).text(FrameSet(step.frames).text());
     constexpr std::size_t digits = 6;
-    auto stem = fs::path(job.pipeline).stem().string();
+    auto stem = shot_of(job.pipeline);
     std::ranges::replace_if(
         stem, [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; }, '_');
     return stem + "-" + hash.digest().text().substr(0, digits);

@@ -159,6 +159,12 @@ void Cache::touch(const Key& key) const {
     if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0) packs_.touch(key);
 }
 
+std::optional<Json> Cache::header(const std::string& path) {
+    const Descriptor file{open_entry(path)};
+    std::uint64_t size = 0;
+    return file.number < 0 ? std::nullopt : header_of(file.number, size);
+}
+
 std::optional<Json> Cache::look(const Key& key) const {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};

@@ -181,7 +181,7 @@ bool well_formed(const json& node) {
 History::History(const std::string& folder, const std::string& pipeline) {
     nodes_ = json::object();
     if (folder.empty()) return;
-    path_ = fmt::format("{}/history/{}.json", folder, std::filesystem::path(pipeline).stem().string());
+    path_ = fmt::format("{}/history/{}.json", folder, shot_of(pipeline));
     if (!Confinement::of_program().refusal(path_).empty()) {
         path_.clear();
         return;

@@ -1,6 +1,7 @@
 #include "runtime/keep/store.h"
 
 #include "graph/output_file.h"
+#include "runtime/keep/work_folder.h"
 
 #include <algorithm>
 
@@ -109,17 +110,23 @@ std::optional<std::pair<Payload, Json>> Store::part(std::size_t n) {
     return std::pair(std::move(entry->outputs.front()), grown_entry(said_in(entry->header)));
 }
 
+Json Store::header_of(const Said& said) const {
+    auto out = to_json(said);
+    out["shot"] = shot_of(pipeline_.name);
+    return out;
+}
+
 void Store::keep(std::size_t n, std::size_t place, const std::vector<Payload>& outputs, const Said& said) {
     const auto& node = pipeline_.nodes[n];
     if (node.kept && pipeline_.writes(n)) return keep_files(n, place, said);
     if (node.kept && !outputs.empty()) {
         if (node.type->growth) return keep_grown(n, place, outputs.at(0), said, false);
-        cache_.store(key(n, place), to_json(said), outputs);
+        cache_.store(key(n, place), header_of(said), outputs);
         return;
     }
     if (said.empty()) return;
     const auto there = cache_.look(key(n, place));
-    if (!there || !there->contains("outputs")) cache_.store(key(n, place), to_json(said), {});
+    if (!there || !there->contains("outputs")) cache_.store(key(n, place), header_of(said), {});
 }
 
 void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
@@ -131,7 +138,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
         if (!content || content->number != OutputFile::number_at(path)) return;
         now.push_back(content->key.text());
     }
-    auto header = to_json(said);
+    auto header = header_of(said);
     header["files"] = Json::array({now});
     // The same result may have been written to several paths, with different bytes: some writers put a unique id into each file.
     if (const auto there = cache_.look(key(n, place)))
@@ -141,7 +148,7 @@ void Store::keep_files(std::size_t n, std::size_t place, const Said& said) {
 }
 
 void Store::keep_digest(std::size_t n, std::size_t place, const Payload& digest, const Said& said) {
-    if (pipeline_.nodes[n].digests_kept && digest) cache_.store(keys_.taken(n, place), to_json(said), {digest});
+    if (pipeline_.nodes[n].digests_kept && digest) cache_.store(keys_.taken(n, place), header_of(said), {digest});
 }
 
 void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, const Said& said, bool part) {
@@ -151,7 +158,7 @@ void Store::keep_grown(std::size_t n, std::size_t place, const Payload& result, 
     const GrownResult grown{growth.extent(result), cache_.registry().payload(result.type()).bytes(result), part, exhausted};
     if (const auto there = cache_.look(key(n, place)))
         if (const auto kept = GrownResult::in(*there); kept && kept->holds(grown)) return;
-    auto header = to_json(said);
+    auto header = header_of(said);
     grown.describe(header);
     cache_.store(key(n, place), std::move(header), {result});
 }

@@ -60,6 +60,8 @@ private:
     };
     /// A cached result; a growing one is cut to the wanted count.
     std::optional<Whole> whole(std::size_t node, std::size_t place);
+    /// What an entry says of itself.
+    nlohmann::ordered_json header_of(const Said& said) const;
     void keep_files(std::size_t node, std::size_t place, const Said& said);
 
     const Pipeline& pipeline_;

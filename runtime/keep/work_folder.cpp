@@ -4,6 +4,7 @@
 #include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
+#include "runtime/keep/cache.h"
 #include "runtime/keep/content_hash.h"
 #include "runtime/keep/packs.h"
 
@@ -98,6 +99,23 @@ std::vector<fs::path> files_of_job(const fs::path& folder) {
     return out;
 }
 
+/// The shot of the run that made a file of a work folder; empty: it serves several.
+std::string made_for(const fs::path& file, const fs::path& root) {
+    const auto inside = file.lexically_relative(root);
+    const auto part = inside.begin()->string();
+    const auto pipeline_in = [](const fs::path& path) {
+        const auto record = nlohmann::json::parse(text_of_own_file(path), nullptr, false);
+        const auto pipeline = record.is_object() ? record.find("pipeline") : record.end();
+        return pipeline != record.end() && pipeline->is_string() ? shot_of(pipeline->get<std::string>()) : std::string();
+    };
+    if (part == "history") return file.stem().string();
+    if (part == "runs") return pipeline_in(file);
+    if (part == "jobs") return pipeline_in(root / part / *std::next(inside.begin()) / "job.json");
+    if (part != "cache") return {};
+    const auto header = Cache::header(file);
+    return header && header->contains("shot") && (*header)["shot"].is_string() ? (*header)["shot"].get<std::string>() : std::string();
+}
+
 bool older(const fs::path& file, std::chrono::seconds age) {
     std::error_code gone;
     const auto used = fs::last_write_time(file, gone);
@@ -105,6 +123,8 @@ bool older(const fs::path& file, std::chrono::seconds age) {
 }
 
 }  // namespace
+
+std::string shot_of(const std::string& pipeline) { return fs::path(pipeline).stem().string(); }
 
 void WorkFolder::make() const {
     std::error_code error;
@@ -218,6 +238,10 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     // Else the mark would go, though there may be more files.
     if (error && error != std::errc::no_such_file_or_directory) throw Failure(fmt::format("cannot look through {}: {}", path_, error.message()));
     for (const auto& file : ours) {
+        if (wish.shot && made_for(file, root) != *wish.shot) {
+            ++out.apart;
+            continue;
+        }
         if (wish.older && !older(file, *wish.older)) {
             ++out.kept;
             continue;
@@ -235,7 +259,7 @@ WorkFolder::Cleaned WorkFolder::clean(const Wish& wish) const {
     if (wish.dry_run) return out;
     for (const auto* const part : parts)
         if (!fs::is_symlink(root / part, ignored)) fs::remove(root / part, ignored);
-    if (out.left == 0 && out.kept == 0) {
+    if (out.left + out.kept + out.apart == 0) {
         fs::remove(root / mark_name, ignored);
         fs::remove(root, ignored);
     }

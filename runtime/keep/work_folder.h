@@ -43,14 +43,16 @@ public:
 
     /// What `clean` is to remove.
     struct Wish {
-        std::optional<std::chrono::seconds> older;  ///< only what was not used for so long; nothing: all
-        bool dry_run = false;                       ///< only counts
+        std::optional<std::chrono::seconds> older{};  ///< only what was not used for so long; nothing: all
+        bool dry_run = false;                         ///< only counts
+        std::optional<std::string> shot{};            ///< only what a run of this shot made (shot_of); results of up to 64 KB stay
     };
     /// What `clean` did, or would do.
     struct Cleaned {
         std::size_t removed = 0;  ///< files
         std::uint64_t bytes = 0;  ///< of these
         std::size_t kept = 0;     ///< files that are too new
+        std::size_t apart = 0;    ///< files of other shots, or of several
         std::size_t left = 0;     ///< files of others, which stay
     };
     /// Removes files that fluidcarve wrote, and folders that are then empty. @throws Failure if one can't be removed
@@ -59,6 +61,9 @@ public:
 private:
     std::string path_;
 };
+
+/// The shot that a pipeline carves: the name of its file, without folder and ending. Results are told apart by it.
+std::string shot_of(const std::string& pipeline);
 
 /// The first bytes of a cached result.
 inline constexpr std::string_view entry_magic{"fluidcarve 1\n\0\0\0", 16};

@@ -3,6 +3,7 @@
 #include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/json_text.h"
+#include "runtime/keep/work_folder.h"
 #include "runtime/tell/exit_codes.h"
 
 #include <fmt/format.h>
@@ -126,7 +127,7 @@ StatusFile::StatusFile(const std::string& folder, const Forecast& forecast, cons
         std::erase_if(former, [](const Json& run) { return run["state"] == "running"; });
         std::error_code ignored;
         for (std::size_t n = most_ended; n < former.size(); ++n) fs::remove(former[n]["file"].get<std::string>(), ignored);
-        path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, fs::path(forecast.pipeline).stem().string(), host(), getpid(), now() * 1000);
+        path_ = fmt::format("{}/{}.{}.{}.{:.0f}.json", runs, shot_of(forecast.pipeline), host(), getpid(), now() * 1000);
     }
     thread_ = std::thread([this] {
         std::unique_lock lock(mutex_);

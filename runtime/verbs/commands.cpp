@@ -101,9 +101,9 @@ int status(const std::string& folder, bool json) {
 }
 
 /// Removes files of fluidcarve from a work folder, and the folder if it is then empty.
-int clean(const std::string& path, const std::string& older, bool dry_run) {
+int clean(const std::string& path, const std::string& older, const std::string& shot, bool dry_run) {
     const WorkFolder folder(path);
-    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run};
+    WorkFolder::Wish wish{older.empty() ? std::nullopt : age_of(older), dry_run, shot.empty() ? std::nullopt : std::optional(shot)};
     if (!older.empty() && !wish.older) return complain(fmt::format("--older: '{}' is no age such as 7d, 12h, 30m or 2w\n", older)), exit_code::usage;
     if (const auto fault = folder.unread(); !fault.empty()) return complain("failed: " + fault + "\n"), exit_code::input;
     if (const auto fault = folder.fault(); !fault.empty()) return complain(fmt::format("cannot clean: {}\n", fault)), exit_code::usage;
@@ -112,7 +112,8 @@ int clean(const std::string& path, const std::string& older, bool dry_run) {
         const auto stay = [](std::size_t count, const char* why) {
             return count == 0 ? std::string() : fmt::format("; {} {} {}", count, count == 1 ? "file stays" : "files stay", why);
         };
-        const auto rest = stay(cleaned.kept, "that were used since") + stay(cleaned.left, "that fluidcarve did not write");
+        const auto rest = stay(cleaned.kept, "that were used since") + stay(cleaned.apart, "of other shots, or of several") +
+                          stay(cleaned.left, "that fluidcarve did not write");
         const auto what = fmt::format("{}, {}", counted(cleaned.removed, "file"), size_text(cleaned.bytes));
         print(fmt::format("{}: {}{}\n", path, cleaned.removed == 0 ? "nothing to clean" : dry_run ? "would remove " + what : "removed " + what, rest));
     } catch (const Failure& failure) {
@@ -198,7 +199,7 @@ void add_examples(CLI::App& app) {
          "  fluidcarve wedge shot.yaml --over count=-4,-8,-12\n"
          "  fluidcarve wedge shot.yaml --over count=-8,-16 --over seams.type=seam.greedy,seam.pyramid --out wedges/seams"},
         {"init", "  fluidcarve init smoke.####.vdb -o shot.yaml\n  fluidcarve init /shots/sh010      the one sequence in a folder"},
-        {"clean", "  fluidcarve clean --work /shared/sh010/work\n  fluidcarve clean --older 7d --dry-run"},
+        {"clean", "  fluidcarve clean --work /shared/sh010/work\n  fluidcarve clean --older 7d --shot sh010 --dry-run"},
         {"nodes",
          "  fluidcarve nodes\n  fluidcarve nodes mask\n  fluidcarve nodes seam.pyramid\n  fluidcarve nodes acme.sparkle --plugin build/acme_sparkle.so"},
         {"new-node",
@@ -281,7 +282,13 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     auto* const clean_verb = app.add_subcommand("clean", "Remove results from a work folder");
     clean_verb->add_option("--work", clean_folder, "The work folder")->capture_default_str()->type_name("DIR")->envname("FLUIDCARVE_WORK");
     std::string older;
+    std::string shot;
     bool dry_run = false;
+    clean_verb
+        ->add_option("--shot", shot,
+                     "Remove only what runs of this pipeline made: the name of its file, as in sh010 for sh010.yaml. Results of up to 64 KB, which "
+                     "lie many to a file, stay")
+        ->type_name("NAME");
     clean_verb->add_option("--older", older, "Remove only what was not used for so long: 7d, 12h, 30m, 2w")->type_name("AGE");
     clean_verb->add_flag("--dry-run", dry_run, "Only say what would be removed");
     auto* const nodes_verb = app.add_subcommand("nodes", "List the node types, or those of a family, or describe one");
@@ -360,7 +367,7 @@ int run_command_line(int argc, const char* const* argv, Registry registry) {
     if (*farm_verb) return farm(farm_arguments, pipeline, farm_run_arguments, {argv, argv + argc}, registry);
     if (*status_verb) return status(status_folder, json);
     if (*view_verb) return view_pipeline(pipeline, view, registry);
-    if (*clean_verb) return clean(clean_folder, older, dry_run);
+    if (*clean_verb) return clean(clean_folder, older, shot, dry_run);
     if (*wedge_verb) return wedge_pipeline(pipeline, wedge_arguments, registry);
     if (*carve_verb) return carve_files(carve_arguments, registry);
     if (*init_verb) return init_pipeline(init_arguments, registry);

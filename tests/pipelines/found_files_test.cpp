@@ -34,7 +34,7 @@ FloatGrid::Ptr ball_of_smoke(const std::string& name, const Vec3d& from = Vec3d(
 
 Volume volume_of(std::vector<openvdb::GridBase::ConstPtr> grids) {
     Volume out;
-    out.grids = std::move(grids);
+    out.grids.assign(grids.begin(), grids.end());
     return out;
 }
 

@@ -128,6 +128,18 @@ TEST_CASE("of the vortex, only what changed is computed, and the plan says so be
     CHECK(shot.run() == Ran{});
 }
 
+TEST_CASE("the results of a shot are cleaned by its name, and its next run makes them again") {
+    Shot shot;
+    const auto clean = [&](const std::string& name) {
+        return call_shell(fmt::format("cd {} && {} clean --work work --shot {}", shot.folder, FLUIDCARVE_PROGRAM, name)).out;
+    };
+    shot.run("--set count=-1");
+    CHECK(clean("q").starts_with("work: nothing to clean; "));
+    CHECK(shot.run("--set count=-1") == Ran{});
+    CHECK(clean("p").starts_with("work: removed "));
+    CHECK(shot.run("--set count=-1").contains("seams"));
+}
+
 TEST_CASE("a run that is killed again and again ends like one that was not, and repeats nothing that was kept", "[long]") {
     Shot calm, killed;
     calm.run();

@@ -29,6 +29,9 @@ using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 
+/// Rows of pixels that are converted at once, so that a file's own form of them takes little memory. EXR compresses at most 256 together.
+constexpr int rows_at_once = 256;
+
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
     auto text = reason;
     std::replace(text.begin(), text.end(), '\n', ' ');
@@ -171,20 +174,33 @@ public:
         return out;
     }
 
-    /// All pixels, as they are stored.
-    std::unique_ptr<char[]> decode() {
+    /// Decodes all pixels, some rows at a time; those of tiled files at once.
+    /// @param take  called with the pixels as they are stored, the index of the first, and their number
+    template <class Take>
+    void decode(const Take& take) {
         if (!file_->seek_subimage(0, 0)) refuse_damaged(path_, file_->geterror());
-        std::unique_ptr<char[]> out(new char[static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height) * spec_.pixel_bytes(true)]);
-        if (!file_->read_image(0, 0, 0, spec_.nchannels, TypeDesc::UNKNOWN, out.get())) refuse_damaged(path_, file_->geterror());
-        if (file_->has_error()) refuse_damaged(path_, file_->geterror());
-        return out;
+        const bool tiled = spec_.tile_width > 0;
+        const auto width = static_cast<std::size_t>(spec_.width);
+        const int step = tiled ? spec_.height : std::min(spec_.height, rows_at_once);
+        std::unique_ptr<char[]> bytes(new char[width * static_cast<std::size_t>(step) * spec_.pixel_bytes(true)]);
+        for (int y = 0; y < spec_.height; y += step) {
+            const int rows = std::min(step, spec_.height - y), first = spec_.y + y;
+            const bool done = tiled ? file_->read_image(0, 0, 0, spec_.nchannels, TypeDesc::UNKNOWN, bytes.get())
+                                    : file_->read_scanlines(0, 0, first, first + rows, 0, 0, spec_.nchannels, TypeDesc::UNKNOWN, bytes.get());
+            if (!done || file_->has_error()) refuse_damaged(path_, file_->geterror());
+            take(bytes.get(), width * static_cast<std::size_t>(y), width * static_cast<std::size_t>(rows));
+        }
     }
 
     void read(Image& out) {
-        const auto bytes = decode();
-        const auto pixels = static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height), stride = spec_.pixel_bytes(true);
-        const auto count = out.channels.size();
-        out.pixels.resize(pixels * count);
+        out.pixels.resize(static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height) * out.channels.size());
+        decode([&](const char* bytes, std::size_t first, std::size_t pixels) { convert(bytes, first, pixels, out); });
+    }
+
+private:
+    void convert(const char* bytes, std::size_t first, std::size_t pixels, Image& out) const {
+        const auto stride = spec_.pixel_bytes(true), count = out.channels.size();
+        auto* const to = out.pixels.data() + first * count;
         std::size_t offset = 0;
         for (std::size_t c = 0; c < count; ++c) {
             const auto type = spec_.channelformat(static_cast<int>(c));
@@ -192,8 +208,8 @@ public:
                 auto value = zero;
                 const auto convert = [&](const auto& floating) {
                     for (std::size_t n = 0; n < pixels; ++n) {
-                        std::memcpy(&value, bytes.get() + n * stride + offset, sizeof value);
-                        out.pixels[n * count + c] = floating(value);
+                        std::memcpy(&value, bytes + n * stride + offset, sizeof value);
+                        to[n * count + c] = floating(value);
                     }
                 };
                 if constexpr (std::is_same_v<decltype(zero), std::uint8_t>) {
@@ -209,7 +225,6 @@ public:
         }
     }
 
-private:
     static constexpr int most_pictures = 1000;
     static constexpr int furthest = 1 << 24;  ///< maximum coordinate of a pixel, so that sums of coordinates fit 32-bit integers
     std::string path_;
@@ -248,9 +263,29 @@ Image checked(const std::string& path, const std::string& format) {
         Input file(path, format, true);
         auto out = file.header(format);
         // A PNG's checksums have told it, in a tenth of the time.
-        if (format != "png") file.decode();
+        if (format != "png") file.decode([](const char*, std::size_t, std::size_t) {});
         return out;
     });
+}
+
+/// Some rows of an image's pixels, each channel in its depth.
+std::vector<char> stored(const Image& image, const ImageSpec& spec, int first, int rows) {
+    const auto width = static_cast<std::size_t>(spec.width), pixels = width * static_cast<std::size_t>(rows), stride = spec.pixel_bytes(true),
+               count = image.channels.size();
+    const auto* const from = image.pixels.data() + width * static_cast<std::size_t>(first) * count;
+    std::vector<char> out(pixels * stride);
+    std::size_t offset = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+        const auto type = spec.channelformat(static_cast<int>(c));
+        with_depth(type, [&](auto zero) {
+            for (std::size_t n = 0; n < pixels; ++n) {
+                const auto value = from_float<decltype(zero)>(from[n * count + c]);
+                std::memcpy(out.data() + n * stride + offset, &value, sizeof value);
+            }
+        });
+        offset += type.size();
+    }
+    return out;
 }
 
 void write(const std::string& path, const Image& image, int quality) {
@@ -282,24 +317,14 @@ void write(const std::string& path, const Image& image, int quality) {
     // Writing EXIF to TIFF fails, with an error for a valid file.
     if (image.format == "tiff") spec.attribute("tiff:write_exif", 0);
 
-    const auto pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height), stride = spec.pixel_bytes(true),
-               count = image.channels.size();
-    std::vector<char> bytes(pixels * stride);
-    std::size_t offset = 0;
-    for (std::size_t c = 0; c < count; ++c) {
-        const auto type = spec.channelformat(static_cast<int>(c));
-        with_depth(type, [&](auto zero) {
-            for (std::size_t n = 0; n < pixels; ++n) {
-                const auto value = from_float<decltype(zero)>(image.pixels[n * count + c]);
-                std::memcpy(bytes.data() + n * stride + offset, &value, sizeof value);
-            }
-        });
-        offset += type.size();
-    }
     // Into memory: not all of its writers notice what the system refuses.
     OIIO::Filesystem::IOVecOutput encoded;
     file->set_ioproxy(&encoded);
-    const bool done = file->open(path, spec) && file->write_image(TypeDesc::UNKNOWN, bytes.data());
+    bool done = file->open(path, spec);
+    for (int y = 0; done && y < spec.height; y += rows_at_once) {
+        const int rows = std::min(rows_at_once, spec.height - y), first = spec.y + y;
+        done = file->write_scanlines(first, first + rows, 0, TypeDesc::UNKNOWN, stored(image, spec, y, rows).data());
+    }
     if (!(file->close() && done) || file->has_error()) throw Failure(file->geterror());
     std::ofstream out(path, std::ios::binary);
     out.write(reinterpret_cast<const char*>(encoded.buffer().data()), static_cast<std::streamsize>(encoded.buffer().size()));

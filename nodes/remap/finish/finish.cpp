@@ -45,28 +45,28 @@ Volume finished(const Volume& source, const Volume& carved, const Lattice& given
 
     Volume out = carved;
     for (std::size_t n = 0; n < out.grids.size(); ++n) {
-        auto& grid = out.grids[n];
-        if (is_level_set(*grid) && finish.renormalize.value_or(true) && grid != source.grids[n]) {
-            const auto places = places_of(*grid);
+        auto& held = out.grids[n];
+        if (is_level_set(held.header()) && finish.renormalize.value_or(true) && held != source.grids[n]) {
+            const auto grid = held.grid();
             if (can_renormalize(*grid)) {
-                grid = renormalized(grid, places, map);
+                held = renormalized(grid, places_of(*grid), map);
             } else if (finish.renormalize) {
                 throw Failure(fmt::format("level set '{}' can't be renormalized: its voxels are not cubes, or its background is not above 0", grid->getName()));
             }
         }
-        if (std::count(finish.densities.begin(), finish.densities.end(), grid->getName()) > 0)
-            grid = mass_kept(source.grids[n], grid, places_of(*grid), *derivative);
-        if (finish.transform_vectors && (grid->isType<openvdb::Vec3SGrid>() || grid->isType<openvdb::Vec3DGrid>()))
-            grid = vectors_turned(grid, places_of(*grid), *derivative);
+        if (std::count(finish.densities.begin(), finish.densities.end(), held.name()) > 0)
+            held = held.holding(mass_kept(source.grids[n], held, places_of(held.header()), *derivative));
+        if (finish.transform_vectors && (held.header().isType<openvdb::Vec3SGrid>() || held.header().isType<openvdb::Vec3DGrid>()))
+            held = vectors_turned(held, places_of(held.header()), *derivative);
     }
     if (!finish.transform_vectors) return out;
 
-    for (const auto& grid : carved.grids) {
-        const auto triplet = triplet_of(carved, *grid);
-        if (!triplet || triplet->components[0] != grid) continue;
+    for (const auto& held : carved.grids) {
+        const auto triplet = triplet_of(carved, held.header());
+        if (!triplet || VolumeGrid(triplet->components[0]) != held) continue;
         const auto whole = merged(*triplet);
         const auto parts = split(vectors_turned(whole, places_of(*whole), *derivative));
-        for (std::size_t c = 0; c < 3; ++c) *std::find(out.grids.begin(), out.grids.end(), openvdb::GridBase::ConstPtr(triplet->components[c])) = parts[c];
+        for (std::size_t c = 0; c < 3; ++c) *std::find(out.grids.begin(), out.grids.end(), VolumeGrid(triplet->components[c])) = parts[c];
     }
     return out;
 }

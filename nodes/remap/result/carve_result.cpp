@@ -273,11 +273,11 @@ Json compared(const Volume& before, const Volume& after) {
     Json out = Json::object();
     const auto names = before.unique_names();
     for (std::size_t n = 0; n < before.grids.size(); ++n) {
-        const auto& given = *before.grids[n];
+        const auto& given = before.grids[n].header();
         if (triplet_of(before, given)) continue;
-        const auto first = measured(given);
+        const auto first = measured(*before.grids[n].grid());
         if (!first) continue;
-        const auto second = after.grids.at(n) == before.grids[n] ? first : measured(*after.grids[n]);
+        const auto second = after.grids.at(n) == before.grids[n] ? first : measured(*after.grids[n].grid());
         out[names[n]] = {{"voxel", voxel_edge(given)}, {"before", to_json(*first)}, {"after", to_json(*second)}};
         if (given.getGridClass() == openvdb::GRID_LEVEL_SET) out[names[n]]["level_set"] = true;
     }

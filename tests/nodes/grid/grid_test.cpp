@@ -182,7 +182,7 @@ TEST_CASE("several grids of one name are found by their place, a name without a 
         volume.grids.push_back(grid);
     }
     CHECK(volume.unique_names() == std::vector<std::string>{"density[0]", "heat", "density[1]", "", "a[1]"});
-    const auto place = [&](const std::string& name) { return std::ranges::find(volume.grids, volume.find(name)) - volume.grids.begin(); };
+    const auto place = [&](const std::string& name) { return *volume.place(name); };
     CHECK(place("density") == 0);
     CHECK(place("density[0]") == 0);
     CHECK(place("density[1]") == 2);

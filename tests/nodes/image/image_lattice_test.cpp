@@ -37,7 +37,8 @@ Volume disc() {
 
 std::size_t dark(const Volume& volume) {
     std::size_t out = 0;
-    for (auto at = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0])->cbeginValueOn(); at; ++at) out += *at < 0.4f ? 1 : 0;
+    const auto grid = openvdb::gridConstPtrCast<FloatGrid>(volume.grids[0]);
+    for (auto at = grid->cbeginValueOn(); at; ++at) out += *at < 0.4f ? 1 : 0;
     return out;
 }
 

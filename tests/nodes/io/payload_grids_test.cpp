@@ -119,8 +119,8 @@ Ref<Volume> rich_volume() {
 void require_same_stored(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
     for (std::size_t n = 0; n < a.grids.size(); ++n) {
-        CHECK(difference(*a.grids[n], *b.grids[n]) == "");
-        CHECK((stored_form_of(*a.grids[n]) == nullptr) == (stored_form_of(*b.grids[n]) == nullptr));
+        CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
+        CHECK((stored_form_of(*a.grids[n].grid()) == nullptr) == (stored_form_of(*b.grids[n].grid()) == nullptr));
     }
     CHECK(kept_metadata(a.metadata) == kept_metadata(b.metadata));
     CHECK(a.codec == b.codec);
@@ -170,7 +170,7 @@ TEST_CASE("a volume comes back from a file to the last bit: order, names, transf
     CHECK(&back->grids[0]->constBaseTree() != &back->grids[1]->constBaseTree());
     const auto& raw = dynamic_cast<const RawGrid::Bytes&>(back->grids.back()->constBaseTree());
     CHECK(&raw == &back->grids[back->grids.size() - 2]->constBaseTree());
-    CHECK(RawGrid::of(*back->grids.back()));
+    CHECK(RawGrid::of(*back->grids.back().grid()));
     CHECK(raw.topology == std::string("\0\1\2", 3));
     CHECK(raw.buffers == "four");
     CHECK(raw.compression == 6);
@@ -201,7 +201,7 @@ TEST_CASE("vectors, masks and any one grid come back from a file") {
     const Ref<MaskGrid> mask = grid_of_two<MaskGrid>(false, true);
     CHECK(difference(*mask, *there_and_back(mask)) == "");
     const auto volume = rich_volume();
-    for (const auto& grid : volume->grids) CHECK(difference(*grid, *there_and_back(any(grid))->grid) == "");
+    for (const auto& grid : volume->grids) CHECK(difference(grid.header(), *there_and_back(any(grid))->grid) == "");
 }
 
 TEST_CASE("files of other programs come back from a file, and a writer gives the same file from them") {
@@ -263,7 +263,7 @@ TEST_CASE("components that stand in a volume beside their vector share their tre
     const auto volume = std::make_shared<Volume>();
     volume->grids = {vel, stored_form_of(*vel)->components[1], vel->copyGrid()};
     const auto back = there_and_back<Volume>(volume);
-    CHECK(&back->grids[1]->constBaseTree() == &stored_form_of(*back->grids[0])->components[1]->constBaseTree());
+    CHECK(&back->grids[1]->constBaseTree() == &stored_form_of(*back->grids[0].grid())->components[1]->constBaseTree());
     CHECK(&back->grids[0]->constBaseTree() == &back->grids[2]->constBaseTree());
     CHECK(written(*volume) == written(*back));
 }

@@ -53,7 +53,7 @@ Volume houdini_volume() {
 
 void require_same(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
-    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n], *b.grids[n]) == "");
+    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
 }
 
 /// OpenVDB's registry without one grid type.
@@ -122,14 +122,14 @@ TEST_CASE("vel.x, vel.y and vel.z are read as one staggered vector and written b
 TEST_CASE("a changed triplet is written as three grids with the names, places and metadata that they had") {
     const Scratch scratch;
     const auto was = houdini_volume();
-    const auto vel = merged(*triplet_of(was, *was.grids[1]));
+    const auto vel = merged(*triplet_of(was, *was.grids[1].grid()));
     const auto changed = vel->deepCopy();
     changed->tree().setValue({3, 2, 1}, openvdb::Vec3s(-1, -2, -3));
     write_vdb(scratch / "out.vdb", Volume{{changed}, {}, {}});
     const auto out = read_vdb(scratch / "out.vdb");
     REQUIRE(out.names() == "vel.x, vel.y, vel.z");
     for (int axis = 0; axis < 3; ++axis) {
-        const auto& grid = static_cast<const FloatGrid&>(*out.grids[static_cast<std::size_t>(axis)]);
+        const auto& grid = static_cast<const FloatGrid&>(*out.grids[static_cast<std::size_t>(axis)].grid());
         CHECK(grid.tree().getValue({3, 2, 1}) == static_cast<float>(-1 - axis));
         CHECK(grid.tree().getValue({0, 5, 3}) == static_cast<float>(53 + 1000 * axis));
         CHECK(grid.activeVoxelCount() == was.grids[static_cast<std::size_t>(axis)]->activeVoxelCount());
@@ -144,7 +144,7 @@ TEST_CASE("three grids that are no vector are told apart") {
     const auto odd = openvdb::gridPtrCast<FloatGrid>(volume.grids[2]->deepCopyGrid());
     odd->setTransform(openvdb::math::Transform::createLinearTransform(0.3));
     volume.grids[2] = odd;
-    CHECK_FALSE(triplet_of(volume, *volume.grids[0]));
+    CHECK_FALSE(triplet_of(volume, *volume.grids[0].grid()));
     const Scratch scratch;
     Frame1 frame;
     write_vdb(scratch / "in.vdb", volume);
@@ -164,8 +164,8 @@ TEST_CASE("the components of a staggered triplet travel with their voxel's index
     const CarveMap map(lattice, {std::make_shared<const Seams>(seams)}, 1, std::nullopt);
     const auto out = carve_volume(volume, lattice, map, Interpolation::linear);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& before = static_cast<const FloatGrid&>(*volume.grids[axis]).tree();
-        const auto& after = static_cast<const FloatGrid&>(*out.grids[axis]).tree();
+        const auto& before = static_cast<const FloatGrid&>(*volume.grids[axis].grid()).tree();
+        const auto& after = static_cast<const FloatGrid&>(*out.grids[axis].grid()).tree();
         for (int x = 0; x < 8; ++x) CHECK(after.getValue({x, 3, 2}) == before.getValue({x + (x >= 4), 3, 2}));
     }
 }
@@ -187,7 +187,7 @@ TEST_CASE("a grid type that OpenVDB does not know is kept byte for byte, and onl
 
     const auto volume = read_vdb(scratch / "in.vdb");
     CHECK(volume.names() == "rare, plain, rare");
-    REQUIRE(RawGrid::of(*volume.grids[0]));
+    REQUIRE(RawGrid::of(*volume.grids[0].grid()));
     CHECK(volume.grids[0]->type() == "Tree_float_5_4_2");
     CHECK(volume.grids[0]->metaValue<std::string>("note") == "keep me");
     CHECK(&volume.grids[0]->constBaseTree() == &volume.grids[2]->constBaseTree());

@@ -72,7 +72,7 @@ Volume oddities() {
 
 void require_same_content(const Volume& a, const Volume& b) {
     REQUIRE(a.names() == b.names());
-    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n], *b.grids[n]) == "");
+    for (std::size_t n = 0; n < a.grids.size(); ++n) CHECK(difference(*a.grids[n].grid(), *b.grids[n].grid()) == "");
     CHECK(test::kept_metadata(a.metadata) == test::kept_metadata(b.metadata));
 }
 
@@ -94,8 +94,8 @@ TEST_CASE("reading gives what OpenVDB's own reader gives, in the order of the fi
         REQUIRE(volume.grids.size() == file.getGrids()->size());
         REQUIRE(header.grids.size() == volume.grids.size());
         for (std::size_t n = 0; n < volume.grids.size(); ++n) {
-            CHECK(difference(*volume.grids[n], *file.readGrid(header.grids[n].unique_name)) == "");
-            CHECK(difference(*volume.grids[n], *read_vdb_grid(path, header.grids[n].unique_name)) == "");
+            CHECK(difference(*volume.grids[n].grid(), *file.readGrid(header.grids[n].unique_name)) == "");
+            CHECK(difference(*volume.grids[n].grid(), *read_vdb_grid(path, header.grids[n].unique_name)) == "");
         }
     }
     CHECK(read_vdb(public_files().back()).names() == "velocity, density, shadow, temperature, flame");
@@ -106,7 +106,7 @@ TEST_CASE("one open file gives its header and its grids, one by one or all, in a
         INFO(path);
         const auto volume = read_vdb(path);
         VdbFile file(path);
-        for (std::size_t n = volume.grids.size(); n-- > 0;) CHECK(difference(*volume.grids[n], *file.read(n)) == "");
+        for (std::size_t n = volume.grids.size(); n-- > 0;) CHECK(difference(*volume.grids[n].grid(), *file.read(n)) == "");
         CHECK(file.header().names() == read_vdb_header(path).names());
         require_same_content(volume, file.read());
     }
@@ -135,7 +135,7 @@ TEST_CASE("odd grids survive every codec: tiles, NaN, frustums, points, equal na
     CHECK(&after.grids[2]->constBaseTree() == &after.grids[3]->constBaseTree());
     CHECK(read_vdb_header(scratch / "new folder/out.vdb").names() ==
           std::vector<std::string>{"surface", "empty", "density[0]", "density[1]", "[0]", "velocity", "double", "mask", "bool", "drops"});
-    CHECK(difference(*read_vdb_grid(scratch / "new folder/out.vdb", "density[1]"), *before.grids[3]) == "");
+    CHECK(difference(*read_vdb_grid(scratch / "new folder/out.vdb", "density[1]"), *before.grids[3].grid()) == "");
 }
 
 TEST_CASE("any number of points reads back") {
@@ -218,7 +218,7 @@ TEST_CASE("the 16-bit integers of Blender's liquid caches are known") {
     const Scratch scratch;
     read_vdb_header(public_files()[0]);
     auto volume = oddities();
-    const auto points = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(openvdb::ConstPtrCast<openvdb::GridBase>(volume.grids.back()));
+    const auto points = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(openvdb::ConstPtrCast<openvdb::GridBase>(volume.grids.back().grid()));
     REQUIRE(points);
     openvdb::points::appendAttribute(points->tree(), "U", {"int32", "trnc"});
     write_vdb(scratch / "liquid.vdb", volume);

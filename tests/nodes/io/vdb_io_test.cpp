@@ -31,7 +31,7 @@ struct At {
 void put_frame(const Scratch& scratch, int frame) {
     Volume volume;
     volume.grids.push_back(FloatGrid::create(static_cast<float>(frame)));
-    openvdb::ConstPtrCast<openvdb::GridBase>(volume.grids[0])->setName("density");
+    openvdb::ConstPtrCast<openvdb::GridBase>(volume.grids[0].grid())->setName("density");
     write_vdb(scratch / fmt::format("a.{:02}.vdb", frame), volume);
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("vdb.read into vdb.write gives each frame's file as it was") {
     const auto before = read_vdb(std::string(TEST_DATA) + "/plume/plume.0052.vdb");
     const auto after = read_vdb(scratch / "out/smoke.0052.vdb");
     REQUIRE(after.names() == before.names());
-    for (std::size_t n = 0; n < before.grids.size(); ++n) CHECK(test::difference(*before.grids[n], *after.grids[n]) == "");
+    for (std::size_t n = 0; n < before.grids.size(); ++n) CHECK(test::difference(*before.grids[n].grid(), *after.grids[n].grid()) == "");
     CHECK(after.codec == "blosc");
     CHECK(std::distance(std::filesystem::directory_iterator(scratch / "out"), {}) == 2);
 }

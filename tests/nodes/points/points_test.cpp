@@ -32,7 +32,7 @@ std::string file_difference(const std::string& a, const std::string& b) {
     if (first.codec != second.codec) return first.codec + " and " + second.codec;
     if (kept_metadata(first.metadata) != kept_metadata(second.metadata)) return "metadata";
     for (std::size_t n = 0; n < first.grids.size(); ++n)
-        if (const auto words = difference(*first.grids[n], *second.grids[n]); !words.empty()) return words;
+        if (const auto words = difference(*first.grids[n].grid(), *second.grids[n].grid()); !words.empty()) return words;
     return {};
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("points of VDB files are written as they were read, alone and beside t
     const auto alone = read_vdb(scratch / "alone.vdb");
     REQUIRE(alone.grids.size() == 1);
     const auto was = volume.find(points.grid->getName());
-    CHECK(difference(*alone.grids[0], *was) == "");
+    CHECK(difference(*alone.grids[0].grid(), *was) == "");
     CHECK(alone.codec == volume.codec);
 }
 
@@ -203,7 +203,7 @@ TEST_CASE("a frame without particles is a list of none, and a file without point
     const Scratch scratch;
     auto volume = read_vdb(river_43);
     for (auto& grid : volume.grids)
-        if (is_point_grid(*grid)) grid = grid->copyGridWithNewTree();
+        if (is_point_grid(grid.header())) grid = grid->copyGridWithNewTree();
     write_vdb(scratch / "empty.vdb", volume);
     const auto none = read(scratch / "empty.vdb");
     CHECK(none.size() == 0);
@@ -314,7 +314,7 @@ TEST_CASE("a list of some of the points, moved and copied, keeps their attribute
     // It is a grid that a file holds.
     const Scratch scratch;
     write_points(scratch / "a.vdb", some, nullptr, nullptr, nullptr);
-    CHECK(difference(*read_vdb(scratch / "a.vdb").grids[0], *some.grid) == "");
+    CHECK(difference(*read_vdb(scratch / "a.vdb").grids[0].grid(), *some.grid) == "");
 }
 
 TEST_CASE("a list of all points is the same grid, bit for bit, wherever it was placed") {

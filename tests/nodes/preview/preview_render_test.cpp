@@ -102,7 +102,9 @@ SheetWish render_wish(View view = View::y) {
     return out;
 }
 
-Payload volume_of(const std::vector<openvdb::GridBase::ConstPtr>& grids) { return Payload(std::make_shared<const Volume>(Volume{grids, {}, {}})); }
+Payload volume_of(const std::vector<openvdb::GridBase::ConstPtr>& grids) {
+    return Payload(std::make_shared<const Volume>(Volume{{grids.begin(), grids.end()}, {}, {}}));
+}
 
 }  // namespace
 

@@ -50,7 +50,7 @@ TEST_CASE("a VDB file states its provenance as metadata of the file, in place of
         CHECK(volume.metadata.getMetadata<openvdb::StringMetadata>("shot")->value() == "sh010");
         CHECK(volume.metadata.metaCount() == 1 + provenance.size());
         REQUIRE(volume.grids.size() == 1);
-        for (const auto name : provenance_names) CHECK_FALSE((*volume.grids[0])[std::string(name)]);
+        for (const auto name : provenance_names) CHECK_FALSE((*volume.grids[0].grid())[std::string(name)]);
     }
 }
 

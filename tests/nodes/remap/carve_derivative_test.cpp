@@ -217,12 +217,12 @@ TEST_CASE("conserve scales the named densities by the determinant, and refuses w
 
     const auto got = run("{conserve: mass, densities: [density, fuel]}"), plain = run("{}");
     CHECK(got->grids[1]->getName() == "temperature");
-    CHECK(difference(*got->grids[1], *plain->grids[1]).empty());
+    CHECK(difference(*got->grids[1].grid(), *plain->grids[1].grid()).empty());
     // Three entries are gone at 20: a seventh each from 17 to 23 on, the difference taken over two entries.
     const std::vector<double> slope{0, 0, 0.5, 1, 1, 1, 1, 1, 1, 0.5, 0, 0};
     for (int n = 0; n < 12; ++n) {
         CHECK(as_float(got->grids[0])->tree().getValue({14 + n, 4, 4}) == Approx(2 * (1 + 3.0 / 7 * slope[static_cast<std::size_t>(n)])));
-        CHECK(static_cast<const openvdb::DoubleGrid&>(*got->grids[2]).tree().getValue({14 + n, 4, 4}) ==
+        CHECK(static_cast<const openvdb::DoubleGrid&>(*got->grids[2].grid()).tree().getValue({14 + n, 4, 4}) ==
               Approx(4 * (1 + 3.0 / 7 * slope[static_cast<std::size_t>(n)])));
     }
     CHECK(failure_of([&] { run("{conserve: mass, densities: [soot]}"); }) ==
@@ -330,7 +330,7 @@ TEST_CASE("a stretching flow is carved into one that flows through the carved sp
                          .at("volume")
                          .as<Volume>();
     for (int c = 0; c < 3; ++c) {
-        const auto& part = static_cast<const FloatGrid&>(*out->grids[static_cast<std::size_t>(c)]);
+        const auto& part = static_cast<const FloatGrid&>(*out->grids[static_cast<std::size_t>(c)].grid());
         CHECK(part.getName() == parts.grids[static_cast<std::size_t>(c)]->getName());
         CHECK(part.transform() == parts.grids[static_cast<std::size_t>(c)]->transform());
         for (auto at = box.begin(); at; ++at) {

@@ -216,9 +216,9 @@ TEST_CASE("level sets of doubles are renormalised, the same by any number of thr
     tbb::task_arena(1).execute([&] { one = finished(source, carved, lattice, map, {}); });
     tbb::task_arena(4).execute([&] { four = finished(source, carved, lattice, map, {}); });
     CHECK(one.grids[0] != carved.grids[0]);
-    CHECK(difference(*one.grids[0], *four.grids[0]).empty());
+    CHECK(difference(*one.grids[0].grid(), *four.grids[0].grid()).empty());
     // Drawn out by 4: the far end of the ball and its band.
-    const auto& got = static_cast<const openvdb::DoubleGrid&>(*one.grids[0]);
+    const auto& got = static_cast<const openvdb::DoubleGrid&>(*one.grids[0].grid());
     const Vec3d end = 16.0 * Vec3d(std::cos(0.2), std::sin(0.2), 0);
     CHECK(std::abs(got.tree().getValue(Coord::round(end)) - (Coord::round(end).asVec3d() - 4.0 / 16 * end).length() + 12) < 0.02);
 }

@@ -234,7 +234,7 @@ TEST_CASE("filter.seam keeps states, inactive voxels, names and what can't be av
     const auto out = NodeBench(filter_seam(), "{filter: mean, width: 1}").run(inputs).at("volume").as<Volume>();
     CHECK(out->grids[1] == volume->grids[1]);
     CHECK(out->grids[2] == volume->grids[2]);
-    const auto& got = static_cast<const FloatGrid&>(*out->grids[0]);
+    const auto& got = static_cast<const FloatGrid&>(*out->grids[0].grid());
     CHECK(got.getName() == "smoke");
     CHECK(got.activeVoxelCount() == grid->activeVoxelCount());
     CHECK(got.tree().getValue({12, 7, 12}) == 0.5f);

@@ -121,8 +121,8 @@ TEST_CASE("a warp keeps the mass of a density within half a percent, in boxes, t
         volume.grids = {grid};
         const auto map = map_of(lattice, {seams});
         const auto out = finished(volume, carve_volume(volume, lattice, map, Interpolation::linear), lattice, map, {std::nullopt, {"density"}, false});
-        CHECK(sum(*out.grids[0]) == Approx(sum(*grid)).epsilon(0.005));
-        CHECK(std::abs(sum(*carve_volume(volume, lattice, map, Interpolation::linear).grids[0]) / sum(*grid) - 1) > 0.02);
+        CHECK(sum(*out.grids[0].grid()) == Approx(sum(*grid)).epsilon(0.005));
+        CHECK(std::abs(sum(*carve_volume(volume, lattice, map, Interpolation::linear).grids[0].grid()) / sum(*grid) - 1) > 0.02);
     };
     const auto straight = make_box(Vec3d(0), shape, 1.0, {0, 1, 2});
     keeps(straight, warped(straight, bump(straight, by)), Vec3d(23, 15, 14));

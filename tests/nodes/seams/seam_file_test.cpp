@@ -286,7 +286,7 @@ TEST_CASE("columns in tiles and in shared trees are read, but not more than the 
     volume.grids.clear();
     for (int n = 0; n < 9000; ++n) {
         volume.grids.push_back(tiles->copyGrid());
-        std::const_pointer_cast<openvdb::GridBase>(volume.grids.back())->setName(fmt::format("seam.{:04}", n));
+        std::const_pointer_cast<openvdb::GridBase>(volume.grids.back().grid())->setName(fmt::format("seam.{:04}", n));
     }
     restate(volume, "fluidcarve_shape", "65535,16,16,16");
     CHECK(failure_of([&] { seams_from_volume(volume); }).find("the shape states 4096 columns, but the grids hold them in tiles") == 0);
@@ -314,7 +314,7 @@ TEST_CASE("grids that are missing, doubled, too many or of another type are refu
     CHECK(fault([](Volume& volume, auto& grids) {
               for (std::size_t n = 3; n < 8; ++n) {
                   volume.grids.push_back(grids[0]->copy());
-                  std::const_pointer_cast<openvdb::GridBase>(volume.grids.back())->setName(fmt::format("seam.{:04}", n));
+                  std::const_pointer_cast<openvdb::GridBase>(volume.grids.back().grid())->setName(fmt::format("seam.{:04}", n));
               }
           }) == "8 seams do not fit 7 vertices");
     const auto other_type = [](const openvdb::GridBase::Ptr& grid) {

@@ -97,6 +97,29 @@ TEST_CASE("what was used lately stays if only older results are to go, and a dry
     CHECK(!fs::exists(work));
 }
 
+TEST_CASE("of several shots in a work folder, one alone is cleaned, and what serves several stays") {
+    const Scratch scratch;
+    const auto work = scratch / "work";
+    WorkFolder(work).make();
+    const auto registry = toy::registry();
+    for (int n = 0; n < 6; ++n)
+        REQUIRE(Cache(registry, work, 0).store(key_of(n), {{"shot", n < 4 ? "sh010" : "sh020"}}, {Payload(std::make_shared<toy::Number>(n))}));
+    keep(work, 3, true);
+    for (const std::string shot : {"sh010", "sh020"}) {
+        put(work + "/runs/" + shot + ".host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "shots/)" + shot + R"(.yaml", "nodes": {}})");
+        put(work + "/history/" + shot + ".json", R"({"sim": {"type": "toy.count", "version": 1}})");
+        put(work + "/jobs/" + shot + ".1/job.json", R"({"pipeline": "shots/)" + shot + R"(.yaml", "engine": "local", "steps": []})");
+    }
+    const auto cleaned = WorkFolder(work).clean({.shot = "sh010"});
+    CHECK(cleaned.removed == 7);
+    CHECK(cleaned.apart == 6);
+    CHECK(cleaned.left == 0);
+    CHECK(WorkFolder(work).entries().size() == 3);
+    for (const auto& [path, text] : texts_of(work)) CHECK(path.find("sh010") == std::string::npos);
+    CHECK(WorkFolder(work).clean({.shot = "sh030"}).removed == 0);
+    CHECK(WorkFolder(work).marked());
+}
+
 TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of others, wherever that lies and whatever it is called") {
     std::mt19937 random(5);
     const std::string hex = "0123456789abcdef";
@@ -127,7 +150,7 @@ TEST_CASE("trimming and cleaning remove what fluidcarve wrote, and nothing of ot
         Cache cache(registry, work);
         CHECK(cache.trim(0).files == 12);
         CHECK(cache.trim(0).files == 0);
-        const auto [removed, bytes, kept, left] = WorkFolder(work).clean({});
+        const auto [removed, bytes, kept, apart, left] = WorkFolder(work).clean({});
         CHECK(bytes > 0);
         CHECK(kept == 0);
         CHECK(removed == 3);
