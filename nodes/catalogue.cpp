@@ -1,7 +1,5 @@
 #include "nodes/catalogue.h"
 
-#include "nodes/compare/files.h"
-#include "nodes/draft/draft.h"
 #include "nodes/energy/combine.h"
 #include "nodes/energy/curvature.h"
 #include "nodes/energy/gradient.h"
@@ -27,9 +25,6 @@
 #include "nodes/grid/resample.h"
 #include "nodes/image/read.h"
 #include "nodes/image/write.h"
-#include "nodes/inspect/geometry.h"
-#include "nodes/inspect/image.h"
-#include "nodes/inspect/volume.h"
 #include "nodes/io/payload_types.h"
 #include "nodes/io/vdb_read.h"
 #include "nodes/io/vdb_write.h"
@@ -49,15 +44,12 @@
 #include "nodes/mesh/payload_type.h"
 #include "nodes/mesh/read.h"
 #include "nodes/mesh/write.h"
-#include "nodes/page/joined_page.h"
 #include "nodes/page/page_node.h"
 #include "nodes/points/keep_out.h"
 #include "nodes/points/payload_type.h"
 #include "nodes/points/read.h"
 #include "nodes/points/write.h"
-#include "nodes/preview/contact_sheet.h"
 #include "nodes/preview/sheet.h"
-#include "nodes/provenance/read_provenance.h"
 #include "nodes/python/energy_python.h"
 #include "nodes/python/field_python.h"
 #include "nodes/python/mask_python.h"
@@ -77,8 +69,8 @@
 #include "nodes/sdf/from_mesh.h"
 #include "nodes/sdf/from_points.h"
 #include "nodes/sdf/to_mesh.h"
+#include "nodes/seam/costs/frame.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy/frame.h"
 #include "nodes/seam/graph_cut.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
@@ -105,16 +97,6 @@ Registry builtin_registry() {
     add_frame_energy_payload(out);
     add_points_payload(out);
     add_energy_payload(out);
-    out.add(vdb_inspector());
-    out.add(ProvenanceReader{&read_provenance});
-    out.add(PipelineDrafter{&draft_pipeline, &draft_preview});
-    out.add(ContactSheetWriter{&write_contact_sheet});
-    out.add(PageJoiner{&write_joined_page});
-    out.add(geometry_inspector());
-    out.add(image_inspector());
-    out.add(volume_comparer());
-    out.add(image_comparer());
-    out.add(geometry_comparer());
     out.add(vdb_read());
     out.add(vdb_write());
     out.add(image_read());

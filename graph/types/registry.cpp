@@ -99,13 +99,6 @@ const Selection* Registry::selection(std::type_index from, std::type_index to) c
     return nullptr;
 }
 
-const FileInspector* Registry::inspector(const std::string& path) const {
-    const auto ending = ending_of(path);
-    const auto found =
-        std::ranges::find_if(inspectors_, [&](const FileInspector& each) { return std::ranges::find(each.endings, ending) != each.endings.end(); });
-    return found == inspectors_.end() ? nullptr : &*found;
-}
-
 bool Registry::accepts(std::type_index to, std::type_index from) const { return to == from || conversion(from, to); }
 
 Payload Registry::convert(const Payload& payload, std::type_index to) const {

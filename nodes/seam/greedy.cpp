@@ -1,8 +1,8 @@
 #include "nodes/seam/greedy.h"
 
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/lanes.h"
 #include "nodes/seam/declare_solver.h"
-#include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/lanes.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/protection.h"
 #include "nodes/seam/search/ranked_costs.h"

@@ -1,6 +1,6 @@
 #include "nodes/warp/find_warp.h"
 
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/costs/code.h"
 #include "nodes/warp/weights.h"
 
 #include <tbb/blocked_range.h>

@@ -1,6 +1,6 @@
 #include "nodes/warp/warp_system.h"
 
-#include "nodes/seam/energy/decode.h"
+#include "nodes/seam/costs/decode.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

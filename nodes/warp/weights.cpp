@@ -1,6 +1,6 @@
 #include "nodes/warp/weights.h"
 
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/costs/code.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

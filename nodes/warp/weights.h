@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nodes/seam/energy/prices.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/prices.h"
+#include "nodes/seam/costs/volume.h"
 #include "nodes/seams/frame_store.h"
 #include "nodes/seams/warp.h"
 

@@ -5,6 +5,7 @@
 #include "graph/text/json_text.h"
 #include "graph/text/problem.h"
 #include "runtime/keep/descriptor.h"
+#include "runtime/keep/entry_header.h"
 #include "runtime/keep/work_folder.h"
 
 #include <fmt/format.h>
@@ -29,12 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// Layout of an entry, in a file or a pack: magic, header size, size of the outputs, header checksum, header, outputs, checksum of all before.
-constexpr std::size_t prefix_size = 16 + 8 + 8 + 16;
-constexpr std::size_t seal_size = 16;
-
-Key checksum(const char* data, std::size_t size) { return ContentHash().bytes(data, size).digest(); }
 
 /// An output buffer whose bytes can be used without a copy, unlike those of a string stream. It grows by parts, so that none moves.
 class Bytes : public std::streambuf {
@@ -89,65 +84,6 @@ void append(std::vector<char>& to, const T& value) {
     to.insert(to.end(), bytes, bytes + sizeof value);
 }
 
-template <class T>
-T number_at(const char* data) {
-    T out;
-    std::memcpy(&out, data, sizeof out);
-    return out;
-}
-
-/// Opens an entry for reading. @return below 0: the error, -ENOENT too if it is no regular file, or lies outside of --confine
-int open_entry(const std::string& path) {
-    if (!Confinement::of_program().refusal(path).empty()) return -ENOENT;
-    const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    struct stat about {};
-    if (file < 0) return -errno;
-    if (fstat(file, &about) == 0 && S_ISREG(about.st_mode)) return file;
-    close(file);
-    return -ENOENT;
-}
-
-bool read_all(int file, char* into, std::size_t size) {
-    while (size > 0) {
-        const auto got = read(file, into, size);
-        if (got <= 0) return false;
-        into += got;
-        size -= static_cast<std::size_t>(got);
-    }
-    return true;
-}
-
-/// Where the header of an entry ends; nothing if the prefix or the size is wrong. @param size  bytes of the entry
-std::optional<std::uint64_t> header_end(std::span<const char> prefix, std::uint64_t size) {
-    if (prefix.size() < prefix_size || std::string_view(prefix.data(), 16) != entry_magic) return std::nullopt;
-    const auto header = number_at<std::uint64_t>(prefix.data() + 16), body = number_at<std::uint64_t>(prefix.data() + 24);
-    if (header > size || body > size || prefix_size + header + body + seal_size != size) return std::nullopt;
-    return prefix_size + header;
-}
-
-/// The header in the first bytes of an entry; nothing if it or the size is wrong. @param size  bytes of the entry
-std::optional<Json> header_in(std::span<const char> bytes, std::uint64_t size) {
-    const auto end = header_end(bytes, size);
-    if (!end || *end > bytes.size()) return std::nullopt;
-    const auto text = bytes.subspan(prefix_size, *end - prefix_size);
-    if (checksum(text.data(), text.size()) != number_at<Key>(bytes.data() + 32)) return std::nullopt;
-    auto out = Json::parse(text.begin(), text.end(), nullptr, false);
-    return out.is_object() ? std::optional(std::move(out)) : std::nullopt;
-}
-
-/// The header of an open file; nothing if the header or the file size is wrong. @param size  set to the file size, bytes
-std::optional<Json> header_of(int file, std::uint64_t& size) {
-    struct stat about {};
-    std::vector<char> bytes(prefix_size);
-    if (fstat(file, &about) != 0 || !read_all(file, bytes.data(), prefix_size)) return std::nullopt;
-    size = static_cast<std::uint64_t>(about.st_size);
-    const auto end = header_end(bytes, size);
-    if (!end) return std::nullopt;
-    bytes.resize(*end);
-    if (!read_all(file, bytes.data() + prefix_size, *end - prefix_size)) return std::nullopt;
-    return header_in(bytes, size);
-}
-
 }  // namespace
 
 Cache::Cache(const Registry& registry, std::string folder, std::size_t packed)
@@ -159,25 +95,19 @@ void Cache::touch(const Key& key) const {
     if (on() && key && utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0) != 0) packs_.touch(key);
 }
 
-std::optional<Json> Cache::header(const std::string& path) {
-    const Descriptor file{open_entry(path)};
-    std::uint64_t size = 0;
-    return file.number < 0 ? std::nullopt : header_of(file.number, size);
-}
-
 std::optional<Json> Cache::look(const Key& key) const {
     if (!on() || !key) return std::nullopt;
     const Descriptor file{open_entry(path_of(key))};
     if (file.number >= 0) {
         std::uint64_t size = 0;
         errno = 0;
-        auto header = header_of(file.number, size);
+        auto header = entry_header(file.number, size);
         if (!header) note(key, errno);
         return header;
     }
     note(key, -file.number);
     const auto packed = packs_.read(key);
-    return packed ? header_in(*packed, packed->size()) : std::nullopt;
+    return packed ? entry_header(*packed, packed->size()) : std::nullopt;
 }
 
 void Cache::remove_damaged(const Key& key) {
@@ -193,19 +123,19 @@ std::optional<Cache::Read> Cache::read(const Key& key) {
     std::vector<char> bytes;
     if (file.number >= 0) {
         std::uint64_t size = 0;
-        if (!header_of(file.number, size)) return remove_damaged(key), std::nullopt;
+        if (!entry_header(file.number, size)) return remove_damaged(key), std::nullopt;
         bytes.resize(size);
-        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_all(file.number, bytes.data(), size)) return remove_damaged(key), std::nullopt;
+        if (lseek(file.number, 0, SEEK_SET) != 0 || !read_entry(file.number, bytes.data(), size)) return remove_damaged(key), std::nullopt;
     } else if (auto packed = packs_.read(key)) {
         bytes = std::move(*packed);
     } else {
         return std::nullopt;
     }
-    auto header = header_in(bytes, bytes.size());
+    auto header = entry_header(bytes, bytes.size());
     if (!header) return remove_damaged(key), std::nullopt;
-    const auto sealed = bytes.size() - seal_size;
-    if (checksum(bytes.data(), sealed) != number_at<Key>(bytes.data() + sealed)) return remove_damaged(key), std::nullopt;
-    const auto body = prefix_size + number_at<std::uint64_t>(bytes.data() + 16);
+    const auto sealed = bytes.size() - entry_seal;
+    if (entry_checksum({bytes.data(), sealed}) != number_at<Key>(bytes.data() + sealed)) return remove_damaged(key), std::nullopt;
+    const auto body = entry_prefix + number_at<std::uint64_t>(bytes.data() + 16);
     return Read{std::move(*header), std::move(bytes), body};
 }
 
@@ -226,7 +156,7 @@ std::optional<Cache::Entry> Cache::load(const Key& key) {
             const auto type = std::find_if(types.begin(), types.end(), [&](const PayloadType& each) { return output.at("type") == each.name; });
             if (type == types.end() || !type->read || type->version != output.at("version")) return std::nullopt;
             const auto length = output.at("bytes").get<std::uint64_t>();
-            if (length > file->bytes.size() - seal_size - at) return remove_damaged(key), std::nullopt;
+            if (length > file->bytes.size() - entry_seal - at) return remove_damaged(key), std::nullopt;
             View view(file->bytes.data() + at, length);
             std::istream in(&view);
             in.exceptions(std::ios::badbit);
@@ -262,7 +192,7 @@ bool Cache::store(const Key& key, Json header, const std::vector<Payload>& outpu
         std::vector<char> head(entry_magic.begin(), entry_magic.end()), seal;
         append(head, static_cast<std::uint64_t>(text.size()));
         append(head, static_cast<std::uint64_t>(body.size()));
-        append(head, checksum(text.data(), text.size()));
+        append(head, entry_checksum({text.data(), text.size()}));
         head.insert(head.end(), text.begin(), text.end());
         std::vector<std::span<const char>> parts{head};
         parts.insert(parts.end(), body.parts().begin(), body.parts().end());

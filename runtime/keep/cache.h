@@ -37,8 +37,6 @@ public:
 
     bool on() const { return !folder_.empty(); }
     const Registry& registry() const { return registry_; }
-    /// The header of an entry's file; nothing if it is none, or is damaged.
-    static std::optional<nlohmann::ordered_json> header(const std::string& file);
     /// Reads only the header of an entry. Nothing if there is no entry, or its header or file size is damaged.
     std::optional<nlohmann::ordered_json> look(const Key& key) const;
     /// Makes later calls find what other processes have stored meanwhile.

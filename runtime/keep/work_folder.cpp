@@ -4,8 +4,8 @@
 #include "graph/input_file.h"
 #include "graph/output_file.h"
 #include "graph/text/problem.h"
-#include "runtime/keep/cache.h"
 #include "runtime/keep/content_hash.h"
+#include "runtime/keep/entry_header.h"
 #include "runtime/keep/packs.h"
 
 #include <fmt/format.h>
@@ -112,7 +112,7 @@ std::string made_for(const fs::path& file, const fs::path& root) {
     if (part == "runs") return pipeline_in(file);
     if (part == "jobs") return pipeline_in(root / part / *std::next(inside.begin()) / "job.json");
     if (part != "cache") return {};
-    const auto header = Cache::header(file);
+    const auto header = entry_header(file.string());
     return header && header->contains("shot") && (*header)["shot"].is_string() ? (*header)["shot"].get<std::string>() : std::string();
 }
 

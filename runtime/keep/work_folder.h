@@ -65,7 +65,4 @@ private:
 /// The shot that a pipeline carves: the name of its file, without folder and ending. Results are told apart by it.
 std::string shot_of(const std::string& pipeline);
 
-/// The first bytes of a cached result.
-inline constexpr std::string_view entry_magic{"fluidcarve 1\n\0\0\0", 16};
-
 }  // namespace fluidcarve

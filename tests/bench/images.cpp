@@ -1,7 +1,7 @@
 #include "tests/bench/images.h"
 
+#include "nodes/seam/costs/code.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy/code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/search/strip.h"

@@ -4,7 +4,7 @@
 #include "nodes/lattice/build.h"
 #include "nodes/lattice/mapping.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy/sample.h"
+#include "nodes/seam/costs/sample.h"
 #include "nodes/seams/carve_map.h"
 #include "nodes/seams/seam_file.h"
 #include "tests/bench/measure.h"

@@ -1,6 +1,6 @@
 #include "tests/bench/warp.h"
 
-#include "nodes/seam/energy/prices.h"
+#include "nodes/seam/costs/prices.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seams/warp.h"
 #include "nodes/warp/find_warp.h"

@@ -46,8 +46,9 @@ TEST_CASE("volumes in the structure of public files are carved without a word of
 
 TEST_CASE("images in the structure of public files keep their layers, ids, depths and windows") {
     const Scratch scratch;
-    const std::map<std::string, std::string> channels{
-        {"layers", "ViewLayer.Depth.Z     float, 5 to 5\n  note: ViewLayer.Depth.Z: "}, {"cryptomatte", "id                uint, 0 to 4000000001"}, {"window", "R     half"}};
+    const std::map<std::string, std::string> channels{{"layers", "ViewLayer.Depth.Z     float, 5 to 5\n  note: ViewLayer.Depth.Z: "},
+                                                      {"cryptomatte", "id                uint, 0 to 4000000001"},
+                                                      {"window", "R     half"}};
     for (const auto& [file, line] : channels) {
         INFO(file);
         const auto out = scratch / (file + ".exr");

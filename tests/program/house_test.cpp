@@ -11,8 +11,8 @@
 #include <set>
 #include <sstream>
 
-// The house's rules. A unit is a header with its source. A room is a folder; a file right below graph/, nodes/ or runtime/ is a room of
-// its own. Includes go one way: nodes -> graph, runtime -> graph; only main joins nodes and runtime.
+// The house's rules. A unit is a header with its source. A room is a folder; a file right below graph/, nodes/, runtime/ or tools/ is a room of
+// its own. Includes go one way: nodes -> graph, runtime -> graph, and tools to all three.
 
 namespace {
 
@@ -39,7 +39,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& folders, const
     return out;
 }
 
-std::vector<std::string> sources() { return files_of({"graph", "nodes", "runtime"}, {".h", ".cpp"}); }
+std::vector<std::string> sources() { return files_of({"graph", "nodes", "runtime", "tools"}, {".h", ".cpp"}); }
 
 std::string unit_of(const std::string& file) { return fs::path(file).replace_extension().string(); }
 
@@ -103,29 +103,40 @@ TEST_CASE("graph/ includes no volume, no task and no mesh library, and neither o
     CHECK(call_shell(R"(grep -rlE 'yaml-cpp' graph | grep -v '^graph/text/yaml_reader.cpp$')").out == "");
 }
 
-TEST_CASE("nodes/ and runtime/ never include each other, but for main") {
+TEST_CASE("nodes/ and runtime/ never include each other, and none of the floors below includes tools/") {
     CHECK(call_shell(R"(grep -rnE '#include *"runtime/' nodes)").out == "");
-    CHECK(call_shell(R"(grep -rnE '#include *("nodes/|<openvdb)' runtime | grep -v '^runtime/main.cpp:')").out == "");
+    CHECK(call_shell(R"(grep -rnE '#include *("nodes/|<openvdb)' runtime)").out == "");
+    CHECK(call_shell(R"(grep -rnE '#include *"tools/' graph nodes runtime)").out == "");
 }
 
 TEST_CASE("the algorithms of nodes/ know nothing of the graph but failures and frames") {
     CHECK(
         call_shell(
             R"(grep -rlE '#include "graph/(types/(node_type|registry)|pipeline|document|text/yaml_reader)' nodes --include=*.h | grep -vE 'nodes/(catalogue|plugin|precompiled)\.h' | while read f; do
-        grep -q 'NodeType ' "$f" || grep -q 'Registry&' "$f" || grep -q 'Declare<' "$f" || grep -q 'FileInspector ' "$f" || echo "$f"; done)")
+        grep -q 'NodeType ' "$f" || grep -q 'Registry&' "$f" || grep -q 'Declare<' "$f" || echo "$f"; done)")
             .out == "");
 }
 
 TEST_CASE("no two wings give two types one name, which a linker would take for the same") {
     CHECK(
         call_shell(
-            R"(grep -hoE '^(struct|class|enum class) +[A-Za-z_]+ *(:.*)?\{' --include=*.h -r graph runtime nodes | awk '{print $(/^enum/ ? 3 : 2)}' | tr -d ':{' | sort | uniq -d)")
+            R"(grep -hoE '^(struct|class|enum class) +[A-Za-z_]+ *(:.*)?\{' --include=*.h -r graph runtime nodes tools | awk '{print $(/^enum/ ? 3 : 2)}' | tr -d ':{' | sort | uniq -d)")
             .out == "");
+}
+
+TEST_CASE("no two rooms have one name, but for modules") {
+    std::map<std::string, Names> rooms;
+    for (const auto& file : sources()) rooms[fs::path(file).parent_path().filename().string()].insert(fs::path(file).parent_path().string());
+    rooms.erase("module");
+    for (const auto& [name, all] : rooms) {
+        INFO(name);
+        CHECK(all.size() == 1);
+    }
 }
 
 TEST_CASE("no file is longer than 500 lines, no folder holds more than 25 units") {
     std::map<std::string, Names> units;
-    for (const auto& file : files_of({"graph", "nodes", "runtime", "tests"}, {".h", ".cpp"})) {
+    for (const auto& file : files_of({"graph", "nodes", "runtime", "tools", "tests"}, {".h", ".cpp"})) {
         const auto text = text_of(fs::path(SOURCE_ROOT) / file);
         INFO(file);
         CHECK(std::ranges::count(text, '\n') <= 500);
@@ -148,7 +159,7 @@ TEST_CASE("every citation of the method leads to a section of nodes/METHOD.md, a
         for (const auto& title : found(line, "\\*\\*([^*]+?)\\.?\\*\\*")) titles.insert(section + " " + title);
     }
     std::size_t citations = 0;
-    for (const auto& file : files_of({"graph", "nodes", "runtime", "tests"}, {".h", ".cpp"})) {
+    for (const auto& file : files_of({"graph", "nodes", "runtime", "tools", "tests"}, {".h", ".cpp"})) {
         if (file == "tests/program/house_test.cpp") continue;
         const auto text = text_of(fs::path(SOURCE_ROOT) / file);
         INFO(file);

@@ -1,7 +1,7 @@
-#include "runtime/page/html_report.h"
+#include "runtime/html/html_report.h"
 #include "graph/build_pipeline.h"
 
-#include "runtime/page/plot.h"
+#include "runtime/html/plot.h"
 #include "tests/support/files/well_formed.h"
 #include "tests/support/scratch.h"
 #include "tests/support/toy_nodes.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/volume.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,6 +1,6 @@
 #include "nodes/seam/search/bound.h"
 
-#include "nodes/seam/energy/decode.h"
+#include "nodes/seam/costs/decode.h"
 #include "nodes/seam/search/bound_column.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/columns.h"

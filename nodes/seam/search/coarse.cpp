@@ -1,8 +1,8 @@
 #include "nodes/seam/search/coarse.h"
 
-#include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/decode.h"
-#include "nodes/seam/energy/half.h"
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/decode.h"
+#include "nodes/seam/costs/half.h"
 
 #include <tbb/parallel_for.h>
 

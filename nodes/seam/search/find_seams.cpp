@@ -1,6 +1,6 @@
 #include "nodes/seam/search/find_seams.h"
 
-#include "nodes/seam/energy/half.h"
+#include "nodes/seam/costs/half.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/protection.h"
 

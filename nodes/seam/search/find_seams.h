@@ -1,8 +1,8 @@
 #pragma once
 
 #include "graph/text/problem.h"
-#include "nodes/seam/energy/slab_prices.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/slab_prices.h"
+#include "nodes/seam/costs/volume.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/seam_bounds.h"
 #include "nodes/seams/seams.h"

@@ -1,6 +1,6 @@
 #include "nodes/seam/search/open_line.h"
 
-#include "nodes/seam/energy/decode.h"
+#include "nodes/seam/costs/decode.h"
 #include "nodes/seam/search/strip.h"
 #include "nodes/vectors/wide.h"
 

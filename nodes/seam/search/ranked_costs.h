@@ -1,8 +1,8 @@
 #pragma once
 
-#include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/decode.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/decode.h"
+#include "nodes/seam/costs/volume.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/volume.h"
 #include "nodes/seams/seams.h"
 #include "nodes/seams/window.h"
 

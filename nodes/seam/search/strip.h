@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/energy/lanes.h"
+#include "nodes/seam/costs/lanes.h"
 #include "nodes/seam/search/band.h"
 #include "nodes/seam/search/columns.h"
 #include "nodes/seam/search/kept_memory.h"

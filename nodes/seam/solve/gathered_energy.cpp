@@ -2,9 +2,9 @@
 
 #include "graph/text/problem.h"
 #include "nodes/field/active_range.h"
-#include "nodes/seam/energy/carve.h"
-#include "nodes/seam/energy/eddies.h"
-#include "nodes/seam/energy/half.h"
+#include "nodes/seam/costs/carve.h"
+#include "nodes/seam/costs/eddies.h"
+#include "nodes/seam/costs/half.h"
 #include "nodes/seam/solve/report.h"
 #include "nodes/vectors/wide.h"
 

@@ -2,12 +2,12 @@
 
 #include "graph/types/context.h"
 #include "nodes/field/same_transform.h"
-#include "nodes/seam/energy/code.h"
-#include "nodes/seam/energy/frame.h"
-#include "nodes/seam/energy/marks.h"
-#include "nodes/seam/energy/prices.h"
-#include "nodes/seam/energy/slab_prices.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/frame.h"
+#include "nodes/seam/costs/marks.h"
+#include "nodes/seam/costs/prices.h"
+#include "nodes/seam/costs/slab_prices.h"
+#include "nodes/seam/costs/volume.h"
 #include "nodes/seam/solve/params.h"
 #include "nodes/seam/solve/space.h"
 

@@ -2,7 +2,7 @@
 
 #include "graph/types/param.h"
 #include "nodes/lattice/lattice.h"
-#include "nodes/seam/energy/sample.h"
+#include "nodes/seam/costs/sample.h"
 #include "nodes/seams/anchor.h"
 #include "nodes/seams/vertex_range.h"
 

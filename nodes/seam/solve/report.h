@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nodes/seam/energy/marks.h"
+#include "nodes/seam/costs/marks.h"
 #include "nodes/seam/search/find_seams.h"
 #include "nodes/seams/seams.h"
 

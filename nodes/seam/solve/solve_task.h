@@ -1,8 +1,8 @@
 #pragma once
 
 #include "graph/types/context.h"
-#include "nodes/seam/energy/marks.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/marks.h"
+#include "nodes/seam/costs/volume.h"
 #include "nodes/seam/search/find_seams.h"
 #include "nodes/seam/solve/reported_seams.h"
 #include "nodes/seam/solve/space.h"

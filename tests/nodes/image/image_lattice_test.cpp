@@ -3,7 +3,7 @@
 #include "nodes/lattice/build.h"
 #include "nodes/remap/grid.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy/sample.h"
+#include "nodes/seam/costs/sample.h"
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/search/find_seams.h"
 #include "tests/support/seams_through.h"

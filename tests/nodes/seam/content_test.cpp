@@ -1,6 +1,6 @@
-#include "nodes/seam/energy/content.h"
+#include "nodes/seam/costs/content.h"
 #include "nodes/rig/circle.h"
-#include "nodes/seam/energy/frame.h"
+#include "nodes/seam/costs/frame.h"
 #include "tests/support/built_lattices.h"
 #include "tests/support/solver_bench.h"
 

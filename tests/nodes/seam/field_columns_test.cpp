@@ -1,5 +1,5 @@
-#include "nodes/seam/energy/field_columns.h"
-#include "nodes/seam/energy/volume.h"
+#include "nodes/seam/costs/field_columns.h"
+#include "nodes/seam/costs/volume.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/scratch.h"
 

@@ -1,6 +1,6 @@
 #include "nodes/seam/greedy.h"
 #include "nodes/payloads.h"
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/costs/code.h"
 #include "nodes/seam/solve/task_bounds.h"
 #include "tests/support/node_bench.h"
 #include "tests/support/searches.h"

@@ -1,5 +1,5 @@
-#include "nodes/seam/energy/frame.h"
-#include "nodes/seam/energy/half.h"
+#include "nodes/seam/costs/frame.h"
+#include "nodes/seam/costs/half.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/solve/params.h"

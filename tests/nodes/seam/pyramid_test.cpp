@@ -1,7 +1,7 @@
 #include "nodes/seam/pyramid.h"
 #include "nodes/payloads.h"
+#include "nodes/seam/costs/code.h"
 #include "nodes/seam/cut/cut_seam.h"
-#include "nodes/seam/energy/code.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/search/coarse.h"
 #include "nodes/seam/search/line_sweeps.h"

@@ -1,6 +1,6 @@
 #include "nodes/seam/seam_node.h"
 #include "nodes/payloads.h"
-#include "nodes/seam/energy/code.h"
+#include "nodes/seam/costs/code.h"
 #include "nodes/seam/greedy.h"
 #include "tests/support/reference_carve.h"
 #include "tests/support/searches.h"

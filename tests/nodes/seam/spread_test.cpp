@@ -1,4 +1,4 @@
-#include "nodes/seam/energy/prices.h"
+#include "nodes/seam/costs/prices.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
 #include "tests/support/brute_force.h"

@@ -1,7 +1,7 @@
 #include "nodes/payloads.h"
+#include "nodes/seam/costs/step_costs.h"
 #include "nodes/seam/cut/cut_seam.h"
 #include "nodes/seam/dynamic.h"
-#include "nodes/seam/energy/step_costs.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"
 #include "nodes/seam/search/bound.h"

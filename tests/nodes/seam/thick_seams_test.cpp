@@ -1,6 +1,6 @@
+#include "nodes/seam/costs/eddies.h"
+#include "nodes/seam/costs/slab_prices.h"
 #include "nodes/seam/declare_solver.h"
-#include "nodes/seam/energy/eddies.h"
-#include "nodes/seam/energy/slab_prices.h"
 #include "nodes/seam/graph_cut.h"
 #include "nodes/seam/greedy.h"
 #include "nodes/seam/pyramid.h"

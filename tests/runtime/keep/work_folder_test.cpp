@@ -104,7 +104,7 @@ TEST_CASE("of several shots in a work folder, one alone is cleaned, and what ser
     const auto registry = toy::registry();
     for (int n = 0; n < 6; ++n)
         REQUIRE(Cache(registry, work, 0).store(key_of(n), {{"shot", n < 4 ? "sh010" : "sh020"}}, {Payload(std::make_shared<toy::Number>(n))}));
-    keep(work, 3, true);
+    REQUIRE(Cache(registry, work).store(key_of(9), {{"shot", "sh010"}}, {Payload(std::make_shared<toy::Number>(9))}));
     for (const std::string shot : {"sh010", "sh020"}) {
         put(work + "/runs/" + shot + ".host.12.34.json", R"({"pid": 1, "host": "a", "pipeline": "shots/)" + shot + R"(.yaml", "nodes": {}})");
         put(work + "/history/" + shot + ".json", R"({"sim": {"type": "toy.count", "version": 1}})");

@@ -1,0 +1,245 @@
+#include "nodes/seam/costs/frame.h"
+
+#include "graph/text/problem.h"
+#include "graph/text/words.h"
+#include "nodes/field/dense.h"
+#include "nodes/field/extent.h"
+#include "nodes/io/packed.h"
+#include "nodes/io/transform_bytes.h"
+#include "nodes/seam/costs/code.h"
+#include "nodes/seam/costs/half.h"
+#include "nodes/seam/costs/marks.h"
+#include "nodes/seam/costs/sample.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluidcarve {
+
+namespace {
+
+void write(const FrameEnergy& frame, BinaryWriter& to) {
+    to.value(frame.finest);
+    write_packed(frame.energy, to);
+    to.optional(frame.protect);
+    to.optional(frame.attract);
+    to.optional(frame.protect_missed);
+    to.optional(frame.attract_missed);
+    write_transform(*frame.transform, to);
+    to.value(frame.field_transform != nullptr);
+    if (frame.field_transform) {
+        write_packed(frame.field, to);
+        write_transform(*frame.field_transform, to);
+    }
+    to.value(frame.active.has_value());
+    if (frame.active)
+        for (const auto& corner : {frame.active->min(), frame.active->max()}) to.bytes(corner.asPointer(), 3 * sizeof(double));
+    to.value(frame.content.voxels);
+    to.value(frame.content.inside);
+}
+
+void read(FrameEnergy& out, BinaryReader& from) {
+    out.finest = from.value<int>();
+    BinaryReader::require(out.finest == 1 || out.finest == 2);
+    std::size_t vertices = 1;
+    for (const int size : gathered_shape(out.lattice->shape, out.finest)) {
+        BinaryReader::require(size >= 1);
+        vertices *= static_cast<std::size_t>(size);
+    }
+    out.energy = read_packed(vertices, from);
+    out.protect = from.optional<std::size_t>();
+    out.attract = from.optional<std::size_t>();
+    out.protect_missed = from.optional<MissedRange>();
+    out.attract_missed = from.optional<MissedRange>();
+    out.transform = read_transform(from);
+    if (from.value<bool>()) {
+        out.field = read_packed(vertices, from);
+        out.field_transform = read_transform(from);
+    }
+    if (from.value<bool>()) {
+        openvdb::Vec3d low, high;
+        for (auto* const corner : {&low, &high}) from.bytes(corner->asPointer(), 3 * sizeof(double));
+        out.active.emplace(low, high);
+    }
+    out.content.voxels = from.value<std::uint64_t>();
+    out.content.inside = from.value<double>();
+}
+
+std::size_t plane_size(const std::array<int, 3>& shape) { return static_cast<std::size_t>(shape[0]) * static_cast<std::size_t>(shape[1]); }
+
+/// What is counted while a frame is sampled.
+struct Counts {
+    std::size_t attract = 0, protect = 0;
+    bool content = false;  ///< whether the energy at a vertex differs from the background
+};
+
+/// Samples a frame column by column, and halves it.
+class Halves {
+public:
+    Halves(const FrameGrids& grids, const Lattice& lattice, Axis axis, Measure measure)
+        : make_energy_(energy_sampler(grids.energy, lattice, axis, measure)),
+          make_field_(grids.field ? field_sampler(*grids.field, lattice, axis) : nullptr),
+          background_(encode_energy(grids.energy.background())),
+          width_(lattice.shape[dimension(axis)]),
+          laterals_(lattice.shape[lateral_dimension(axis)]),
+          slices_(lattice.shape[slice_dimension(axis)]) {
+        if (grids.attract) attract_.emplace(*grids.attract, lattice, axis);
+        if (grids.protect) protect_.emplace(*grids.protect, lattice, axis);
+    }
+
+    Counts sample(FrameEnergy& out) {
+        const int laterals = halved(laterals_), slices = halved(slices_), across = (laterals + block - 1) / block;
+        const auto counts = tbb::parallel_reduce(
+            tbb::blocked_range<int>(0, across * ((slices + block - 1) / block)), Counts{},
+            [&](const tbb::blocked_range<int>& range, Counts before) {
+                for (int n = range.begin(); n < range.end(); ++n) {
+                    const int lateral = block * (n % across), k = block * (n / across);
+                    sample({lateral, std::min(lateral + block, laterals)}, {k, std::min(k + block, slices)}, before, out);
+                }
+                return before;
+            },
+            [](const Counts& a, const Counts& b) {
+                return Counts{a.attract + b.attract, a.protect + b.protect, a.content || b.content};
+            });
+        bad_energy_.require_none(make_energy_, laterals_);
+        if (make_field_) bad_field_.require_none(make_field_, laterals_);
+        return counts;
+    }
+
+private:
+    /// Coarse columns to either side that are sampled together: they pass the same leaves.
+    static constexpr int block = 4;
+
+    struct Range {
+        int begin, end;
+    };
+    /// Samples the columns that some coarse ones stand for.
+    void sample(const Range& laterals, const Range& slices, Counts& counts, FrameEnergy& out) {
+        const auto width = static_cast<std::size_t>(width_), coarse_width = halved(width);
+        std::vector<std::uint16_t> codes(width);
+        MeanEnergy energy(width);
+        MeanField field(width);
+        const auto sample_energy = make_energy_();
+        const auto sample_field = make_field_ ? make_field_() : nullptr;
+        auto attract = marker(attract_), protect = marker(protect_);
+        const auto add = [&](int lateral, int k) {
+            auto content = sampled(*sample_energy, bad_energy_, lateral, k, codes);
+            counts.content = counts.content || std::ranges::any_of(content, [&](std::uint16_t code) { return code != background_; });
+            const auto attracted = attract ? (*attract)(lateral, k, attracted_code, codes) : 0,
+                       guarded = protect ? (*protect)(lateral, k, protected_code, codes) : 0;
+            counts.attract += attracted;
+            counts.protect += guarded;
+            if (attracted + guarded > 0) content = codes;
+            energy.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+            if (!sample_field) return;
+            content = sampled(*sample_field, bad_field_, lateral, k, codes);
+            field.add(content, static_cast<std::size_t>(content.data() - codes.data()));
+        };
+        for (int k = slices.begin; k < slices.end; ++k)
+            for (int lateral = laterals.begin; lateral < laterals.end; ++lateral) {
+                for (int fine_k = 2 * k; fine_k < std::min(2 * k + 2, slices_); ++fine_k)
+                    for (int fine = 2 * lateral; fine < std::min(2 * lateral + 2, laterals_); ++fine) add(fine, fine_k);
+                const auto column = static_cast<std::size_t>(lateral) + static_cast<std::size_t>(halved(laterals_)) * static_cast<std::size_t>(k);
+                energy.end(std::span(out.energy).subspan(column * coarse_width, coarse_width));
+                if (sample_field) field.end(std::span(out.field).subspan(column * coarse_width, coarse_width));
+            }
+    }
+    /// @return the pairs of entries outside of which all codes are 0
+    std::span<std::uint16_t> sampled(ColumnSampler& sample, FirstInvalid& bad, int lateral, int k, std::span<std::uint16_t> codes) const {
+        const auto [content, valid] = sample(lateral, k, codes);
+        if (!valid) bad.meet(static_cast<std::size_t>(lateral) + static_cast<std::size_t>(laterals_) * static_cast<std::size_t>(k));
+        if (content.last < 0) return codes.first(0);
+        const auto first = static_cast<std::size_t>(content.first) / 2 * 2, end = std::min(static_cast<std::size_t>(content.last) / 2 * 2 + 2, codes.size());
+        return codes.subspan(first, end - first);
+    }
+    static std::optional<MaskColumns::Marker> marker(const std::optional<MaskColumns>& mask) {
+        return mask && !mask->empty() ? std::optional<MaskColumns::Marker>(*mask) : std::nullopt;
+    }
+
+    const MakeSampler make_energy_, make_field_;
+    std::optional<MaskColumns> attract_, protect_;
+    const std::uint16_t background_;
+    const int width_, laterals_, slices_;
+    FirstInvalid bad_energy_, bad_field_;
+};
+
+}  // namespace
+
+void require_frame_fits(const FrameGrids& grids, const Lattice& lattice, std::uint64_t budget, int finest) {
+    const double bytes_per_vertex = sizeof(std::uint16_t) * (grids.field ? 2.0 : 1.0) / (finest * finest * finest);
+    const auto bytes = [&](double spacing) {
+        double out = bytes_per_vertex;
+        for (const int vertices : lattice.shape) out *= std::floor((vertices - 1) * lattice.spacing / spacing + 1e-9) + 1;
+        return out;
+    };
+    const double wanted = bytes(lattice.spacing);
+    if (grid_fits(wanted, budget)) return;
+    const auto size = grids.energy.voxelSize();
+    const double voxel = std::max({size.x(), size.y(), size.z()});
+    double fits = std::max(voxel, lattice.spacing);
+    constexpr double wider = 1.25;
+    while (!grid_fits(bytes(fits), budget)) fits *= wider;
+    throw Failure(
+        fmt::format("at a 'spacing' of {:.6g} the lattice has {} vertices, which take {} in each frame, but --memory allows {}; the voxels of "
+                    "`energy` are {:.6g} wide: a 'spacing' of {:.6g} fits",
+                    lattice.spacing, fmt::join(lattice.shape, " x "), size_text(static_cast<std::uint64_t>(wanted)), size_text(budget), voxel, fits));
+}
+
+FrameEnergy sample_frame(const FrameGrids& grids, const Ref<Lattice>& lattice, Axis axis, Measure measure, int finest) {
+    FrameEnergy out;
+    out.lattice = lattice;
+    out.finest = finest;
+    const auto shape = gathered_shape(lattice->shape, finest);
+    out.energy.resize(plane_size(shape) * static_cast<std::size_t>(shape[2]));
+    if (grids.field) out.field.resize(out.energy.size());
+    Counts counts;
+    if (finest == 1) {
+        const auto background = encode_energy(grids.energy.background());
+        sample_energy(grids.energy, *lattice, axis, out.energy, measure);
+        counts.content = std::ranges::any_of(out.energy, [&](std::uint16_t code) { return code != background; });
+        if (grids.attract) counts.attract = mark_vertices(*grids.attract, *lattice, axis, attracted_code, out.energy);
+        if (grids.protect) counts.protect = mark_vertices(*grids.protect, *lattice, axis, protected_code, out.energy);
+        if (grids.field) sample_columns(field_sampler(*grids.field, *lattice, axis), *lattice, axis, out.field);
+    } else {
+        counts = Halves(grids, *lattice, axis, measure).sample(out);
+    }
+    if (grids.attract) out.attract = counts.attract;
+    if (grids.protect) out.protect = counts.protect;
+    out.content = content_in(grids.energy, *lattice);
+    // What counts by some voxels may miss the few that a vertex sees.
+    if (out.content.inside == 0 && counts.content) out.content.inside = 1;
+    if (grids.attract) out.attract_missed = missed_range(*grids.attract);
+    if (grids.protect) out.protect_missed = missed_range(*grids.protect);
+    out.transform = grids.energy.transform().copy();
+    if (const auto box = active_box(grids.energy); !box.empty())
+        out.active = grids.energy.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
+    if (grids.field) out.field_transform = grids.field->transform().copy();
+    return out;
+}
+
+void add_frame_energy_payload(Registry& registry) {
+    const auto& lattice = registry.payload(typeid(Lattice));
+    Filed<FrameEnergy> filed;
+    filed.version = 4 + lattice.version;  // raising either version raises the sum
+    filed.write = [lattice](const FrameEnergy& frame, std::ostream& stream) {
+        lattice.write(Payload(frame.lattice), stream);
+        BinaryWriter to(stream);
+        write(frame, to);
+    };
+    filed.read = [lattice](std::istream& stream) {
+        auto out = std::make_shared<FrameEnergy>();
+        out->lattice = lattice.read(stream).as<Lattice>();
+        BinaryReader from(stream);
+        read(*out, from);
+        return out;
+    };
+    registry.add(payload_type<FrameEnergy>(
+        "frame_energy", "The energy at a lattice's vertices in one frame; solvers keep one per frame.",
+        [](const FrameEnergy& frame) { return (frame.energy.size() + frame.field.size()) * sizeof(std::uint16_t); }, std::move(filed)));
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,40 @@
+#include "nodes/catalogue.h"
+#include "runtime/run/run.h"
+#include "runtime/tell/breakdown.h"
+#include "tools/verbs/commands.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <exception>
+
+namespace {
+
+/// Opens standard streams that were closed, so that no file of ours gets their number, and messages with it.
+void open_standard_streams() {
+    for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number)
+        if (::fcntl(number, F_GETFD) == -1) static_cast<void>(::open("/dev/null", O_RDWR));
+}
+
+/// Runs before the libraries are initialised: some start threads and allocate then.
+void begin() {
+    fluidcarve::require_room();
+    fluidcarve::end_without_signal();
+}
+[[gnu::section(".preinit_array"), gnu::used]] void (*const first)() = begin;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    open_standard_streams();
+    int code = fluidcarve::exit_code::node_failed;
+    try {
+        code = fluidcarve::run_command_line(argc, argv, fluidcarve::builtin_registry());
+    } catch (const std::exception& error) {
+        std::fputs(fluidcarve::breakdown_text(&error).c_str(), stderr);
+    }
+    if (std::ferror(stdout) == 0 && std::fclose(stdout) == 0) return code;
+    std::fputs("failed: the results could not be written; is the disk full?\n", stderr);
+    return code == fluidcarve::exit_code::done ? fluidcarve::exit_code::node_failed : code;
+}

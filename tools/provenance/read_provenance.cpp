@@ -1,0 +1,29 @@
+#include "tools/provenance/read_provenance.h"
+
+#include "graph/text/words.h"
+#include "nodes/geometry_file/provenance_comments.h"
+#include "nodes/image/image_provenance.h"
+#include "nodes/io/provenance_metadata.h"
+#include "nodes/io/vdb_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace fluidcarve {
+
+Provenance read_provenance(const std::string& path) {
+    using namespace std::string_view_literals;
+    const InputFile file(path, {.what = "a file to explain"});
+    const auto start = file.head(8);
+    const auto begins = [&](std::string_view text) { return start.starts_with(text); };
+    if (begins(" BDV"sv)) return provenance_in(read_vdb_header(path).metadata);
+    if (begins("ply\n") || begins("ply\r") || ending_of(path) == ".obj") return provenance_of_comments(file);
+    if (!begins("\x89PNG") && !begins("\xff\xd8\xff") && !begins("\x76\x2f\x31\x01"))
+        throw Failure(fmt::format("{} is no file that states what made it; those are VDB, PNG, JPEG, EXR, PLY and OBJ files", path), Failure::Kind::input);
+    return provenance_of_image(file);
+}
+
+}  // namespace fluidcarve

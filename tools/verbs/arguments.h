@@ -1,0 +1,82 @@
+#pragma once
+
+#include "graph/build_pipeline.h"
+#include "graph/types/registry.h"
+#include "runtime/run/run.h"
+#include "tools/verbs/diff.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace fluidcarve {
+
+/// Prints a result to stdout.
+void print(const std::string& text);
+/// Prints a message to stderr.
+void complain(const std::string& text);
+/// Half of the machine's memory, in bytes.
+std::uint64_t half_of_memory();
+
+/// Arguments of all verbs that take a pipeline.
+struct PipelineArguments {
+    std::string path;
+    std::vector<std::string> settings;
+    std::vector<std::string> folders;  ///< of --confine
+    bool allow_plugins = false;
+
+    void declare(CLI::App& verb);
+    /// The words of a command line that say the same.
+    std::vector<std::string> words() const;
+
+    /// Loads the plugins that a document names, adds their types to the registry, and builds the pipeline.
+    Pipeline build(const Document& document, Registry& registry, Problems& problems) const;
+
+    /// Reads and checks the pipeline. Prints problems and returns nothing if there are any.
+    std::optional<Pipeline> read_or_complain(Registry& registry) const;
+};
+
+/// Arguments of the verbs that run a pipeline: `run`, `plan` and `view`.
+struct RunArguments {
+    std::string frames;
+    std::string only;
+    std::string missing;  ///< of `--missing`; empty: a warning
+    bool no_cache = false;
+    std::string cache_size;
+    int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    int in_flight = 0;
+    std::string memory;
+    std::string progress = "auto";
+    RunRequest request;
+    const CLI::Option* threads_option = nullptr;
+    const CLI::Option* frames_option = nullptr;  ///< tells an empty -f (an unset variable in a farm's script), which is an error, from no -f
+
+    void declare(CLI::App& verb);
+    /// The words of a command line that say the same, but for the part of the pipeline to run, and for frames.
+    std::vector<std::string> words() const;
+    /// Declares only those about threads, memory, the work folder and what is printed.
+    void declare_limits(CLI::App& verb);
+
+    /// Checks the arguments. Prints a message and returns nothing if one is wrong.
+    std::optional<RunRequest> read(const Pipeline& pipeline);
+};
+
+/// Arguments of the verb `diff`.
+struct DiffArguments {
+    std::string frames;
+    DiffRequest request;
+    const CLI::Option* frames_option = nullptr;
+
+    void declare(CLI::App& verb);
+
+    DiffRequest read(bool json);
+};
+
+}  // namespace fluidcarve

@@ -1,0 +1,49 @@
+#include "tools/verbs/explain.h"
+
+#include "graph/text/json_text.h"
+#include "graph/text/one_line.h"
+#include "runtime/tell/exit_codes.h"
+#include "tools/provenance/read_provenance.h"
+#include "tools/verbs/read_confined.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <span>
+
+namespace fluidcarve {
+namespace {
+
+/// An entry's name without what all of them begin with.
+std::string short_name(const std::string& name) { return name.substr(name.find('_') + 1); }
+
+}  // namespace
+
+int explain_file(const std::string& path, bool json, std::uint64_t memory) {
+    using Json = nlohmann::ordered_json;
+    const auto read = [&](const std::string& file) {
+        auto out = Json::object();
+        for (const auto& [name, text] : read_provenance(file)) out[short_name(name)] = text;
+        return out;
+    };
+    const auto [found, fault] = read_confined(std::span(&path, 1), read, memory).front();
+    if (json) {
+        Json out{{"file", path}, {"provenance", found && !found->empty() ? *found : Json()}};
+        if (!found) out["error"] = fault;
+        std::fputs((json_text(out, 2) + "\n").c_str(), stdout);
+    } else if (!found) {
+        std::fputs(fmt::format("failed: {}\n", one_line(fault)).c_str(), stderr);
+    } else if (found->empty()) {
+        std::fputs(fmt::format("{} does not state what made it: no run of fluidcarve wrote it, or one with 'provenance: false'\n", one_line(path)).c_str(),
+                   stderr);
+    } else {
+        // A file may state anything: none of it reaches a terminal but as a line of text.
+        std::string out = one_line(path) + "\n";
+        for (const auto& [name, text] : found->items()) out += fmt::format("  {:<9} {}\n", name + ":", one_line(text.get<std::string>()));
+        std::fputs(out.c_str(), stdout);
+    }
+    return found && !found->empty() ? exit_code::done : exit_code::input;
+}
+
+}  // namespace fluidcarve

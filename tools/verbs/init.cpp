@@ -1,0 +1,53 @@
+#include "tools/verbs/init.h"
+
+#include "graph/build_pipeline.h"
+#include "graph/output_file.h"
+#include "runtime/tell/exit_codes.h"
+#include "tools/draft/draft.h"
+#include "tools/verbs/arguments.h"
+#include "tools/verbs/draft_files.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace fluidcarve {
+
+void InitArguments::declare(CLI::App& verb) {
+    verb.add_option("files", files, "A sequence such as smoke.####.vdb, a file, or a folder: its longest sequence")->required()->type_name("FILES");
+    verb.add_option("-o,--out", out, "The pipeline to write; it must not exist (default: print it)")->type_name("SHOT.yaml");
+}
+
+int init_pipeline(const InitArguments& arguments, const Registry& registry) {
+    namespace fs = std::filesystem;
+    std::error_code ignored;
+    if (!arguments.out.empty() && fs::exists(arguments.out, ignored))
+        return complain(fmt::format("-o: {} exists already; name another file\n", arguments.out)), exit_code::usage;
+    try {
+        const auto files = look_at_draft_files(arguments.files, Several::chosen);
+        auto request = files.request(fs::path(arguments.out).parent_path().string());
+        const auto folder = std::string("out/"), ending = fs::path(files.sequence.path.text()).extension().string();
+        request.out = folder + fs::path(files.sequence.path.text()).filename().string();
+        request.seams = folder + files.stem() + "_seams.vdb";
+        request.sheet = folder + files.stem() + "_sheet.png";
+        auto source = std::make_shared<Source>();
+        source->name = arguments.out.empty() ? "init" : arguments.out;
+        source->text = draft_pipeline(request);
+        source->folder = fs::path(arguments.out).parent_path().string();
+        Problems problems;
+        build_pipeline(read_document(source, {}, problems), registry, problems);
+        if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+        for (const auto& note : files.notes) complain(fmt::format("warning: {}\n", note));
+        if (arguments.out.empty()) return print(source->text), exit_code::done;
+        OutputFile::write(arguments.out, source->text);
+        complain(fmt::format("{} is written; next: fluidcarve run {}\n", arguments.out, arguments.out));
+        return exit_code::done;
+    } catch (const Failure& failure) {
+        return complain(fmt::format("{}\n", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::usage;
+    }
+}
+
+}  // namespace fluidcarve

@@ -1,0 +1,170 @@
+#include "tools/verbs/inspect.h"
+
+#include "graph/text/json_text.h"
+#include "graph/text/one_line.h"
+#include "graph/text/words.h"
+#include "runtime/run/run.h"
+#include "tools/inspect/inspectors.h"
+#include "tools/verbs/read_confined.h"
+#include "tools/verbs/sequences.h"
+#include "tools/verbs/summary.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <optional>
+#include <span>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Not fmt::print: it throws if the output is a file on a full disk.
+void tell(std::FILE* where, const std::string& text) { std::fwrite(text.data(), 1, text.size(), where); }
+
+/// The verb at work: prints what it looks at, and keeps it for JSON.
+class Inspection {
+public:
+    Inspection(bool json, std::uint64_t memory) : json_(json), memory_(memory) {}
+
+    void look_at(const FileSequence& sequence) {
+        const auto& inspector = *inspector_of(sequence.path.text());
+        std::vector<LookedAt> seen;
+        std::vector<std::string> paths;
+        for (const int frame : sequence.frames.frames()) paths.push_back(sequence.path.at(frame));
+        constexpr std::size_t at_once = 32;
+        for (std::size_t begin = 0; begin < paths.size(); begin += at_once) {
+            const auto some = std::span(paths).subspan(begin, std::min(at_once, paths.size() - begin));
+            auto outcomes = read_confined(some, inspector.look, memory_);
+            for (std::size_t n = 0; n < some.size(); ++n) {
+                const int frame = sequence.frames.frames()[begin + n];
+                auto& [facts, fault] = outcomes[n];
+                if (!facts) {
+                    fail(fault, {{"file", some[n]}, {"error", fault}});
+                    continue;
+                }
+                if (sequence.per_frame()) (*facts)["frame"] = frame;
+                all_["files"].push_back(*facts);
+                seen.push_back({frame, std::move(*facts)});
+            }
+        }
+        if (seen.empty()) return;
+        if (!sequence.per_frame()) {
+            if (!json_) tell(stdout, inspector.text(seen.front().facts));
+            alone_[&inspector].push_back(std::move(seen.front().facts));
+            return;
+        }
+        summarise(sequence, seen, inspector);
+    }
+
+    /// Compares the files that are alone, and prints what is left. @return an exit code
+    int finish() {
+        for (const auto& inspector : inspectors()) note(inspector, alone_[&inspector]);
+        if (json_) tell(stdout, json_text(all_, 2) + "\n");
+        return code_;
+    }
+
+    /// @param entry  of the file, for JSON; null: none
+    void fail(const std::string& fault, Json entry = {}) {
+        std::fflush(stdout);
+        if (!json_) tell(stderr, fmt::format("failed: {}\n", one_line(fault)));
+        if (!entry.is_null()) all_["files"].push_back(std::move(entry));
+        else all_["notes"].push_back(fault);
+        code_ = exit_code::input;
+    }
+
+    void tell_of(const std::string& folder, std::size_t others) {
+        all_["folders"].push_back({{"folder", folder}, {"other_files", others}});
+        if (!json_ && others > 0)
+            tell(stdout,
+                 fmt::format("{}: {} not looked at\n", folder, others == 1 ? "1 file of another kind is" : fmt::format("{} files of other kinds are", others)));
+    }
+
+private:
+    void summarise(const FileSequence& sequence, const std::vector<LookedAt>& seen, const FileInspector& inspector) {
+        std::vector<int> frames;
+        for (const auto& each : seen) frames.push_back(each.frame);
+        const FileSequence there{sequence.path, FrameSet(std::move(frames))};
+        Json entry{{"path", there.path.text()}, {"frames", there.frames.text()}, {"count", seen.size()}};
+        auto summary = summary_of(seen, inspector);
+        if (!json_) {
+            auto titled = summary;
+            titled["file"] = fmt::format("{}, {}", there.text(), counted(seen.size(), "file"));
+            tell(stdout, inspector.text(titled));
+            for (const auto& change : summary["changes"]) tell(stdout, fmt::format("  changes: {}\n", change.get<std::string>()));
+        }
+        entry.update(summary);
+        all_["sequences"].push_back(std::move(entry));
+        std::vector<Json> facts;
+        for (const auto& each : seen) facts.push_back(each.facts);
+        note(inspector, facts);
+    }
+
+    void note(const FileInspector& inspector, const std::vector<Json>& files) {
+        for (const auto& note : inspector.compare(files)) {
+            if (!json_) tell(stdout, fmt::format("note: {}\n", note));
+            all_["notes"].push_back(note);
+        }
+    }
+
+    bool json_;
+    std::uint64_t memory_;
+    int code_ = exit_code::done;
+    std::map<const FileInspector*, std::vector<Json>> alone_;
+    Json all_{{"files", Json::array()}, {"notes", Json::array()}, {"sequences", Json::array()}, {"folders", Json::array()}};
+};
+
+}  // namespace
+
+int inspect_files(const std::vector<std::string>& paths, bool json, std::uint64_t memory) {
+    std::vector<std::string> endings, files;
+    for (const auto& inspector : inspectors()) endings.insert(endings.end(), inspector.endings.begin(), inspector.endings.end());
+    const auto known = [&](const std::string& path) { return inspector_of(path) != nullptr; };
+    std::error_code ignored;
+    for (const auto& path : paths)
+        if (!std::filesystem::is_directory(path, ignored) && !known(path)) {
+            tell(stderr, fmt::format("inspect reads files that end in {}, and folders of them, not {}\n", fmt::join(endings, ", "), path));
+            return exit_code::usage;
+        }
+
+    Inspection inspection(json, memory);
+    const auto look_at_files = [&] {
+        for (const auto& sequence : sequences_of(files)) inspection.look_at(sequence);
+        files.clear();
+    };
+    const auto look_into = [&](const std::string& folder) {
+        std::size_t others = 0;
+        const auto sequences = sequences_in(folder, known, others);
+        if (sequences.empty()) return inspection.fail(fmt::format("{} holds no file that ends in {}", folder, fmt::join(endings, ", ")));
+        for (const auto& sequence : sequences) inspection.look_at(sequence);
+        inspection.tell_of(folder, others);
+    };
+    const auto take = [&](const std::string& path) {
+        const bool folder = std::filesystem::is_directory(path, ignored);
+        const auto sequence = folder ? FileSequence{} : named_sequence(path);
+        if (!folder && !sequence.per_frame()) return files.push_back(path);
+        look_at_files();
+        if (folder) look_into(path);
+        else if (sequence.frames.frames().empty()) inspection.fail(fmt::format("{}: there is no file of any frame", path));
+        else inspection.look_at(sequence);
+    };
+    for (const auto& path : paths) {
+        try {
+            take(path);
+        } catch (const Failure& failure) {
+            if (failure.kind != Failure::Kind::input) return tell(stderr, fmt::format("{}\n", failure.what())), exit_code::usage;
+            inspection.fail(failure.what());
+        }
+    }
+    look_at_files();
+    return inspection.finish();
+}
+
+}  // namespace fluidcarve

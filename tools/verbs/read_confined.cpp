@@ -1,0 +1,78 @@
+#include "tools/verbs/read_confined.h"
+
+#include "graph/text/json_text.h"
+#include "tools/verbs/confined.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <new>
+
+namespace fluidcarve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Time limit for reading files, in seconds: short for small files, in case the reader loops; for large files as long as a slow disk needs.
+double patience(std::span<const std::string> paths) {
+    constexpr double least = 6, bytes_per_second = 2e7;
+    double seconds = least;
+    for (const auto& path : paths) {
+        std::error_code ignored;
+        const auto bytes = std::filesystem::file_size(path, ignored);
+        if (!ignored) seconds += static_cast<double>(bytes) / bytes_per_second;
+    }
+    return seconds;
+}
+
+/// What the child process says of a file.
+Json answer_of(const std::string& path, const ReadFacts& read) {
+    auto out = Json::object();
+    try {
+        out["facts"] = read(path);
+    } catch (const std::bad_alloc&) {
+        out["threw"] = "it needs more memory than is allowed";
+    } catch (const std::exception& error) {
+        out["threw"] = error.what();
+    }
+    return out;
+}
+
+ReadFile outcome_of(const std::string& path, const Json& answer) {
+    if (answer.contains("facts")) return {std::make_optional<Json>(answer["facts"]), {}};
+    const auto fault = answer.value("threw", std::string("its reader gave no sensible answer"));
+    return {{}, fault.find(path) == std::string::npos ? fmt::format("{}: {}", path, fault) : fault};
+}
+
+}  // namespace
+
+std::vector<ReadFile> read_confined(std::span<const std::string> paths, const ReadFacts& read, std::uint64_t memory) {
+    const double seconds = patience(paths);
+    const auto answer = call_confined(
+        [&] {
+            auto all = Json::array();
+            for (const auto& path : paths) all.push_back(answer_of(path, read));
+            return json_text(all);
+        },
+        memory, seconds);
+    std::vector<ReadFile> out;
+    const auto all = answer.end == Confined::End::returned ? Json::parse(answer.text, nullptr, false) : Json();
+    if (all.is_array() && all.size() == paths.size()) {
+        for (std::size_t n = 0; n < paths.size(); ++n) out.push_back(outcome_of(paths[n], all[n]));
+    } else if (paths.size() > 1) {
+        for (const auto& path : paths) out.push_back(read_confined(std::span(&path, 1), read, memory).front());
+    } else {
+        const auto& path = paths.front();
+        switch (answer.end) {
+            case Confined::End::returned: out.push_back({{}, fmt::format("{} is damaged: its reader gave no sensible answer", path)}); break;
+            case Confined::End::threw: out.push_back({{}, fmt::format("{}: {}", path, answer.text)}); break;
+            case Confined::End::crashed: out.push_back({{}, fmt::format("{} is damaged: its reader crashed ({})", path, answer.text)}); break;
+            case Confined::End::too_slow:
+                out.push_back({{}, fmt::format("{} is damaged, or very large: its reader was stopped after {:.0f} s", path, seconds)});
+                break;
+        }
+    }
+    return out;
+}
+
+}  // namespace fluidcarve

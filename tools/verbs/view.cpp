@@ -1,0 +1,212 @@
+#include "tools/verbs/view.h"
+
+#include "graph/views/provenance.h"
+#include "runtime/run/interrupt.h"
+#include "runtime/run/preparation.h"
+#include "runtime/tell/breakdown.h"
+#include "runtime/tell/outcome.h"
+#include "runtime/tell/report.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+namespace fluidcarve {
+namespace {
+
+constexpr std::string_view page_type = "preview.page";
+
+Value scalar(const Mark& mark, std::string text) { return {Value::Kind::scalar, mark, std::move(text), {}, {}}; }
+Value empty_map(const Mark& mark) { return {Value::Kind::map, mark, {}, {}, {}}; }
+
+/// A field of a node as written; null if it is not stated.
+const Value* field(const Value::Field* node, std::string_view name) {
+    if (!node) return nullptr;
+    const auto* const found = node->value.find(name);
+    return found && found->value.kind != Value::Kind::null ? &found->value : nullptr;
+}
+
+std::string type_of(const Value::Field& node) {
+    const auto* const type = field(&node, "type");
+    return type ? type->text : std::string();
+}
+
+/// The first node of one of these types that states a field, types in order; null if there is none.
+const Value::Field* first_of(const Document& document, std::initializer_list<std::string_view> types, std::string_view with) {
+    for (const auto type : types)
+        for (const auto& node : document.nodes.fields)
+            if (type_of(node) == type && field(&node, with)) return &node;
+    return nullptr;
+}
+
+/// The node that a connection names: "box" of `box` and of `box.lattice`; of a list the last one.
+const Value::Field* connected(const Document& document, const Value* link) {
+    if (!link) return nullptr;
+    const auto& text = link->kind == Value::Kind::list && !link->items.empty() ? link->items.back().text : link->text;
+    return document.nodes.find(text.substr(0, text.find('.')));
+}
+
+/// Adds a field to a node, unless it has one of this name.
+void add(Value& node, const std::string& name, const Value* value) {
+    if (value && !node.find(name)) node.fields.push_back({name, value->mark, *value});
+}
+
+/// What sets the count of a solver: the param whose whole value it is, else its own field.
+std::string setting_of(const Document& document, const Value::Field& solver) {
+    const auto* const count = field(&solver, "count");
+    for (const auto& param : document.params.fields)
+        if (count && param.value.mark.source == count->mark.source && param.value.mark.line == count->mark.line &&
+            param.value.mark.column == count->mark.column)
+            return param.name;
+    return solver.name + ".count";
+}
+
+/// Leaves out the seams of a node, and what is for them.
+void leave_out_seams(Value& node) {
+    std::erase_if(node.fields, [](const Value::Field& each) { return each.name == "seams" || each.name == "count"; });
+}
+
+/// Lets all solvers take as many seams as there are: a page of these shows more than an error.
+void take_what_is_there(Document& document, const Registry& registry) {
+    for (auto& node : document.nodes.fields) {
+        const auto* const type = registry.node(type_of(node));
+        const auto yes = scalar(node.value.mark, ParamTraits<bool>::text(true));
+        if (type && type->param("best_effort")) add(node.value, "best_effort", &yes);
+    }
+}
+
+/// Whether a run would have to find seams: a solver upstream of a node is not in the work folder with all that is wanted.
+/// @throws Failure if nothing tells, since the work folder or an input can't be read
+bool must_solve(const Pipeline& pipeline, const Registry& registry, const RunRequest& request) {
+    Report report(pipeline);
+    Preparation prepared(pipeline, registry, request.options, request.wish, request.deliver, report);
+    // What is missing is told by the run.
+    if (prepared.frames().empty() || !prepared.inputs().missing.empty()) return false;
+    const auto to_do = shares(pipeline, prepared.plan(), prepared.schedule(), prepared.uncached_schedule());
+    for (std::size_t n = 0; n < pipeline.nodes.size(); ++n) {
+        if (to_do[n].runs == 0 || !pipeline.nodes[n].type->growth) continue;
+        auto fault = prepared.cache().unread();
+        if (!fault.empty()) fault += "; make it readable, or name another work folder with --work";
+        else if (request.options.cache) fault = prepared.fault_of_contents();
+        if (!fault.empty()) throw Failure("nothing tells whether the seams are found: " + fault, Failure::Kind::input);
+        return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+void ViewArguments::declare(CLI::App& verb) {
+    verb.add_option("-o,--output", path, "The page (default: that of the pipeline's preview.page, else out/NAME.html for NAME.yaml)")->type_name("FILE.html");
+    verb.add_flag("--solve", solve, "Find the seams if no earlier run has; without it the page then shows where they are to be found");
+    run.declare_limits(verb);
+}
+
+std::string add_page(Document& document, std::string& name) {
+    for (const auto& node : document.nodes.fields)
+        if (type_of(node) == page_type) return name = node.name, std::string();
+    const auto* const sheet = first_of(document, {"preview.sheet"}, "lattice");
+    const auto* const remap = first_of(document, {"remap.grids"}, "seams");
+    const auto* const seams = sheet && field(sheet, "seams") ? field(sheet, "seams") : field(remap, "seams");
+    const auto* const solver = connected(document, seams);
+    const auto* const built = first_of(document, {"lattice.build", "lattice.box"}, "type");
+    const auto mark = document.nodes.mark;
+    const auto lattice_name = scalar(mark, built ? built->name : std::string());
+    const auto* const lattice = sheet                      ? field(sheet, "lattice")
+                                : field(remap, "lattice")  ? field(remap, "lattice")
+                                : field(solver, "lattice") ? field(solver, "lattice")
+                                : built                    ? &lattice_name
+                                                           : nullptr;
+    const auto* before = sheet ? field(sheet, "before") : field(remap, "source");
+    if (!before && built) before = field(built, "fit");
+    if (before && before->kind == Value::Kind::list && !before->items.empty()) before = &before->items.front();
+    if (!before) before = field(solver, "field");
+    if (!before)
+        return fmt::format(
+            "{}: it has no preview.page, preview.sheet or remap.grids, nor a lattice with `fit`, so that nothing says what to show; add a "
+            "preview.page",
+            document.name);
+
+    for (name = "view"; document.nodes.find(name);) name += "_";
+    auto page = empty_map(mark);
+    const auto type = scalar(mark, std::string(page_type));
+    add(page, "type", &type);
+    add(page, "before", before);
+    if (sheet) add(page, "grid", field(sheet, "grid"));
+    if (lattice) add(page, "lattice", lattice);
+    add(page, "energy", sheet && field(sheet, "energy") ? field(sheet, "energy") : field(solver, "energy"));
+    add(page, "rig", field(connected(document, lattice), "rig"));
+    if (lattice) add(page, "seams", seams);
+    auto masks = empty_map(mark);
+    for (const auto* const each : {"protect", "attract"}) add(masks, each, field(solver, each));
+    if (!masks.fields.empty()) add(page, "masks", &masks);
+    for (const auto* const each : {"count", "soft", "soft_time", "rim", "fade"}) add(page, each, field(remap, each));
+    const auto setting = scalar(mark, solver ? setting_of(document, *solver) : std::string("count"));
+    add(page, "setting", &setting);
+    const auto path = scalar(mark, "out/" + std::filesystem::path(document.name).stem().string() + ".html");
+    add(page, "path", &path);
+    document.nodes.fields.push_back({name, mark, std::move(page)});
+    return {};
+}
+
+void set_page_path(Document& document, const std::string& node, const std::string& path) {
+    auto& page = document.nodes.find(node)->value;
+    std::erase_if(page.fields, [](const Value::Field& each) { return each.name == "path"; });
+    const auto value = scalar(page.mark, path);
+    add(page, "path", &value);
+}
+
+std::string page_path(const Pipeline& pipeline, const std::string& node) {
+    const auto& page = *pipeline.find(node);
+    const auto& params = page.type->params;
+    const auto spec = std::ranges::find(params, "path", &ParamSpec::name);
+    return spec == params.end() ? std::string() : spec->path(page.params.get()).at(pipeline.frames.frames().front());
+}
+
+int view_pipeline(const PipelineArguments& arguments, ViewArguments& view, Registry& registry) {
+    Problems problems;
+    auto document = read_document(arguments.path, arguments.settings, problems);
+    auto pipeline = arguments.build(document, registry, problems);
+    if (!problems.empty()) return complain(to_text(problems)), exit_code::usage;
+    std::string name;
+    if (const auto fault = add_page(document, name); !fault.empty()) return complain(fault + "\n"), exit_code::usage;
+    if (!view.path.empty()) set_page_path(document, name, view.path);
+    if (view.solve) take_what_is_there(document, registry);
+    view.run.request.wish.to = name;
+    std::optional<RunRequest> request;
+    const auto build = [&] {
+        // The plugins are loaded.
+        const auto plugins = std::move(pipeline.plugins);
+        pipeline = build_pipeline(document, registry, problems);
+        pipeline.plugins = plugins;
+        if (!problems.empty()) return complain(to_text(problems)), false;
+        state_provenance(pipeline, document, registry);
+        request = view.run.read(pipeline);
+        return request.has_value();
+    };
+    if (!build()) return exit_code::usage;
+    bool left_out = false;
+    try {
+        require_threads(request->options.threads);
+        left_out = !view.solve && field(document.nodes.find(name), "seams") && must_solve(pipeline, registry, *request);
+    } catch (const Failure& failure) {
+        return complain(fmt::format("failed: {}\n", failure.what())), failure.kind == Failure::Kind::input ? exit_code::input : exit_code::node_failed;
+    }
+    if (left_out) {
+        leave_out_seams(document.nodes.find(name)->value);
+        if (!build()) return exit_code::usage;
+    }
+    const Interrupt interrupt(request->quiet ? std::string() : interrupted_text(request->options.cache));
+    const int code = run_pipeline(pipeline, registry, *request, [&] { return interrupt.asked(); });
+    if (code != exit_code::done) return code;
+    if (left_out && !request->quiet) complain("the seams are not found yet: the page shows where; --solve finds them\n");
+    print(page_path(pipeline, name) + "\n");
+    return exit_code::done;
+}
+
+}  // namespace fluidcarve
