@@ -22,7 +22,7 @@ namespace {
 
 /// The scenes and their counts: about a fifth of the vertices along u, or as many as are shipped.
 const std::vector<Scene> scenes{
-    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
+    {"plume", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "-14", "+8", "+14", "+21"}},
     {"plume_ax", "sim", "plume/plume.####.vdb", {"density"}, {"-8", "+8"}},
     {"plume_path", "sim", "plume/plume.####.vdb", {"density"}, {"-5", "+5"}},
     {"vortex", "sim", "vortex/vortex.####.vdb", {"density"}, {"-6", "+6"}},
@@ -56,6 +56,10 @@ constexpr auto about =
     "- mass: the sum of all samples, as a share of even scaling's.\n"
     "- resized: by how much what is visible became narrower or wider, as a share of what scaling all of the lattice would do. A carve that takes only "
     "empty space looks perfect and resizes nothing.\n"
+    "- form: how much of the shape of details is kept. 1: they are as long along the carved axis, by their correlation, relative to the other axes, as "
+    "before; 0: they changed as much as under even scaling.\n"
+    "- repeated: patches of 7 vertices that have their like beside them, as a share of those under even scaling. A comb of copies has many.\n"
+    "- lost: patches of 9 vertices of the input that have nothing near to them in the result, as a share of those under even scaling. A crop has many.\n"
     "\n"
     "Visible is what exceeds 0.02 of the value that one sample in a thousand exceeds. Where seams come in pairs the lattice keeps its size: even scaling then "
     "stretches one window evenly and presses the other together, and nothing is resized. `river` is not measured: its paper method would need particles, "
@@ -88,17 +92,16 @@ class Table {
 public:
     explicit Table(const std::string& path) : page_(path) {
         page_ << "# How carves look beside even scaling\n\n" << about << "\n";
-        page_ << "| scene | count | | coherence | completeness | time | mean | worst | flicker | jagged | mass | resized |\n"
-                 "|---|--:|---|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
-        print("scene", "count", "", "coherence", "completeness", "time", "mean", "worst", "flicker", "jagged", "mass", "resized");
+        page_ << "| scene | count | | coherence | completeness | time | mean | worst | flicker | jagged | mass | resized | form | repeated | lost |\n"
+                 "|---|--:|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+        print("scene", "count", "", "coherence", "completeness", "time", "mean", "worst", "flicker", "jagged", "mass", "resized", "form", "repeated", "lost");
     }
 
     void add(const std::string& scene, int count, const std::string& contender, const Looks& looks) {
         const std::vector<double> space(looks.coherence.begin(), looks.coherence.begin() + 3);
         const auto time = looks.coherence.size() > 3 ? std::optional(looks.coherence[3]) : std::nullopt;
-        const std::array figures{time,          std::optional(looks.mean()), std::optional(looks.worst()),
-                                 looks.flicker, std::optional(looks.jagged), std::optional(looks.mass),
-                                 looks.resized};
+        const Figures figures{time,       looks.mean(),  looks.worst(), looks.flicker,  looks.jagged,
+                              looks.mass, looks.resized, looks.form,    looks.repeated, looks.lost};
         row(scene, fmt::format("{:+}", count), contender, numbers(space), numbers(looks.completeness), figures);
         auto means = std::ranges::find(means_, contender, &Means::contender);
         if (means == means_.end()) means = means_.insert(means_.end(), {contender, {}});
@@ -107,7 +110,7 @@ public:
 
     void add_means() {
         for (const auto& [contender, means] : means_) {
-            std::array<std::optional<double>, 7> figures;
+            Figures figures;
             std::ranges::transform(means, figures.begin(), &Mean::value);
             row("mean of all", "", contender, "", "", figures);
         }
@@ -116,14 +119,17 @@ public:
     bool good() const { return page_.good(); }
 
 private:
+    static constexpr std::size_t count_of_figures = 10;
+    using Figures = std::array<std::optional<double>, count_of_figures>;
+
     template <class... Texts>
     static void print(const Texts&... texts) {
-        fmt::print("{:<17} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7}\n", texts...);
+        fmt::print("{:<17} {:>5} {:<16} {:<15} {:<15} {:>5} {:>5} {:>5} {:>7} {:>6} {:>5} {:>7} {:>5} {:>8} {:>5}\n", texts...);
         std::fflush(stdout);
     }
     void row(const std::string& scene, const std::string& count, const std::string& contender, const std::string& coherence, const std::string& completeness,
-             const std::array<std::optional<double>, 7>& figures) {
-        std::array<std::string, 7> texts;
+             const Figures& figures) {
+        std::array<std::string, count_of_figures> texts;
         std::ranges::transform(figures, texts.begin(), number);
         page_ << fmt::format("| {} | {} | {} | {} | {} | {} |\n", scene, count, contender, coherence, completeness, fmt::join(texts, " | "));
         std::apply([&](const auto&... text) { print(scene, count, contender, coherence, completeness, text...); }, texts);
@@ -131,7 +137,7 @@ private:
 
     struct Means {
         std::string contender;
-        std::array<Mean, 7> figures;
+        std::array<Mean, count_of_figures> figures;
     };
     std::ofstream page_;
     std::vector<Means> means_;

@@ -70,8 +70,10 @@ void squared_differences(const Samples& of, const Samples& among, int shift, std
     }
 }
 
-/// Root mean square distances of the patches of `of` to the nearest patch of `among` at the same v, w and time, by kind of patch.
-std::vector<double> nearest(const Samples& of, const Samples& among, float visible, const std::vector<Patch>& patches, int reach) {
+/// Mean square distances of the patch around each sample of `of` to the nearest patch of `among` at the same v, w and time.
+/// @param shifts  along u, of the patches that are looked at
+/// @return for each kind of patch, for each sample
+std::vector<std::vector<float>> least_squares(const Samples& of, const Samples& among, const std::vector<Patch>& patches, const std::vector<int>& shifts) {
     struct Work {
         std::vector<float> squares, means, spare;
         std::vector<std::vector<float>> best;
@@ -82,9 +84,9 @@ std::vector<double> nearest(const Samples& of, const Samples& among, float visib
         const std::vector<float> none(size);
         return Work{none, none, none, {patches.size(), std::vector<float>(size, std::numeric_limits<float>::infinity())}};
     });
-    tbb::parallel_for(-reach, reach + 1, [&](int shift) {
+    tbb::parallel_for(std::size_t{0}, shifts.size(), [&](std::size_t n) {
         auto& work = works.local();
-        squared_differences(of, among, shift, work.squares);
+        squared_differences(of, among, shifts[n], work.squares);
         for (std::size_t p = 0; p < patches.size(); ++p) {
             work.means = work.squares;
             mean_over(of, patches[p], work.means, work.spare);
@@ -92,22 +94,101 @@ std::vector<double> nearest(const Samples& of, const Samples& among, float visib
         }
     });
 
+    std::vector<std::vector<float>> out(patches.size(), std::vector<float>(size, std::numeric_limits<float>::infinity()));
+    for (const auto& work : works)
+        for (std::size_t p = 0; p < patches.size(); ++p)
+            std::ranges::transform(out[p], work.best[p], out[p].begin(), [](float a, float b) { return std::min(a, b); });
+    return out;
+}
+
+/// Those of the numbers of each sample that stand in the middle of a visible patch.
+std::vector<float> of_visible(const Samples& samples, const std::vector<float>& numbers, float visible, Patch patch) {
+    std::vector<float> lit(samples.values.size()), spare(samples.values.size()), out;
+    std::ranges::transform(samples.values, lit.begin(), [&](float value) { return value > visible ? 1.0f : 0.0f; });
+    mean_over(samples, patch, lit, spare);
+    for (std::size_t n = 0; n < lit.size(); ++n)
+        if (lit[n] > least_lit) out.push_back(numbers[n]);
+    return out;
+}
+
+/// Shifts along u from -reach to reach, but for those below `least`.
+std::vector<int> shifts_up_to(int reach, int least = 0) {
+    std::vector<int> out;
+    for (int shift = -reach; shift <= reach; ++shift)
+        if (std::abs(shift) >= least) out.push_back(shift);
+    return out;
+}
+
+/// Root mean square distances of the patches of `of` to the nearest patch of `among` at the same v, w and time, by kind of patch.
+std::vector<double> nearest(const Samples& of, const Samples& among, float visible, const std::vector<Patch>& patches, int reach) {
+    const auto squares = least_squares(of, among, patches, shifts_up_to(reach));
     std::vector<double> out;
-    std::vector<float> lit(size), spare(size);
     for (std::size_t p = 0; p < patches.size(); ++p) {
-        std::ranges::transform(of.values, lit.begin(), [&](float value) { return value > visible ? 1.0f : 0.0f; });
-        mean_over(of, patches[p], lit, spare);
-        double sum = 0, count = 0;
-        for (std::size_t n = 0; n < size; ++n) {
-            if (lit[n] <= least_lit) continue;
-            auto least = std::numeric_limits<float>::infinity();
-            for (const auto& work : works) least = std::min(least, work.best[p][n]);
-            sum += least;
-            ++count;
-        }
-        out.push_back(std::sqrt(sum / count));
+        const auto lit = of_visible(of, squares[p], visible, patches[p]);
+        out.push_back(std::sqrt(std::accumulate(lit.begin(), lit.end(), 0.0) / static_cast<double>(lit.size())));
     }
     return out;
+}
+
+/// The share of rare distances, by which what is not rare is counted.
+constexpr double rare = 0.05;
+
+/// The distance below which so many are. @param share  0 to 1
+float quantile(std::vector<float> distances, double share) {
+    const auto at = distances.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(distances.size() - 1));
+    std::nth_element(distances.begin(), at, distances.end());
+    return *at;
+}
+
+double repeated_in(const Samples& result, const Samples& even, float visible, int moved) {
+    const Patch patch{7};
+    // What overlaps by more than half is always alike.
+    const auto shifts = shifts_up_to(moved + patch.size, patch.size / 2 + 1);
+    const auto distances = [&](const Samples& of) { return of_visible(of, least_squares(of, of, {patch}, shifts)[0], visible, patch); };
+    const auto like = quantile(distances(even), rare);
+    const auto all = distances(result);
+    return static_cast<double>(std::ranges::count_if(all, [&](float each) { return each < like; })) / (rare * static_cast<double>(all.size()));
+}
+
+double lost_in(const Samples& result, const Samples& source, const Samples& even, float visible, int moved) {
+    const Patch patch{9};
+    const auto distances = [&](const Samples& among) {
+        return of_visible(source, least_squares(source, among, {patch}, shifts_up_to(moved + 4))[0], visible, patch);
+    };
+    const auto far = quantile(distances(even), 1 - rare);
+    const auto all = distances(result);
+    return static_cast<double>(std::ranges::count_if(all, [&](float each) { return each > far; })) / (rare * static_cast<double>(all.size()));
+}
+
+/// Correlation length of the detail along u, as a share of that along the other dimensions.
+double slenderness(const Samples& samples) {
+    // Three means of 9 vertices are close to a Gaussian of 4.5 vertices.
+    auto smooth = samples.values;
+    std::vector<float> spare(smooth.size());
+    for (int pass = 0; pass < 3; ++pass) mean_over(samples, {9}, smooth, spare);
+    std::ranges::transform(samples.values, smooth, smooth.begin(), std::minus());
+    const double power = std::inner_product(smooth.begin(), smooth.end(), smooth.begin(), 0.0);
+    const auto length = [&](std::size_t size, std::size_t stride) {
+        double out = 1;
+        for (std::size_t apart = 1; apart < 7 && apart < size; ++apart) {
+            double sum = 0;
+            for (std::size_t base = 0; base < smooth.size(); base += size * stride)
+                for (std::size_t n = base; n + apart * stride < base + size * stride; ++n) sum += static_cast<double>(smooth[n]) * smooth[n + apart * stride];
+            out += std::max(0.0, sum / power);
+        }
+        return out;
+    };
+    double across = 0, dimensions = 0;
+    const std::array strides{std::size_t{1}, samples.shape[0], samples.shape[0] * samples.shape[1]};
+    for (std::size_t d = 1; d < 3; ++d)
+        if (samples.shape[d] > 1) across += length(samples.shape[d], strides[d]), ++dimensions;
+    return length(samples.shape[0], 1) * dimensions / across;
+}
+
+std::optional<double> form_of(const Samples& result, const Samples& source, const Samples& even) {
+    const double before = slenderness(source), changed = std::abs(std::log(slenderness(even) / before));
+    constexpr double nothing = 0.01;
+    return changed < nothing ? std::nullopt : std::optional(1 - std::abs(std::log(slenderness(result) / before)) / changed);
 }
 
 struct Similarity {
@@ -157,9 +238,9 @@ double Looks::worst() const { return std::max(std::ranges::max(coherence), std::
 
 float visible_from(const Samples& source) {
     auto values = source.values;
-    const auto rare = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 1000);
-    std::nth_element(values.begin(), rare, values.end());
-    return 0.02f * *rare;
+    const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 1000);
+    std::nth_element(values.begin(), high, values.end());
+    return 0.02f * *high;
 }
 
 double visible_width(const Samples& samples, float visible) {
@@ -198,6 +279,9 @@ Looks looks_of(const Samples& result, const Samples& source, const Samples& even
     if (source.frames > 2) out.flicker = flicker(result) / flicker(source);
     out.jagged = jagged(result) / jagged(source);
     out.mass = mass_of(result) / mass_of(even);
+    out.form = form_of(result, source, even);
+    out.repeated = repeated_in(result, even, visible, moved);
+    out.lost = lost_in(result, source, even, visible, moved);
     if (result.shape[0] != source.shape[0]) {
         const double narrower = 1 - visible_width(result, visible) / visible_width(source, visible);
         out.resized = narrower / (1 - static_cast<double>(result.shape[0]) / static_cast<double>(source.shape[0]));

@@ -36,6 +36,13 @@ struct Looks {
     /// By how much what is visible became narrower or wider, as a share of what scaling all of the lattice would do; nothing
     /// if the lattice keeps its size.
     std::optional<double> resized;
+    /// How much of the shape of details is kept: 1 if they are as long along u, by their correlation, as before, relative to the other
+    /// dimensions; 0 if they changed as much as under even scaling. Nothing if even scaling changes nothing.
+    std::optional<double> form;
+    /// Patches that have their like beside them along u, as a share of those under even scaling: a comb of copies has many.
+    double repeated = 0;
+    /// Patches of the input that have nothing near to them in the result, as a share of those of even scaling: a crop has many.
+    double lost = 0;
 
     double mean() const;   ///< of all similarities
     double worst() const;  ///< of them
