@@ -16,7 +16,7 @@ struct Scene {
     std::string input;                  ///< the pipeline's parameter that names its input, and the node that reads it
     std::string files;                  ///< in a folder of data; `*`: each file there is a shot of its own
     std::vector<std::string> grids;     ///< what is seen: their mean; none: of all that there are
-    std::array<const char*, 2> counts;  ///< of seams, or a share of the vertices along u
+    std::vector<const char*> counts;  ///< of seams, or a share of the vertices along u
 };
 
 /// A scene with its data.
