@@ -12,10 +12,10 @@
 
 /// A shipped pipeline, and what of it is looked at.
 struct Scene {
-    std::string pipeline;               ///< `plume` for pipelines/plume.yaml
-    std::string input;                  ///< the pipeline's parameter that names its input, and the node that reads it
-    std::string files;                  ///< in a folder of data; `*`: each file there is a shot of its own
-    std::vector<std::string> grids;     ///< what is seen: their mean; none: of all that there are
+    std::string pipeline;             ///< `plume` for pipelines/plume.yaml
+    std::string input;                ///< the pipeline's parameter that names its input, and the node that reads it
+    std::string files;                ///< in a folder of data; `*`: each file there is a shot of its own
+    std::vector<std::string> grids;   ///< what is seen: their mean; none: of all that there are
     std::vector<const char*> counts;  ///< of seams, or a share of the vertices along u
 };
 
