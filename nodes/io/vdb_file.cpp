@@ -254,7 +254,7 @@ private:
         }
     }
 
-    /// Lets OpenVDB read the header, whose version is not above that of the library, which would warn of each file.
+    /// Lets OpenVDB read the header. Of a newer file it reads a copy that states the library's own version: else it prints a warning.
     void read_header() {
         constexpr std::int64_t longest = 64;
         std::istringstream head(part(0, std::min<std::int64_t>(longest, static_cast<std::int64_t>(size_))));
